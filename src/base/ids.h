@@ -1,0 +1,27 @@
+// Strong types for the two numbers everything is keyed by.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+namespace tessera {
+
+template <class Tag, class Rep>
+struct Id {
+  Rep value{};
+  friend constexpr auto operator<=>(const Id&, const Id&) = default;
+};
+
+// A point's rank in the input: files in the order given, then file order. The vertex's global id, for ever.
+using PointId = Id<struct PointTag, std::uint64_t>;
+// A tile's number, 0..tiles-1: never a PointId, nor an index into anything but lists of tiles.
+using TileId = Id<struct TileTag, std::uint32_t>;
+
+}  // namespace tessera
+
+template <class Tag, class Rep>
+struct std::hash<tessera::Id<Tag, Rep>> {
+  std::size_t operator()(const tessera::Id<Tag, Rep>& id) const noexcept { return std::hash<Rep>{}(id.value); }
+};

@@ -1,0 +1,56 @@
+// What a job tells those who watch it. Written by many threads, read by one display; no locks on the hot path.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace tessera {
+
+enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
+
+constexpr const char* name_of(Phase phase) {
+  constexpr const char* names[] = {"planning", "routing",    "triangulating", "splaying",
+                                   "collecting", "finishing", "done"};
+  return names[static_cast<int>(phase)];
+}
+
+// A span of time in which one thread worked on one tile: the report's timeline.
+struct Span {
+  Phase phase;
+  std::uint32_t tile;
+  std::uint32_t thread;    // 0..threads-1
+  double begin_s, end_s;   // since the job began
+};
+
+struct Progress {
+  std::atomic<Phase> phase{Phase::planning};
+  std::atomic<std::uint64_t> points_total{0};        // 0 while unknown
+  std::atomic<std::uint64_t> points_routed{0};
+  std::atomic<std::uint64_t> points_triangulated{0};
+  std::atomic<std::uint32_t> tiles_total{0};
+  std::atomic<std::uint32_t> tiles_triangulated{0};
+  std::atomic<std::uint32_t> tiles_stored{0};
+  std::atomic<std::uint32_t> tiles_asleep{0};
+  std::atomic<std::uint64_t> batches_sent{0};        // batches_sent - batches_processed are in flight
+  std::atomic<std::uint64_t> batches_processed{0};
+  std::atomic<std::uint64_t> points_sent{0};
+  std::atomic<std::uint64_t> memory_bytes{0};        // what the node believes its tiles hold
+
+  void add_span(const Span& span) {
+    const std::lock_guard lock(mutex_);
+    spans_.push_back(span);
+  }
+  std::vector<Span> spans() const {
+    const std::lock_guard lock(mutex_);
+    return spans_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Span> spans_;
+};
+
+}  // namespace tessera

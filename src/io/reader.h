@@ -1,0 +1,54 @@
+// One input file as a stream of batches. A reader never holds a file in memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+struct FileInfo {
+  std::filesystem::path path;
+  std::string format;                    // "las", "ply", "xyz", "npy"
+  std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
+  int dimension = 3;                     // 2 when the file holds x and y alone
+  std::optional<std::uint64_t> points;   // when the header says
+  std::optional<Bounds> bounds;          // when the header says; not to be trusted
+  std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
+  std::vector<Attribute> attributes;     // what the file could give
+  std::uint64_t bytes = 0;
+};
+
+// Points in file order. Non-finite coordinates are passed on: the caller rejects or refuses them.
+struct PointBatch {
+  std::vector<Point> points;
+  std::vector<std::byte> rows;  // points.size() rows of the schema asked for; see attribute.h
+};
+
+class PointReader {
+ public:
+  virtual ~PointReader() = default;
+  virtual const FileInfo& info() const = 0;
+  // Replaces `batch` by the next points (about 64 Ki); an empty batch is the end of the file.
+  // Errors name the file, the record or line, and the reason.
+  virtual Status next(PointBatch& batch) = 0;
+  // Goes to point `index`, so that a sample need not read everything. False if this format cannot (text).
+  virtual Result<bool> seek(std::uint64_t index) = 0;
+  // "record 17" or "line 812": where in the file point `index` of the last batch stands, for error messages.
+  virtual std::string place(std::size_t index) const = 0;
+};
+
+// Opens `path` by its content (magic), then by its extension. `attributes`: the schema of batch rows; an attribute that
+// this file lacks is zero, one of another type is converted.
+Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
+                                                 std::vector<Attribute> attributes = {});
+
+}  // namespace tessera

@@ -1,0 +1,103 @@
+// A Delaunay triangulation of labelled points, in 2D or 3D.
+// Properties, for any order of calls:
+//  (1) Equal point sets give equal cells, also for cospherical points and on the hull: ties are broken by the symbolic
+//      perturbation of Devillers & Teillaud (SODA 2003), which depends on coordinates alone.
+//  (2) Vertices are numbered from 1 in the order they were given; 0 is the infinite vertex. Numbers are never reused.
+// Not thread-safe: one owner. Two kernels in two threads share nothing.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "src/base/point.h"
+
+namespace tessera {
+
+using Vertex = std::uint32_t;
+inline constexpr Vertex infinite_vertex = 0;
+
+// Cells as arrays of d+1 vertices. Finite cells are positively oriented; an infinite one is what it would be if the
+// infinite vertex stood outside the hull. neighbors[i] is the cell opposite vertices[i], as an index into the same list.
+struct CellList {
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> neighbors;
+};
+
+// Flat arrays that restore a kernel ten times faster than building it.
+struct KernelImage {
+  std::vector<Point> points;         // by vertex, 1-based: points[0] belongs to vertex 1
+  std::vector<std::uint8_t> local;   // by vertex: the label
+  std::vector<std::uint8_t> alive;   // by vertex: 0 once removed
+  CellList cells;                    // of dimension() (maximal simplices), infinite ones included
+  int dimension = -1;
+};
+
+enum class InsertMode : std::uint8_t {
+  always,
+  if_local_neighbour,  // not inserted when no vertex of the conflict zone is local: it would change no local star
+};
+
+struct Insertion {
+  Vertex vertex = 0;      // the new vertex, or the old one with equal coordinates, or 0 when refused
+  bool inserted = false;
+};
+
+class Kernel {
+ public:
+  virtual ~Kernel() = default;
+
+  virtual int max_dimension() const = 0;  // 2 or 3
+  // -1: no vertex; 0: one; 1: all collinear; 2: all coplanar; 3.
+  virtual int dimension() const = 0;
+  virtual Vertex vertices() const = 0;    // highest vertex number given so far
+  virtual const Point& point(Vertex v) const = 0;
+  virtual bool is_local(Vertex v) const = 0;
+
+  // Builds from scratch; all points are local. `points` are distinct and best in Hilbert order: they are inserted in
+  // BRIO rounds drawn from that order. Vertex i+1 is points[i].
+  virtual void build(std::span<const Point> points) = 0;
+
+  // Inserts a point labelled `local`. When it is inserted, or refused by `mode`, `around` becomes its neighbours (the
+  // finite ones, unsorted, each once): with if_local_neighbour and a refusal, those it would have had.
+  // While dimension() < max_dimension() everything is inserted, and `around` is every other vertex.
+  virtual Insertion insert(const Point& p, bool local, InsertMode mode, std::vector<Vertex>& around) = 0;
+
+  // Removes a vertex. REQUIRES: v is alive.
+  virtual void remove(Vertex v) = 0;
+  virtual bool alive(Vertex v) const = 0;
+
+  // The cells around v, d+1 vertices each, infinite ones included. REQUIRES: dimension() == max_dimension().
+  virtual void star(Vertex v, std::vector<Vertex>& cells) const = 0;
+  // The finite vertices joined to v by an edge.
+  virtual void neighbours(Vertex v, std::vector<Vertex>& around) const = 0;
+
+  // All cells, infinite ones included, with neighbours. REQUIRES: dimension() == max_dimension().
+  virtual CellList cells() const = 0;
+
+  virtual KernelImage save() const = 0;
+  // Replaces the content. The image must come from save(): it is checked for range, not for geometry; false if it
+  // cannot be a triangulation.
+  virtual bool load(const KernelImage& image) = 0;
+
+  // Bytes held, an estimate within 10 %.
+  virtual std::size_t memory() const = 0;
+};
+
+enum class KernelKind : std::uint8_t { cgal };
+
+std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind = KernelKind::cgal);
+
+// The exact sign of the volume of (a, b, c, d), of the area of (a, b, c) in the xy plane when dimension is 2.
+int orientation_3(const Point& a, const Point& b, const Point& c, const Point& d);
+int orientation_2(const Point& a, const Point& b, const Point& c);
+// Whether a, b, c lie on one line, exactly.
+bool collinear_3(const Point& a, const Point& b, const Point& c);
+// Positive when e is inside the circumsphere of the positively oriented (a, b, c, d), ties broken by the perturbation.
+// Never 0 for distinct points that are not all coplanar.
+int in_sphere_perturbed_3(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e);
+int in_circle_perturbed_2(const Point& a, const Point& b, const Point& c, const Point& d);
+
+}  // namespace tessera

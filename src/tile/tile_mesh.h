@@ -1,0 +1,25 @@
+// What one tile gives to the store: every cell with a vertex of its own, as flat arrays.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/base/point.h"
+
+namespace tessera {
+
+// Canonical: a function of the global triangulation and the tile's points alone, so that two runs give equal bytes.
+// Vertices: the tile's own, in Hilbert order, then foreign ones by id. Cells: positively oriented, the least vertex
+// first, sorted.
+struct TileMesh {
+  int dimension = 3;
+  std::vector<Point> points;              // n
+  std::vector<std::uint64_t> ids;         // n source indices
+  std::vector<std::uint32_t> owners;      // n: the tile that owns each vertex
+  std::vector<std::uint8_t> point_ghost;  // n: 1 = foreign
+  std::vector<std::int32_t> cells;        // m x (d+1) indices into points
+  std::vector<std::uint8_t> cell_ghost;   // m: 1 = not main here
+  std::vector<std::int32_t> neighbors;    // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
+};
+
+}  // namespace tessera

@@ -1,0 +1,81 @@
+// A cloud cut into per-tile files under a run folder: what the tile actors start from, and what --resume continues.
+//
+//   RUN/plan.json             everything below, written last: a run folder without it has not been routed
+//   RUN/points/000042.bin     LocalPoint records (32 bytes) by ascending id
+//   RUN/attributes/000042.bin rows in the same order; absent when nothing is carried
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/point.h"
+#include "src/base/progress.h"
+#include "src/base/result.h"
+#include "src/io/cloud.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+
+struct InputFile {
+  std::string path;
+  std::uint64_t bytes = 0;
+  std::int64_t modified_ns = 0;
+  friend bool operator==(const InputFile&, const InputFile&) = default;
+};
+
+struct RoutedRun {
+  std::filesystem::path folder;
+  int dimension = 3;
+  Partition partition;
+  std::vector<std::uint64_t> tile_points;  // by tile, duplicates included
+  std::vector<Bounds> tile_bounds;         // by tile: of its points; empty for an empty tile
+  CloudCounts counts;
+  Bounds bounds;
+  // Known to every tile from the start: the lexicographically least point, and d+1 points that span the space, so that
+  // no tile is ever flat (docs/design.md). Owners filled in; the source index is that of the vertex that is kept.
+  std::vector<SharedPoint> seeds;
+  std::vector<Attribute> schema;
+  std::vector<InputFile> inputs;
+  std::string crs;
+  std::string options_key;  // equal keys = the same job; a resume with another key is refused
+};
+
+struct RouteOptions {
+  PartitionKind kind = PartitionKind::kdtree;
+  std::uint64_t max_points_per_tile = 0;  // used when `tiles` is 0
+  std::uint32_t tiles = 0;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers and the sample
+  std::string options_key;
+};
+
+// Streams the cloud into tile files. Refuses, with bad_input and one sentence, a cloud without points or whose points
+// all lie on one hyperplane (it tells which). Tiles above the limit are split again, except by identical points.
+Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
+                        Progress& progress, std::stop_token stop);
+
+// Reads plan.json and checks it against the files.
+Result<RoutedRun> open_run(const std::filesystem::path& folder);
+
+std::filesystem::path points_file(const std::filesystem::path& run_folder, TileId tile);
+std::filesystem::path attributes_file(const std::filesystem::path& run_folder, TileId tile);
+
+// A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
+struct LoadedTile {
+  std::vector<Point> points;
+  std::vector<std::uint64_t> ids;  // of equal points, the lowest
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates;  // (duplicate, kept), by ascending duplicate
+};
+Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
+// The same from memory (tests, harness). REQUIRES: finite coordinates without -0.
+LoadedTile order_points(std::vector<LocalPoint> points, int dimension);
+
+// The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing.
+Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<std::uint64_t>& ids);
+
+}  // namespace tessera
