@@ -53,7 +53,7 @@ class Kernel {
   // -1: no vertex; 0: one; 1: all collinear; 2: all coplanar; 3.
   virtual int dimension() const = 0;
   virtual Vertex vertices() const = 0;    // highest vertex number given so far
-  virtual const Point& point(Vertex v) const = 0;
+  virtual Point point(Vertex v) const = 0;
   virtual bool is_local(Vertex v) const = 0;
 
   // Builds from scratch; all points are local. `points` are distinct and best in Hilbert order: they are inserted in

@@ -1,0 +1,42 @@
+// Insertion order: biased randomised rounds (BRIO) over points given in Hilbert order.
+// Source: Amenta, Choi, Rote, Incremental constructions con BRIO, SoCG 2003.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+namespace tessera {
+
+// Calls insert(i) for each i in 0..n-1 once: a random eighth of an eighth ... first, each round in increasing i. The
+// rounds keep the expected cost low for every input, increasing i keeps each walk short. Deterministic.
+template <class Insert>
+void for_each_in_brio_order(std::size_t n, Insert&& insert) {
+  constexpr int rounds = 8;          // an eighth each: the first round of 10 M points holds about 5
+  constexpr std::size_t small = 64;  // not worth any order
+  if (n <= small) {
+    for (std::size_t i = 0; i < n; ++i) insert(i);
+    return;
+  }
+  const auto round_of = [](std::uint64_t i) {  // splitmix64: its trailing zeros are geometrically distributed
+    i += 0x9e3779b97f4a7c15u;
+    i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
+    i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
+    i ^= i >> 31;
+    const int r = std::countr_zero(i) / 3;
+    return r < rounds ? r : rounds - 1;
+  };
+  std::array<std::vector<std::uint32_t>, rounds> early;  // all rounds but the last, which is most of the points
+  for (std::size_t i = 0; i < n; ++i) {
+    if (const int r = round_of(i); r > 0) early[r].push_back(static_cast<std::uint32_t>(i));
+  }
+  for (int r = rounds - 1; r > 0; --r) {
+    for (const std::uint32_t i : early[r]) insert(i);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (round_of(i) == 0) insert(i);
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,18 @@
+#include "src/kernel/kernel.h"
+
+#include <cassert>
+
+#include "src/kernel/cgal_kernels.h"
+
+namespace tessera {
+
+std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind) {
+  assert(dimension == 2 || dimension == 3);
+  switch (kind) {
+    case KernelKind::cgal:
+      return dimension == 2 ? make_cgal_kernel_2() : make_cgal_kernel_3();
+  }
+  return nullptr;
+}
+
+}  // namespace tessera
