@@ -1,0 +1,43 @@
+// Final cells: those whose circumsphere lies strictly inside the tile's box. No foreign point can ever enter them, so
+// they can be written once and forgotten.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/kernel/kernel.h"
+
+namespace tessera {
+
+// Cells over the tile's own points, as ranks in the order the points were given (0..n-1).
+struct FinalCells {
+  static constexpr std::int32_t open = -1;  // across this facet the cell is not final
+  std::vector<std::uint32_t> vertices;      // m x (d+1)
+  std::vector<std::int32_t> neighbors;      // m x (d+1): index in this list, or open
+};
+
+// 1 for every cell of `list` that is surely final: all of its vertices are among the `points` (vertex v is points[v-1],
+// v <= points.size()), and circumsphere() proves it inside `box`.
+std::vector<std::uint8_t> find_final(const CellList& list, std::span<const Point> points, const Box& box,
+                                     int dimension);
+
+// The cells marked by `is_final`, with ranks v-1.
+FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& is_final, int dimension);
+
+// An unordered simplex as a key: its members sorted, padded by 0xffffffff in 2D.
+using CellKey = std::array<std::uint32_t, 4>;
+CellKey cell_key(const std::uint32_t* vertices, int dimension);
+
+struct CellKeyHash {
+  std::size_t operator()(const CellKey& key) const noexcept {
+    std::uint64_t h = 0;
+    for (const std::uint32_t v : key) h = (h ^ v) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+    return h;
+  }
+};
+
+}  // namespace tessera

@@ -1,0 +1,297 @@
+#include "src/tile/tile_triangulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/check.h"
+#include "src/tile/circumsphere.h"
+#include "src/tile/collect.h"
+
+namespace tessera {
+
+TileTriangulation::TileTriangulation(const TileOptions& options)
+    : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
+
+void TileTriangulation::triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
+                                    std::span<const SharedPoint> seeds) {
+  check(points.size() == ids.size(), "every point has an id");
+  kernel_->build(points);
+  ids_.assign(1, 0);
+  ids_.insert(ids_.end(), ids.begin(), ids.end());
+  owners_.assign(points.size() + 1, options_.self.value);
+  std::vector<Vertex> around;
+  for (const SharedPoint& seed : seeds) {
+    if (seed.tile != options_.self.value) add_foreign(seed, true, around);
+  }
+  // The seeds count as one batch: what matters is who their neighbours are once all of them are in.
+  if (kernel_->dimension() < options_.dimension) {
+    share_with_all();
+  } else {
+    for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= kernel_->vertices(); ++v) share_star(v);
+  }
+}
+
+FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
+  check(!reduced_, "a tile is reduced once");
+  if (kernel_->dimension() < options_.dimension) return {};
+  const int corners = options_.dimension + 1;
+  const CellList list = kernel_->cells();
+  const std::vector<std::uint8_t> is_final = find_final(list, points, box, options_.dimension);
+  FinalCells finals = extract_final(list, is_final, options_.dimension);
+  if (finals.vertices.empty()) return finals;
+
+  // Vertices of the cells that stay, in the old order: that is Hilbert order for the local ones.
+  const Vertex before = kernel_->vertices();
+  std::vector<Vertex> renumbered(before + 1, 0);
+  for (std::size_t i = 0; i < list.vertices.size(); ++i) {
+    if (!is_final[i / corners]) renumbered[list.vertices[i]] = 1;
+  }
+  renumbered[infinite_vertex] = 0;
+  std::vector<Point> kept;
+  std::vector<std::uint64_t> ids(1, 0);
+  std::vector<std::uint32_t> owners(1, options_.self.value);
+  ranks_.assign(1, 0);
+  for (Vertex v = 1; v <= points.size(); ++v) {
+    if (!renumbered[v]) continue;
+    kept.push_back(points[v - 1]);
+    ids.push_back(ids_[v]);
+    owners.push_back(owners_[v]);
+    ranks_.push_back(v - 1);
+    renumbered[v] = static_cast<Vertex>(kept.size());
+  }
+  auto kernel = make_kernel(options_.dimension, options_.kernel);
+  kernel->build(kept);
+  std::vector<Vertex> around;
+  for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) {
+    // Seeds are vertices of infinite or mixed cells, which are never final: they all stay.
+    kernel->insert(kernel_->point(v), false, InsertMode::always, around);
+    renumbered[v] = kernel->vertices();
+    ids.push_back(ids_[v]);
+    owners.push_back(owners_[v]);
+    foreign_[ids_[v]] = renumbered[v];
+  }
+  std::array<Vertex, 4> cell{};
+  for (std::size_t c = 0; c < is_final.size(); ++c) {
+    if (is_final[c]) continue;
+    bool all_local = true;
+    for (int i = 0; i < corners; ++i) {
+      const Vertex v = list.vertices[c * corners + i];
+      all_local &= is_local(v);
+      cell[i] = renumbered[v];
+    }
+    if (all_local) open_cells_.insert(cell_key(cell.data(), options_.dimension));
+  }
+  tsl::robin_set<std::uint64_t> sent;
+  for (const std::uint64_t key : sent_) {
+    const Vertex v = renumbered[key >> 32];
+    check(v != 0, "only vertices of cells that are not final have been shared");
+    sent.insert(std::uint64_t{v} << 32 | (key & 0xffffffffu));
+  }
+  sent_ = std::move(sent);
+  kernel_ = std::move(kernel);
+  ids_ = std::move(ids);
+  owners_ = std::move(owners);
+  reduced_ = true;
+  return finals;
+}
+
+void TileTriangulation::announce(std::span<const Point> points, const Box& box,
+                                 std::span<const TileNeighbour> neighbours) {
+  if (neighbours.empty() || kernel_->dimension() < options_.dimension) return;
+  const int d = options_.dimension, corners = d + 1;
+  const CellList list = kernel_->cells();
+  const auto at = [&](Vertex v) {
+    if (!is_local(v)) return kernel_->point(v);
+    return points[reduced_ ? ranks_[v] : v - 1];
+  };
+  std::array<Point, 4> p;
+  for (std::size_t c = 0; c < list.vertices.size() / corners; ++c) {
+    const Vertex* v = &list.vertices[c * corners];
+    int infinite = -1, local = 0;
+    for (int i = 0; i < corners; ++i) {
+      if (v[i] == infinite_vertex) infinite = i;
+      local += is_local(v[i]);
+    }
+    if (local == 0) continue;
+    if (reduced_ && local == corners && !open_cells_.contains(cell_key(v, d))) continue;  // fill
+    const auto tell = [&](TileId tile) {
+      for (int i = 0; i < corners; ++i) {
+        if (v[i] != infinite_vertex) share(v[i], tile.value);
+      }
+    };
+    if (infinite < 0) {
+      for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
+      const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
+      if (surely_inside(ball, box, d)) continue;
+      for (const TileNeighbour& n : neighbours) {
+        if (may_meet(ball, n.bounds, d)) tell(n.tile);
+      }
+    } else {
+      // Put the infinite vertex last: the facet (p0, p1, p2) then has the outside on its positive side.
+      int k = 0;
+      for (int i = 0; i < corners; ++i) {
+        if (i != infinite) p[k++] = at(v[i]);
+      }
+      if ((d - infinite) % 2 != 0) std::swap(p[0], p[1]);
+      for (const TileNeighbour& n : neighbours) {
+        const bool meets =
+            d == 3 ? half_space_may_meet(p[0], p[1], p[2], n.bounds) : half_plane_may_meet(p[0], p[1], n.bounds);
+        if (meets) tell(n.tile);
+      }
+    }
+  }
+}
+
+void TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch) {
+  if (options_.rule == ExchangeRule::published) return receive_published(from, batch);
+  std::vector<Vertex> around;
+  for (const SharedPoint& p : batch) {
+    ++counts_.received;
+    check(p.tile != options_.self.value, "a tile is only told of foreign points");
+    if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
+      if (known->second != 0) sent_.insert(std::uint64_t{known->second} << 32 | from.value);
+      continue;
+    }
+    add_foreign(p, false, around);
+    const Vertex v = foreign_[p.id];
+    if (v == 0) {  // rule C: not kept, but its owner hears of all it would have had as neighbours
+      for (const Vertex w : around) share(w, p.tile);
+      continue;
+    }
+    sent_.insert(std::uint64_t{v} << 32 | from.value);
+    if (kernel_->dimension() < options_.dimension) {
+      share_with_all();
+    } else {
+      share_star(v);
+    }
+  }
+}
+
+// The published order: insert everything, simplify, then splay what survived.
+void TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> batch) {
+  std::vector<Vertex> around, added;
+  for (const SharedPoint& p : batch) {
+    ++counts_.received;
+    if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
+    add_foreign(p, true, around);
+    added.push_back(foreign_[p.id]);
+    sent_.insert(std::uint64_t{added.back()} << 32 | from.value);
+  }
+  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
+    if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
+    kernel_->neighbours(v, around);
+    if (std::none_of(around.begin(), around.end(), [&](Vertex w) { return is_local(w); })) {
+      kernel_->remove(v);
+      foreign_[ids_[v]] = 0;
+    }
+  }
+  if (kernel_->dimension() < options_.dimension) return share_with_all();
+  for (const Vertex v : added) {
+    if (kernel_->alive(v)) share_star(v);
+  }
+}
+
+void TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
+  const auto mode = always ? InsertMode::always : InsertMode::if_local_neighbour;
+  const Insertion result = kernel_->insert(p.at, false, mode, around);
+  if (!result.inserted) {
+    check(result.vertex == 0, "equal coordinates are one id");
+    foreign_[p.id] = 0;
+    ++counts_.refused;
+    return;
+  }
+  check(result.vertex == ids_.size(), "vertices are numbered in the order of insertion");
+  ids_.push_back(p.id);
+  owners_.push_back(p.tile);
+  if (reduced_) ranks_.push_back(0);
+  foreign_[p.id] = result.vertex;
+  ++counts_.inserted;
+}
+
+// Rule S for a vertex that has just come: all cells around it are new, and no others.
+void TileTriangulation::share_star(Vertex v) {
+  const int corners = options_.dimension + 1;
+  const std::uint32_t self = options_.self.value;
+  kernel_->star(v, star_);
+  for (std::size_t c = 0; c < star_.size(); c += corners) {
+    const Vertex* cell = &star_[c];
+    bool touches_local = false;
+    for (int i = 0; i < corners; ++i) touches_local |= is_local(cell[i]);
+    for (int i = 0; i < corners; ++i) {
+      const Vertex to = cell[i];
+      if (to == infinite_vertex || owners_[to] == self) continue;
+      for (int k = 0; k < corners; ++k) {
+        const Vertex w = cell[k];
+        if (k == i || w == infinite_vertex) continue;
+        // A cell with a local vertex is shared whole; of the others, the new edges of foreign vertices.
+        if (touches_local || to == v || w == v) share(w, owners_[to]);
+      }
+    }
+  }
+}
+
+// While the tile is flat every vertex counts as every other's neighbour: ties are not yet broken.
+void TileTriangulation::share_with_all() {
+  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
+    if (is_local(v)) continue;
+    for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
+      if (w != v) share(w, owners_[v]);
+    }
+  }
+}
+
+void TileTriangulation::share(Vertex v, std::uint32_t tile) {
+  if (tile == options_.self.value || owners_[v] == tile) return;
+  if (!sent_.insert(std::uint64_t{v} << 32 | tile).second) return;
+  updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+  ++counts_.sent;
+}
+
+std::map<std::uint32_t, std::vector<SharedPoint>> TileTriangulation::take_updates() {
+  return std::exchange(updates_, {});
+}
+
+TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const std::uint64_t> ids,
+                                    const FinalCells& final_cells) {
+  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, final_cells};
+  const int corners = options_.dimension + 1;
+  input.cells = kernel_->cells();
+  input.held.assign(input.cells.vertices.size() / corners, 0);
+  for (std::size_t c = 0; c < input.held.size(); ++c) {
+    const Vertex* v = &input.cells.vertices[c * corners];
+    int local = 0;
+    bool finite = true;
+    for (int i = 0; i < corners; ++i) {
+      local += is_local(v[i]);
+      finite &= v[i] != infinite_vertex;
+    }
+    if (!finite || local == 0) continue;
+    if (reduced_ && local == corners && !open_cells_.contains(cell_key(v, options_.dimension))) {
+      input.held[c] = CollectInput::fill;
+      continue;
+    }
+    input.held[c] = CollectInput::kept;
+  }
+  input.vertices.resize(ids_.size());
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    input.vertices[v].id = ids_[v];
+    input.vertices[v].owner = owners_[v];
+    if (is_local(v)) {
+      input.vertices[v].rank = reduced_ ? ranks_[v] : v - 1;
+    } else if (kernel_->alive(v)) {
+      input.vertices[v].at = kernel_->point(v);
+    }
+  }
+  TileMesh mesh = make_mesh(input);
+  counts_.kept = mesh.points.size() - points.size();
+  return mesh;
+}
+
+std::size_t TileTriangulation::memory() const {
+  std::size_t bytes = kernel_->memory() + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
+  bytes += foreign_.bucket_count() * 24 + sent_.bucket_count() * 16 + open_cells_.bucket_count() * 24;
+  for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(SharedPoint);
+  return bytes;
+}
+
+}  // namespace tessera

@@ -1,0 +1,114 @@
+// The triangulation T_i of one tile, and what the tile must tell others: star splaying by rules S and C
+// (docs/design.md, section 2). Properties, for any order and batching of receive():
+//  (1) When no tile has anything left to say, the cells with a vertex of this tile are those of the global Delaunay
+//      triangulation of all points, cell for cell.
+//  (2) A vertex is sent to a tile at most once, so the exchange ends.
+//  (3) Work follows the cells a point creates, never the size of the tile.
+// Source: Caraffa, Memari, Yirci, Bredif, Tile & Merge, IEEE Big Data 2019; Shewchuk, Star splaying, SoCG 2005.
+// Not thread-safe: one actor owns one tile.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <tsl/robin_map.h>
+#include <tsl/robin_set.h>
+
+#include "src/base/point.h"
+#include "src/kernel/kernel.h"
+#include "src/tile/final_cells.h"
+#include "src/tile/tile_mesh.h"
+
+namespace tessera {
+
+enum class ExchangeRule : std::uint8_t {
+  share_certify,  // rules S and C: right, always
+  published,      // simplify, then splay, as published: loses cells. Tests only
+};
+
+struct TileOptions {
+  TileId self;
+  int dimension = 3;
+  KernelKind kernel = KernelKind::cgal;
+  ExchangeRule rule = ExchangeRule::share_certify;
+};
+
+// What a tile knows of another one when the exchange begins.
+struct TileNeighbour {
+  TileId tile;
+  Bounds bounds;  // of its points
+};
+
+struct ExchangeCounts {
+  std::uint64_t received = 0;  // foreign points, repeats included
+  std::uint64_t inserted = 0;
+  std::uint64_t refused = 0;   // conflict with no local star (rule C)
+  std::uint64_t sent = 0;      // points put into updates
+  std::uint64_t kept = 0;      // foreign vertices of cells with a local vertex; set by collect()
+};
+
+class TileTriangulation {
+ public:
+  explicit TileTriangulation(const TileOptions& options);
+
+  // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them) together with the seeds, which
+  // every tile is given. REQUIRES for (1): the seeds contain the lexicographically least point of the cloud. If they
+  // span the space (as they do in production) the tile is never flat and the exchange stays small.
+  void triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
+                   std::span<const SharedPoint> seeds);
+
+  // Takes the final cells out (those inside `box`) and keeps only what can still change: the others' vertices,
+  // triangulated again. Call right after triangulate(), with the same points. Cells that fill the room of the removed
+  // ones are told apart by a list of the local cells that are not final.
+  FinalCells reduce(std::span<const Point> points, const Box& box);
+
+  // Directed first exchange: each neighbour hears of the vertices of cells whose circumsphere may meet its bounds. Only
+  // speeds things up. `points` as in triangulate().
+  void announce(std::span<const Point> points, const Box& box, std::span<const TileNeighbour> neighbours);
+
+  // Processes points from another tile.
+  void receive(TileId from, std::span<const SharedPoint> batch);
+
+  // What others must now hear of, by tile, and forgets it. A tile is only ever told of points it does not own.
+  std::map<std::uint32_t, std::vector<SharedPoint>> take_updates();
+
+  // All cells with a vertex of this tile. `points`, `ids` as in triangulate(); `final_cells` from reduce(), or empty.
+  // Right only once all tiles are quiet.
+  TileMesh collect(std::span<const Point> points, std::span<const std::uint64_t> ids, const FinalCells& final_cells);
+
+  const ExchangeCounts& counts() const { return counts_; }
+  std::size_t memory() const;
+  int kernel_dimension() const { return kernel_->dimension(); }
+
+  // The whole state as bytes, to put a tile to sleep. REQUIRES: take_updates() has been called.
+  std::vector<std::byte> save() const;
+  // Restores it. False if the bytes are not what save() made for this tile.
+  bool load(std::span<const std::byte> bytes);
+
+ private:
+  void add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
+  void share_star(Vertex v);
+  void share_with_all();
+  void share(Vertex v, std::uint32_t tile);
+  void receive_published(TileId from, std::span<const SharedPoint> batch);
+  bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value; }
+
+  TileOptions options_;
+  std::unique_ptr<Kernel> kernel_;
+  // By vertex; [0] is the infinite vertex.
+  std::vector<std::uint64_t> ids_;
+  std::vector<std::uint32_t> owners_;
+  std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: rank = vertex - 1
+  tsl::robin_map<std::uint64_t, Vertex> foreign_;  // by id: the vertex, or 0 once refused
+  tsl::robin_set<std::uint64_t> sent_;             // vertex << 32 | tile, for vertices that tile has been told of
+  bool reduced_ = false;
+  tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // after reduce(): all-local cells that are not final, by vertices
+  std::map<std::uint32_t, std::vector<SharedPoint>> updates_;
+  ExchangeCounts counts_;
+  std::vector<Vertex> star_;  // scratch
+};
+
+}  // namespace tessera

@@ -1,0 +1,159 @@
+#include "tests/tile/splay.h"
+
+#include <algorithm>
+#include <memory>
+#include <random>
+#include <set>
+
+#include "src/kernel/kernel.h"
+
+namespace tessera::testing {
+namespace {
+
+struct Mail {
+  std::uint32_t from, to;
+  std::vector<SharedPoint> points;
+};
+
+// The least point, and d+1 that span the space.
+std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
+                                    int d, bool spanning) {
+  std::vector<std::size_t> chosen;
+  const auto least = std::min_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.at < b.at; });
+  chosen.push_back(static_cast<std::size_t>(least - points.begin()));
+  for (std::size_t i = 0; spanning && i < points.size() && chosen.size() < static_cast<std::size_t>(d) + 1; ++i) {
+    const Point &a = points[chosen[0]].at, p = points[i].at;
+    bool independent = p != a;
+    if (chosen.size() == 2) {
+      const Point& b = points[chosen[1]].at;
+      independent = d == 2 ? orientation_2(a, b, p) != 0 : !collinear_3(a, b, p);
+    } else if (chosen.size() == 3) {
+      independent = orientation_3(a, points[chosen[1]].at, points[chosen[2]].at, p) != 0;
+    }
+    if (independent) chosen.push_back(i);
+  }
+  std::vector<SharedPoint> seeds;
+  for (const std::size_t i : chosen) seeds.push_back({points[i].at, points[i].id, tile_of[i], 0});
+  return seeds;
+}
+
+}  // namespace
+
+std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
+                            const std::vector<Box>& boxes, const SplayOptions& options) {
+  std::mt19937_64 rng(options.seed);
+  const std::uint32_t tiles = *std::max_element(tile_of.begin(), tile_of.end()) + 1;
+  struct Tile {
+    std::vector<Point> points;
+    std::vector<std::uint64_t> ids;
+    FinalCells finals;
+    std::unique_ptr<TileTriangulation> t;
+    Bounds bounds;
+  };
+  std::vector<Tile> tile(tiles);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    tile[tile_of[i]].points.push_back(points[i].at);
+    tile[tile_of[i]].ids.push_back(points[i].id);
+    tile[tile_of[i]].bounds.add(points[i].at);
+  }
+  const auto seeds = make_seeds(points, tile_of, options.dimension, options.spanning_seeds);
+  std::vector<Mail> mail;
+  const auto post = [&](std::uint32_t from) {
+    for (auto& [to, list] : tile[from].t->take_updates()) {
+      if (!options.single_points) {
+        mail.push_back({from, to, std::move(list)});
+      } else {
+        for (const SharedPoint& p : list) mail.push_back({from, to, {p}});
+      }
+    }
+  };
+  const auto make = [&](std::uint32_t i) {
+    return std::make_unique<TileTriangulation>(
+        TileOptions{TileId{i}, options.dimension, KernelKind::cgal, options.rule});
+  };
+  std::vector<bool> started(tiles, false);
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < tiles; ++i) order.push_back(i);
+  std::shuffle(order.begin(), order.end(), rng);
+  const auto start = [&](std::uint32_t i) {
+    Tile& self = tile[i];
+    self.t = make(i);
+    started[i] = true;
+    if (self.points.empty()) return;
+    const Box nowhere{{1, 1, 1}, {-1, -1, -1}};
+    const Box box = boxes.empty() ? nowhere : boxes[i];
+    self.t->triangulate(self.points, self.ids, seeds);
+    if (options.reduce) self.finals = self.t->reduce(self.points, box);
+    if (options.announce) {
+      std::vector<TileNeighbour> neighbours;
+      for (std::uint32_t k = 0; k < tiles; ++k) {
+        if (k != i && !tile[k].bounds.empty()) neighbours.push_back({TileId{k}, tile[k].bounds});
+      }
+      self.t->announce(self.points, box, neighbours);
+    }
+    post(i);
+  };
+  std::size_t next = 0;
+  while (next < order.size() || !mail.empty()) {
+    const std::size_t choice = rng() % (mail.size() + (order.size() - next));
+    if (choice >= mail.size()) {
+      start(order[next++]);
+      continue;
+    }
+    std::swap(mail[choice], mail.back());
+    Mail m = std::move(mail.back());
+    mail.pop_back();
+    if (!started[m.to]) {  // it keeps its mail until it has triangulated
+      mail.push_back(std::move(m));
+      std::swap(order[next], *std::find(order.begin() + static_cast<std::ptrdiff_t>(next), order.end(), m.to));
+      start(order[next++]);
+      continue;
+    }
+    if (options.sleep) {
+      const auto bytes = tile[m.to].t->save();
+      tile[m.to].t = make(m.to);
+      if (!tile[m.to].t->load(bytes)) return {};
+    }
+    tile[m.to].t->receive(TileId{m.from}, m.points);
+    post(m.to);
+  }
+  std::vector<TileMesh> meshes;
+  for (Tile& t : tile) {
+    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, t.finals));
+  }
+  return meshes;
+}
+
+std::string inconsistency(const TileMesh& m, std::uint32_t self) {
+  const int d = m.dimension, corners = d + 1;
+  const auto cells = static_cast<std::int32_t>(m.cell_ghost.size());
+  for (std::int32_t c = 0; c < cells; ++c) {
+    const std::int32_t* v = &m.cells[static_cast<std::size_t>(c) * corners];
+    const std::int32_t* n = &m.neighbors[static_cast<std::size_t>(c) * corners];
+    const std::string at = "cell " + std::to_string(c) + ": ";
+    const int sign = d == 3 ? orientation_3(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]])
+                            : orientation_2(m.points[v[0]], m.points[v[1]], m.points[v[2]]);
+    if (sign <= 0) return at + "not positively oriented";
+    bool own = false;
+    for (int i = 0; i < corners; ++i) {
+      own |= m.owners[v[i]] == self;
+      if ((m.owners[v[i]] != self) != (m.point_ghost[v[i]] != 0)) return at + "point ghost flag";
+      if (n[i] < -2 || n[i] >= cells) return at + "neighbour out of range";
+      if (n[i] < 0) continue;
+      const std::int32_t* w = &m.cells[static_cast<std::size_t>(n[i]) * corners];
+      std::set<std::int32_t> a(v, v + corners), b(w, w + corners);
+      a.erase(v[i]);
+      int back = -1;
+      for (int k = 0; k < corners; ++k) {
+        if (m.neighbors[static_cast<std::size_t>(n[i]) * corners + k] == c) back = k;
+      }
+      if (back < 0) return at + "neighbour does not know it";
+      b.erase(w[back]);
+      if (a != b) return at + "facets differ";
+    }
+    if (!own) return at + "no vertex of its own";
+  }
+  return "";
+}
+
+}  // namespace tessera::testing

@@ -1,0 +1,34 @@
+// Tiles exchanging stars without threads, files or messages: one seeded, arbitrary order of delivery.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/tile/tile_mesh.h"
+#include "src/tile/tile_triangulation.h"
+
+namespace tessera::testing {
+
+struct SplayOptions {
+  int dimension = 3;
+  std::uint64_t seed = 0;
+  bool spanning_seeds = true;  // else the lexicographic minimum alone is announced
+  bool reduce = false;         // hand out final cells first
+  bool announce = true;
+  bool sleep = false;          // save and load tiles between deliveries
+  ExchangeRule rule = ExchangeRule::share_certify;
+  bool single_points = false;  // deliver one point at a time
+};
+
+// `tile_of[i]` owns points[i]; `boxes` by tile, all of space when empty (then no cell is final). Returns each tile's
+// mesh at quiescence.
+std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
+                            const std::vector<Box>& boxes, const SplayOptions& options);
+
+// A mesh's own arrays agree with each other: neighbours are mutual, ghosts and orientation right. "" or what is wrong.
+std::string inconsistency(const TileMesh& mesh, std::uint32_t self);
+
+}  // namespace tessera::testing
