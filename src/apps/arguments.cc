@@ -1,0 +1,177 @@
+#include "src/apps/arguments.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <system_error>
+
+namespace tessera {
+namespace {
+
+Error refuse(std::string_view text, const std::string& reason) {
+  return error(Errc::usage, "'" + std::string(text) + "' " + reason);
+}
+
+struct Decimal {
+  std::uint64_t whole = 0;
+  std::string_view fraction;  // digits after the point
+  std::string_view suffix;
+};
+
+// digits [ "." digits ] suffix
+std::optional<Decimal> split_decimal(std::string_view text) {
+  const auto digits_end = [](std::string_view s) {
+    const auto end = s.find_first_not_of("0123456789");
+    return end == std::string_view::npos ? s.size() : end;
+  };
+  Decimal decimal;
+  const auto whole = digits_end(text);
+  if (whole == 0) return std::nullopt;
+  if (std::from_chars(text.data(), text.data() + whole, decimal.whole).ec != std::errc{}) return std::nullopt;
+  text.remove_prefix(whole);
+  if (!text.empty() && text.front() == '.') {
+    text.remove_prefix(1);
+    const auto fraction = digits_end(text);
+    if (fraction == 0) return std::nullopt;
+    decimal.fraction = text.substr(0, fraction);
+    text.remove_prefix(fraction);
+  }
+  decimal.suffix = text;
+  return decimal;
+}
+
+std::vector<std::string_view> split_commas(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto comma = text.find(',');
+    parts.push_back(text.substr(0, comma));
+    if (comma == std::string_view::npos) return parts;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+}  // namespace
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+  const auto bad = [&](const char* reason = "is not a number like 500, 10k, 1.5M or 2G") { return refuse(text, reason); };
+  const auto decimal = split_decimal(text);
+  if (!decimal) return bad();
+  std::size_t zeros = 0;
+  if (decimal->suffix == "k" || decimal->suffix == "K") {
+    zeros = 3;
+  } else if (decimal->suffix == "M") {
+    zeros = 6;
+  } else if (decimal->suffix == "G") {
+    zeros = 9;
+  } else if (!decimal->suffix.empty()) {
+    return bad();
+  }
+  std::uint64_t value = decimal->whole;
+  for (std::size_t i = 0; i < std::max(zeros, decimal->fraction.size()); ++i) {
+    const std::uint64_t digit = i < decimal->fraction.size() ? decimal->fraction[i] - '0' : 0;
+    if (i >= zeros) {
+      if (digit != 0) return bad("is not a whole number");
+    } else if (__builtin_mul_overflow(value, std::uint64_t{10}, &value) ||
+               __builtin_add_overflow(value, digit, &value)) {
+      return bad("is too large");
+    }
+  }
+  return value;
+}
+
+Result<std::uint64_t> parse_memory(std::string_view text) {
+  const auto bad = [&](const char* reason = "is not a size like 800M, 4G or 1.5G") { return refuse(text, reason); };
+  const auto decimal = split_decimal(text);
+  if (!decimal || decimal->fraction.size() > 6 || decimal->suffix.size() > 1) return bad();
+  int shift = 0;
+  if (!decimal->suffix.empty()) {
+    const auto at = std::string_view("KMGT").find(decimal->suffix == "k" ? 'K' : decimal->suffix.front());
+    if (at == std::string_view::npos) return bad();
+    shift = 10 * (static_cast<int>(at) + 1);
+  } else if (!decimal->fraction.empty()) {
+    return bad();
+  }
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(decimal->whole, std::uint64_t{1} << shift, &bytes)) return bad("is too large");
+  std::uint64_t millionths = 0;
+  for (std::size_t i = 0; i < 6; ++i) {
+    millionths = millionths * 10 + (i < decimal->fraction.size() ? decimal->fraction[i] - '0' : 0);
+  }
+  // millionths < 2^20 and shift <= 40: no overflow.
+  if (__builtin_add_overflow(bytes, (millionths << shift) / 1'000'000, &bytes)) return bad("is too large");
+  return bytes;
+}
+
+Result<std::int64_t> parse_integer(std::string_view text, std::int64_t lowest, std::int64_t highest) {
+  std::int64_t value = 0;
+  const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (ec != std::errc{} || end != text.data() + text.size() || value < lowest || value > highest) {
+    return refuse(text, "is not a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest));
+  }
+  return value;
+}
+
+Result<bool> parse_switch(std::string_view text) {
+  for (const auto* yes : {"true", "yes", "on", "1"}) {
+    if (text == yes) return true;
+  }
+  for (const auto* no : {"false", "no", "off", "0"}) {
+    if (text == no) return false;
+  }
+  return refuse(text, "is neither true nor false");
+}
+
+Result<Box> parse_crop(std::string_view text, int dimension) {
+  std::vector<double> numbers;
+  for (const auto part : split_commas(text)) {
+    double number = 0;
+    const auto [end, ec] = std::from_chars(part.data(), part.data() + part.size(), number);
+    if (ec != std::errc{} || end != part.data() + part.size() || !std::isfinite(number)) {
+      return refuse(text, "is not a box: '" + std::string(part) + "' is not a number");
+    }
+    numbers.push_back(number);
+  }
+  Box box;
+  if (numbers.size() == 4) {
+    box.lo.x = numbers[0];
+    box.lo.y = numbers[1];
+    box.hi.x = numbers[2];
+    box.hi.y = numbers[3];
+  } else if (numbers.size() == 6 && dimension == 3) {
+    box.lo = {numbers[0], numbers[1], numbers[2]};
+    box.hi = {numbers[3], numbers[4], numbers[5]};
+  } else if (dimension == 3) {
+    return refuse(text, "is not xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax");
+  } else {
+    return refuse(text, "is not xmin,ymin,xmax,ymax");
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (box.lo[axis] > box.hi[axis]) {
+      return refuse(text, std::string("is an empty box: its lowest ") + "xyz"[axis] + " is above its highest");
+    }
+  }
+  return box;
+}
+
+Result<std::vector<int>> parse_classes(std::string_view text) {
+  std::vector<int> classes;
+  for (const auto part : split_commas(text)) {
+    auto number = parse_integer(part, 0, 255);
+    if (!number) return refuse(text, "is not a list of LAS classes (0 to 255) like 2,9");
+    classes.push_back(static_cast<int>(number.value()));
+  }
+  return classes;
+}
+
+Result<std::vector<std::string>> parse_names(std::string_view text) {
+  std::vector<std::string> names;
+  for (const auto part : split_commas(text)) {
+    if (part.empty()) return refuse(text, "is not a list of names separated by commas");
+    names.emplace_back(part);
+  }
+  return names;
+}
+
+}  // namespace tessera

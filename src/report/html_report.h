@@ -1,0 +1,49 @@
+// report.html: one file without network or scripts from elsewhere, that shows how a job went.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/progress.h"
+#include "src/base/result.h"
+#include "src/report/summary.h"
+
+namespace tessera {
+
+struct TileFigures {
+  std::uint32_t tile = 0;
+  Box box;               // may be unbounded
+  std::uint64_t points = 0, cells = 0, bytes = 0;
+  double seconds = 0;    // worked on it
+};
+
+struct ReportData {
+  JobSummary summary;
+  std::string version;
+  std::vector<std::string> command;
+  std::vector<std::string> inputs;
+  std::string crs;
+  std::string partition_kind;
+  bool boxes_disjoint = true;       // false for the random partition: no picture of tiles then
+  Bounds bounds;                    // of all points
+  std::vector<TileFigures> tiles;   // that hold points
+  std::vector<Span> spans;
+};
+
+std::string html_report(const ReportData& data);
+// Under a temporary name first.
+Status write_html_report(const std::filesystem::path& path, const ReportData& data);
+
+// Rows for threads, time to the right, coloured by phase. Spans closer than a pixel are drawn as one. Empty when there
+// are none.
+std::string timeline_svg(const std::vector<Span>& spans, double total_s);
+
+// The boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`, each coloured by
+// its value in `values` (by position in `tiles`). `unit`: written at the legend.
+std::string tiles_svg(const ReportData& data, int across, int up, const std::vector<double>& values,
+                      const std::string& low, const std::string& high);
+
+}  // namespace tessera

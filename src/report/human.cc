@@ -1,0 +1,79 @@
+#include "src/report/human.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace tessera {
+namespace {
+
+// Three significant digits: 1.23, 12.3, 123.
+std::string three_digits(double value) { return fixed(value, value < 9.995 ? 2 : value < 99.95 ? 1 : 0); }
+
+}  // namespace
+
+std::string fixed(double value, int digits) {
+  std::array<char, 400> buffer;  // the longest double has 309 digits before the point
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, digits).ptr;
+  return std::string(buffer.data(), end);
+}
+
+std::string human_count(std::uint64_t n) {
+  if (n < 1000) return std::to_string(n);
+  double value = static_cast<double>(n) / 1000;
+  const char* const units[] = {"k", "M", "G", "T", "P", "E"};
+  std::size_t unit = 0;
+  while (value >= 999.5 && unit < 5) {
+    value /= 1000;
+    ++unit;
+  }
+  return three_digits(value) + " " + units[unit];
+}
+
+std::string human_bytes(std::uint64_t bytes) {
+  if (bytes < 1024) return std::to_string(bytes) + " B";
+  double value = static_cast<double>(bytes) / 1024;
+  const char* const units[] = {"KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  std::size_t unit = 0;
+  while (value >= 999.5 && unit < 5) {
+    value /= 1024;
+    ++unit;
+  }
+  return three_digits(value) + " " + units[unit];
+}
+
+std::string human_seconds(double seconds) {
+  if (!(seconds >= 0)) return "?";
+  if (seconds < 9.95) return fixed(seconds, 2) + " s";
+  if (seconds < 99.5) return fixed(seconds, 1) + " s";
+  if (seconds > 1e9) return "ages";
+  const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
+  const auto two = [](std::uint64_t n) { return (n < 10 ? "0" : "") + std::to_string(n); };
+  if (whole < 3600) return std::to_string(whole / 60) + " min " + two(whole % 60) + " s";
+  return std::to_string(whole / 3600) + " h " + two(whole / 60 % 60) + " min";
+}
+
+std::string grouped(std::uint64_t n) {
+  auto digits = std::to_string(n);
+  for (auto at = static_cast<std::ptrdiff_t>(digits.size()) - 3; at > 0; at -= 3) {
+    digits.insert(static_cast<std::size_t>(at), " ");
+  }
+  return digits;
+}
+
+std::string escape_html(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    switch (c) {
+      case '&': escaped += "&amp;"; break;
+      case '<': escaped += "&lt;"; break;
+      case '>': escaped += "&gt;"; break;
+      case '"': escaped += "&quot;"; break;
+      case '\'': escaped += "&#39;"; break;
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
+}  // namespace tessera

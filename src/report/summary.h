@@ -1,0 +1,33 @@
+// What a finished job tells about itself, once for people, once for programs.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+struct JobSummary {
+  std::string out;
+  int dimension = 3;
+  std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0;
+  std::uint64_t vertices = 0, cells = 0;
+  std::uint64_t tiles = 0;       // that hold points
+  std::uint64_t messages = 0;    // batches of points between tiles
+  std::uint64_t points_sent = 0, points_received = 0, points_inserted = 0, points_kept = 0;
+  std::uint64_t rounds = 0;      // the longest chain of messages that caused one another
+  std::uint64_t waves = 0;       // collections of counters until quiet was proved
+  std::uint64_t sleeps = 0;      // times a tile was put to sleep on disk
+  std::uint64_t result_bytes = 0;
+  std::uint64_t peak_memory_bytes = 0;
+  std::uint32_t threads = 1;
+  std::uint64_t memory_budget_bytes = 0;
+  std::vector<std::pair<std::string, double>> seconds;  // by phase, in order
+  double total_s = 0;
+};
+
+std::string summary_text(const JobSummary& summary);  // several lines, with the last line end
+std::string summary_json(const JobSummary& summary);  // one line: {"event":"summary",...}
+
+}  // namespace tessera

@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "src/report/html_report.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+constexpr double left = 70, width = 900, row = 22, gap = 6, top = 6;
+
+struct Bar {
+  Span first;
+  double end_s;
+  std::size_t spans = 1;
+};
+
+// The spans of one thread, merged where neither their ends nor the pauses between them could be seen.
+std::vector<Bar> merge(std::vector<Span> spans, double pixel_s) {
+  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.begin_s < b.begin_s; });
+  std::vector<Bar> bars;
+  for (const auto& span : spans) {
+    if (!bars.empty() && bars.back().first.phase == span.phase && span.begin_s - bars.back().end_s < pixel_s &&
+        (bars.back().first.tile == span.tile || span.end_s - span.begin_s < 2 * pixel_s)) {
+      bars.back().end_s = std::max(bars.back().end_s, span.end_s);
+      ++bars.back().spans;
+    } else {
+      bars.push_back({span, span.end_s});
+    }
+  }
+  return bars;
+}
+
+// A round number of seconds that divides the axis into four to ten parts.
+double tick_of(double total_s) {
+  const double power = std::pow(10, std::floor(std::log10(std::max(total_s, 1e-3))));
+  for (const double step : {0.1, 0.2, 0.5, 1.0}) {
+    if (total_s / (power * step) <= 10) return power * step;
+  }
+  return power;
+}
+
+}  // namespace
+
+std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
+  if (spans.empty()) return "";
+  std::map<std::uint32_t, std::vector<Span>> threads;
+  for (const auto& span : spans) {
+    threads[span.thread].push_back(span);
+    total_s = std::max(total_s, span.end_s);
+  }
+  const auto at = [&](double seconds) { return left + width * seconds / std::max(total_s, 1e-9); };
+  const double height = top + static_cast<double>(threads.size()) * (row + gap) + 24;
+
+  std::string svg = "<svg class=\"timeline\" viewBox=\"0 0 " + fixed(left + width + 30, 0) + " " + fixed(height, 0) +
+                    "\" role=\"img\" aria-label=\"Timeline of threads\">\n";
+  const double tick = tick_of(total_s);
+  for (int i = 0; i * tick <= total_s; ++i) {
+    const double x = at(i * tick);
+    svg += "<line class=\"tick\" x1=\"" + fixed(x, 1) + "\" x2=\"" + fixed(x, 1) + "\" y1=\"0\" y2=\"" +
+           fixed(height - 20, 1) + "\"/><text class=\"axis\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(height - 6, 1) +
+           "\" text-anchor=\"middle\">" + fixed(i * tick, tick < 0.1 ? 2 : tick < 1 ? 1 : 0) + " s</text>\n";
+  }
+  double y = top;
+  for (const auto& [thread, list] : threads) {
+    svg += "<text class=\"axis\" x=\"0\" y=\"" + fixed(y + row * 0.7, 1) + "\">thread " + std::to_string(thread) +
+           "</text>\n";
+    for (const auto& bar : merge(list, total_s / width)) {
+      const double x = at(bar.first.begin_s);
+      const std::string what = bar.spans == 1 || bar.first.phase == Phase::triangulating
+                                   ? "tile " + std::to_string(bar.first.tile)
+                                   : std::to_string(bar.spans) + " times";
+      svg += "<rect class=\"p-" + std::string(name_of(bar.first.phase)) + "\" x=\"" + fixed(x, 2) + "\" y=\"" +
+             fixed(y, 1) + "\" width=\"" + fixed(std::max(0.6, at(bar.end_s) - x - 0.4), 2) + "\" height=\"" +
+             fixed(row, 0) + "\"><title>" + name_of(bar.first.phase) + ", " + what + ": " +
+             fixed(bar.first.begin_s, 3) + " to " + fixed(bar.end_s, 3) + " s</title></rect>\n";
+    }
+    y += row + gap;
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace tessera
