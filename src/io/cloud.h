@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +36,7 @@ struct CloudCounts {
 class Cloud {
  public:
   // Expands globs ("block/*.las"), opens every file's header and settles the schema. Errors: nothing matches, unknown
-  // format, files of different dimension, an attribute that no file has.
+  // format, a file without z for a 3D cloud or without classes to choose from, an attribute that no file has.
   static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options);
 
   const std::vector<FileInfo>& files() const { return files_; }
@@ -46,11 +47,13 @@ class Cloud {
   // Every point in order, in batches; `visit` may stop by returning an error. Coordinates have no -0.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
 
-  // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can seek,
-  // everything else whole.
+  // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
+  // seek, everything else whole.
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:
+  Result<std::unique_ptr<PointReader>> reopen(const FileInfo& file, const std::vector<Attribute>& schema) const;
+
   std::vector<FileInfo> files_;
   std::vector<Attribute> schema_;
   CloudOptions options_;

@@ -17,14 +17,15 @@ namespace tessera {
 
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;                    // "las", "ply", "xyz", "npy"
-  std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
-  int dimension = 3;                     // 2 when the file holds x and y alone
-  std::optional<std::uint64_t> points;   // when the header says
-  std::optional<Bounds> bounds;          // when the header says; not to be trusted
-  std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
-  std::vector<Attribute> attributes;     // what the file could give
+  std::string format;                   // "las", "ply", "xyz", "npy"
+  std::string detail;                   // "LAS 1.4, point format 7", "binary little endian, float"
+  int dimension = 3;                    // 2 when the file holds x and y alone
+  std::optional<std::uint64_t> points;  // when the header says
+  std::optional<Bounds> bounds;         // when the header says; not to be trusted
+  std::string crs;                      // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
+  std::vector<Attribute> attributes;    // what the file could give
   std::uint64_t bytes = 0;
+  std::int64_t modified_ns = 0;  // since 1970
 };
 
 // Points in file order. Non-finite coordinates are passed on: the caller rejects or refuses them.
@@ -37,18 +38,25 @@ class PointReader {
  public:
   virtual ~PointReader() = default;
   virtual const FileInfo& info() const = 0;
-  // Replaces `batch` by the next points (about 64 Ki); an empty batch is the end of the file.
+  // Replaces `batch` by the next points (about 64 Ki, at most `most`); an empty batch is the end of the file.
   // Errors name the file, the record or line, and the reason.
-  virtual Status next(PointBatch& batch) = 0;
+  virtual Status next(PointBatch& batch, std::size_t most) = 0;
+  Status next(PointBatch& batch) { return next(batch, SIZE_MAX); }
   // Goes to point `index`, so that a sample need not read everything. False if this format cannot (text).
   virtual Result<bool> seek(std::uint64_t index) = 0;
-  // "record 17" or "line 812": where in the file point `index` of the last batch stands, for error messages.
+  // "record 17" or "line 812": where in the file point `index` of the last batch stands, for error messages. Records
+  // count from 0, as ids do; lines from 1, as editors do.
   virtual std::string place(std::size_t index) const = 0;
 };
 
 // Opens `path` by its content (magic), then by its extension. `attributes`: the schema of batch rows; an attribute that
 // this file lacks is zero, one of another type is converted.
 Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
+                                                 std::vector<Attribute> attributes = {});
+
+class ByteSource;
+// The same for bytes that are open already; the extension is that of source->path().
+Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
                                                  std::vector<Attribute> attributes = {});
 
 }  // namespace tessera

@@ -1,0 +1,107 @@
+#include "src/io/byte_source.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace tessera {
+namespace {
+
+std::string reason(int code) { return std::generic_category().message(code); }
+
+std::int64_t nanoseconds(const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
+
+class FileSource : public ByteSource {
+ public:
+  FileSource(std::filesystem::path path, int file, const struct stat& status)
+      : path_(std::move(path)),
+        file_(file),
+        size_(static_cast<std::uint64_t>(status.st_size)),
+        modified_ns_(nanoseconds(status.st_mtim)) {}
+  FileSource(const FileSource&) = delete;
+  FileSource& operator=(const FileSource&) = delete;
+  ~FileSource() override { ::close(file_); }
+
+  const std::filesystem::path& path() const override { return path_; }
+  std::uint64_t size() const override { return size_; }
+  std::int64_t modified_ns() const override { return modified_ns_; }
+
+  Status read(std::uint64_t offset, std::span<std::byte> out) const override {
+    while (!out.empty()) {
+      const auto got = ::pread(file_, out.data(), out.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) return error(Errc::io, path_.string() + ": cannot be read: " + reason(errno));
+      if (got == 0) return error(Errc::bad_input, path_.string() + ": became shorter while it was read");
+      offset += static_cast<std::uint64_t>(got);
+      out = out.subspan(static_cast<std::size_t>(got));
+    }
+    return success();
+  }
+
+  Status check_unchanged() const override {
+    struct stat now {};
+    if (::fstat(file_, &now) != 0) return error(Errc::io, path_.string() + ": cannot be examined: " + reason(errno));
+    if (static_cast<std::uint64_t>(now.st_size) != size_ || nanoseconds(now.st_mtim) != modified_ns_)
+      return error(Errc::bad_input, path_.string() + ": was changed by another program while it was read");
+    return success();
+  }
+
+ private:
+  std::filesystem::path path_;
+  int file_;
+  std::uint64_t size_;
+  std::int64_t modified_ns_;
+};
+
+class MemorySource : public ByteSource {
+ public:
+  MemorySource(std::filesystem::path name, std::vector<std::byte> bytes)
+      : path_(std::move(name)), bytes_(std::move(bytes)) {}
+  const std::filesystem::path& path() const override { return path_; }
+  std::uint64_t size() const override { return bytes_.size(); }
+  std::int64_t modified_ns() const override { return 0; }
+  Status read(std::uint64_t offset, std::span<std::byte> out) const override {
+    if (offset > bytes_.size() || out.size() > bytes_.size() - offset)
+      return error(Errc::bad_input, path_.string() + ": became shorter while it was read");
+    if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
+    return success();
+  }
+  Status check_unchanged() const override { return success(); }
+
+ private:
+  std::filesystem::path path_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<ByteSource>> open_file(const std::filesystem::path& path) {
+  // Non-blocking, or opening a named pipe without a writer would hang; regular files do not care.
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return error(Errc::io, path.string() + ": cannot be opened: " + reason(errno));
+  struct stat status {};
+  if (::fstat(file, &status) != 0) {
+    const int code = errno;
+    ::close(file);
+    return error(Errc::io, path.string() + ": cannot be examined: " + reason(code));
+  }
+  if (!S_ISREG(status.st_mode)) {
+    ::close(file);
+    return error(Errc::bad_input, path.string() + (S_ISDIR(status.st_mode)
+                                                       ? ": is a directory; name the files in it, as in '" +
+                                                             (path / "*.las").string() + "'"
+                                                       : ": is not a regular file (pipes and devices are not read)"));
+  }
+  ::posix_fadvise(file, 0, 0, POSIX_FADV_SEQUENTIAL);
+  return std::unique_ptr<ByteSource>(new FileSource(path, file, status));
+}
+
+std::unique_ptr<ByteSource> memory_source(std::filesystem::path name, std::vector<std::byte> bytes) {
+  return std::make_unique<MemorySource>(std::move(name), std::move(bytes));
+}
+
+}  // namespace tessera

@@ -1,0 +1,125 @@
+#include "src/io/las_reader.h"
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "src/io/decimal_axis.h"
+#include "src/io/fields.h"
+#include "src/io/las_header.h"
+#include "src/io/record_stream.h"
+
+namespace tessera {
+namespace {
+
+class LasReader : public PointReader {
+ public:
+  LasReader(FileInfo info, const LasHeader& header, RecordStream records, const std::vector<Attribute>& schema)
+      : info_(std::move(info)),
+        axes_{DecimalAxis(header.scale[0], header.offset[0]), DecimalAxis(header.scale[1], header.offset[1]),
+              DecimalAxis(header.scale[2], header.offset[2])},
+        records_(std::move(records)),
+        row_bytes_(row_bytes(schema)) {
+    const auto offsets = row_offsets(schema);
+    for (std::size_t i = 0; i < schema.size(); ++i)
+      for (const auto& field : header.fields)
+        if (field.attribute.name == schema[i].name) columns_.push_back({field, offsets[i], schema[i].type});
+  }
+
+  const FileInfo& info() const override { return info_; }
+
+  Status next(PointBatch& batch, std::size_t most) override {
+    BOOST_OUTCOME_TRY(block, records_.next(most));
+    const std::size_t n = block.size() / records_.record_bytes();
+    batch.points.resize(n);
+    decode_points(block.data(), batch.points);
+    batch.rows.assign(n * row_bytes_, std::byte{0});
+    for (const auto& column : columns_) decode_column(column, block.data(), n, batch.rows);
+    return success();
+  }
+
+  Result<bool> seek(std::uint64_t index) override {
+    records_.seek(index);
+    return true;
+  }
+
+  std::string place(std::size_t index) const override {
+    return "record " + std::to_string(records_.first_of_last_block() + index);
+  }
+
+ private:
+  struct Column {
+    LasField field;
+    std::size_t row_offset;
+    AttributeType type;
+  };
+
+  void decode_points(const std::byte* record, std::vector<Point>& points) const {
+    const std::size_t stride = records_.record_bytes();
+    const auto& [x, y, z] = axes_;
+    if (x.always_fast() && y.always_fast() && z.always_fast()) {
+      for (auto& p : points) {
+        p.x = x.fast(load<std::int32_t>(record));
+        p.y = y.fast(load<std::int32_t>(record + 4));
+        p.z = z.fast(load<std::int32_t>(record + 8));
+        record += stride;
+      }
+      return;
+    }
+    for (auto& p : points) {
+      p.x = x(load<std::int32_t>(record));
+      p.y = y(load<std::int32_t>(record + 4));
+      p.z = z(load<std::int32_t>(record + 8));
+      record += stride;
+    }
+  }
+
+  void decode_column(const Column& column, const std::byte* records, std::size_t n, std::vector<std::byte>& rows) {
+    const auto& field = column.field;
+    const std::byte* from = records + field.offset;
+    std::byte* to = rows.data() + column.row_offset;
+    const std::size_t stride = records_.record_bytes();
+    if (field.plain()) {
+      column_copy(field.stored, false, column.type)(from, stride, to, row_bytes_, n);
+      return;
+    }
+    scratch_.resize(n);
+    auto* scratch = reinterpret_cast<std::byte*>(scratch_.data());
+    if (field.stored == AttributeType::u8 && field.scale == 1 && field.add == 0) {
+      for (std::size_t i = 0; i < n; ++i)
+        scratch_[i] = (load<std::uint8_t>(from + i * stride) >> field.shift) & field.mask;
+    } else {
+      column_copy(field.stored, false, AttributeType::f64)(from, stride, scratch, sizeof(double), n);
+      for (auto& value : scratch_) value = value * field.scale + field.add;
+    }
+    column_copy(AttributeType::f64, false, column.type)(scratch, sizeof(double), to, row_bytes_, n);
+  }
+
+  FileInfo info_;
+  std::array<DecimalAxis, 3> axes_;
+  RecordStream records_;
+  std::size_t row_bytes_;
+  std::vector<Column> columns_;
+  std::vector<double> scratch_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes) {
+  BOOST_OUTCOME_TRY(header, read_las_header(*source));
+  FileInfo info;
+  info.path = source->path();
+  info.format = "las";
+  info.detail = "LAS 1." + std::to_string(header.minor) + ", point format " + std::to_string(header.point_format);
+  info.points = header.points;
+  if (!header.bounds.empty()) info.bounds = header.bounds;
+  info.crs = header.crs;
+  for (const auto& field : header.fields) info.attributes.push_back(field.attribute);
+  info.bytes = source->size();
+  info.modified_ns = source->modified_ns();
+  RecordStream records(std::move(source), header.points_at, header.record_bytes, header.points);
+  BOOST_OUTCOME_TRYV(records.check_size());
+  return std::unique_ptr<PointReader>(new LasReader(std::move(info), header, std::move(records), attributes));
+}
+
+}  // namespace tessera

@@ -1,0 +1,14 @@
+// LAS 1.0-1.4, point formats 0-10, uncompressed. Coordinates as decimal_axis.h defines them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "src/io/byte_source.h"
+#include "src/io/reader.h"
+
+namespace tessera {
+
+Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes);
+
+}  // namespace tessera
