@@ -1,0 +1,47 @@
+// One subcommand: its options and what it does. Each has a file of its own that offers add_NAME().
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "src/apps/settings.h"
+#include "src/base/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tessera {
+
+struct Command {
+  CLI::App* app = nullptr;  // belongs to the root
+  std::unique_ptr<Settings> settings;
+  // Checks all arguments, then acts. `command_line`: for the manifest.
+  std::function<Status(const std::vector<std::string>& command_line)> run;
+};
+
+Command add_triangulate(CLI::App& root);
+Command add_verify(CLI::App& root);
+Command add_info(CLI::App& root);
+Command add_export(CLI::App& root);
+Command add_generate(CLI::App& root);
+Command add_harness(CLI::App& root);
+
+// The parts of a command's declaration that all share.
+Command new_command(CLI::App& root, const std::string& name, const std::string& description, const std::string& examples);
+// --key VALUE (and -short VALUE), TESSERA_KEY, key = in the file.
+void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
+               char short_name = 0, bool flag_only = false);
+// --key and --no-key.
+void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
+                bool flag_only = false);
+void add_output_switches(Command& command);  // quiet, verbose, json
+
+struct OutputOptions {
+  bool quiet = false, verbose = false, json = false;
+};
+Result<OutputOptions> output_options(Settings& settings);
+
+}  // namespace tessera

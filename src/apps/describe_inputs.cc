@@ -1,0 +1,119 @@
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "src/apps/info.h"
+#include "src/apps/job.h"
+#include "src/apps/plan.h"
+#include "src/base/attribute.h"
+#include "src/report/human.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json to_json(const Bounds& bounds) {
+  if (bounds.empty()) return nullptr;
+  return {{"min", {bounds.lo.x, bounds.lo.y, bounds.lo.z}}, {"max", {bounds.hi.x, bounds.hi.y, bounds.hi.z}}};
+}
+
+std::string to_text(const Bounds& bounds) {
+  if (bounds.empty()) return "unknown";
+  const auto side = [](double lo, double hi) { return Json(lo).dump() + " .. " + Json(hi).dump(); };
+  return side(bounds.lo.x, bounds.hi.x) + "   " + side(bounds.lo.y, bounds.hi.y) + "   " + side(bounds.lo.z, bounds.hi.z);
+}
+
+Json to_json(const FileInfo& file) {
+  Json names = Json::array();
+  for (const auto& attribute : file.attributes) names.push_back(attribute.name);
+  return {{"path", file.path.string()},
+          {"format", file.format},
+          {"detail", file.detail},
+          {"dimension", file.dimension},
+          {"bytes", file.bytes},
+          {"points", file.points ? Json(*file.points) : Json()},
+          {"bounds", file.bounds ? to_json(*file.bounds) : Json()},
+          {"crs", file.crs},
+          {"attributes", names}};
+}
+
+std::string to_text(const FileInfo& file) {
+  std::string names;
+  for (const auto& attribute : file.attributes) names += (names.empty() ? "" : ", ") + attribute.name;
+  return file.path.string() + "\n  format      " + file.detail + " (" + human_bytes(file.bytes) + ")\n  points      " +
+         (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
+         (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " + (names.empty() ? "none" : names) +
+         "\n" + (file.crs.empty() ? "" : "  CRS         " + file.crs.substr(0, 200) + "\n");
+}
+
+// The tiles that triangulate would make. The sample sees what filters drop, headers do not.
+struct Plan {
+  std::uint64_t limit = 0;
+  std::uint32_t tiles = 1;
+  Bounds sampled;
+  Estimate cost;
+};
+
+Result<Plan> plan(const TriangulateOptions& options, const Cloud& cloud, std::uint64_t points) {
+  constexpr std::size_t sample_wanted = 100'000;
+  Plan plan;
+  BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
+  plan.limit = limit;
+  BOOST_OUTCOME_TRY(sample, cloud.sample(sample_wanted));
+  for (const auto& p : sample) plan.sampled.add(p);
+  const int dimension = options.cloud.dimension;
+  if (!sample.empty()) {
+    plan.tiles = (options.tiles > 0
+                      ? Partition::build_tiles(options.partition, dimension, sample, plan.sampled, options.tiles)
+                      : Partition::build(options.partition, dimension, sample, plan.sampled, points, limit))
+                     .tiles();
+  }
+  plan.cost = estimate(dimension, points, limit, options.neighbors, row_bytes(cloud.schema()),
+                       {.memory_bytes = options.memory_bytes, .threads = options.threads});
+  return plan;
+}
+
+}  // namespace
+
+Result<std::string> describe_inputs(TriangulateOptions options) {
+  BOOST_OUTCOME_TRY(cloud, open_cloud(options));
+  const auto points = expected_points(cloud.files());
+  BOOST_OUTCOME_TRY(planned, plan(options, cloud, points));
+  const auto& cost = planned.cost;
+  if (options.output.json) {
+    Json files = Json::array();
+    for (const auto& file : cloud.files()) files.push_back(to_json(file));
+    return Json{{"files", files},
+                {"points", points},
+                {"sampled_bounds", to_json(planned.sampled)},
+                {"crs", cloud.crs()},
+                {"dimension", options.cloud.dimension},
+                {"partition", name_of(options.partition)},
+                {"max_points_per_tile", planned.limit},
+                {"tiles", planned.tiles},
+                {"threads", options.threads},
+                {"memory_budget_bytes", options.memory_bytes},
+                {"estimate",
+                 {{"cells", cost.cells},
+                  {"memory_bytes", cost.memory_bytes},
+                  {"result_bytes", cost.result_bytes},
+                  {"temporary_bytes", cost.temporary_bytes},
+                  {"seconds", cost.seconds}}}}
+               .dump(-1, ' ', false, Json::error_handler_t::replace) +
+           "\n";
+  }
+  std::string text;
+  for (const auto& file : cloud.files()) text += to_text(file);
+  text += "Triangulated in " + std::to_string(options.cloud.dimension) + "D on " + std::to_string(options.threads) +
+          (options.threads == 1 ? " thread" : " threads") + " with " + human_bytes(options.memory_bytes) +
+          " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " + to_text(planned.sampled) +
+          " (of a sample)\n  tiles       " + std::to_string(planned.tiles) + " (" + name_of(options.partition) +
+          ", at most " + grouped(planned.limit) + " points each)\n  cells       " + human_count(cost.cells) +
+          "\n  memory      " + human_bytes(cost.memory_bytes) + "\n  disk        " + human_bytes(cost.result_bytes) +
+          " result, " + human_bytes(cost.temporary_bytes) + " while it works\n  time        " + human_seconds(cost.seconds) +
+          "\n";
+  return text;
+}
+
+}  // namespace tessera

@@ -1,0 +1,67 @@
+// Who may write into a result folder, and what of it is ours to delete.
+//
+//   state      | what is there                         | triangulate may write
+//   absent     | nothing, its parent exists            | always
+//   empty      | an empty folder, or a crashed routing | always
+//   unfinished | .run/plan.json                        | with --resume or --overwrite
+//   finished   | a manifest                            | with --overwrite
+//   foreign    | anything else                         | never
+//
+// A run is routed into .run.new and renamed to .run when complete. An old result is removed just before that: whatever
+// is wrong with the new input, it is found while the old result still stands.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+enum class FolderState : std::uint8_t { absent, empty, unfinished, finished, foreign };
+
+class ResultFolder {
+ public:
+  // Creates nothing. Error io when `out` is not a folder or cannot be looked at; usage when its state forbids the job.
+  static Result<ResultFolder> inspect(std::filesystem::path out, bool resume, bool overwrite);
+  ~ResultFolder();
+  ResultFolder(ResultFolder&& other) noexcept;
+  ResultFolder& operator=(ResultFolder&&) = delete;
+
+  const std::filesystem::path& path() const { return out_; }
+  FolderState state() const { return state_; }
+  // Whether the job continues the run that is there.
+  bool resuming() const { return resuming_; }
+  std::filesystem::path run() const { return out_ / ".run"; }
+  std::filesystem::path new_run() const { return out_ / ".run.new"; }
+
+  // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when another
+  // process works in it.
+  Status claim();
+  // Removes what a crashed routing left, and an unfinished run that is to be overwritten.
+  Status discard_runs();
+  // Removes the old result and makes the new run the run.
+  Status accept_new_run();
+  // Removes the run folder: the result is complete, and abandon() leaves it alone.
+  Status finish();
+  // Removes everything this job has made; the folder too when it was absent. Keeps an old result that still stands, and
+  // a run that this job resumed. Never fails: the error that led here is the one to tell.
+  void abandon();
+  // After an interruption: true when the run can be resumed; else as abandon().
+  bool interrupted();
+
+ private:
+  ResultFolder(std::filesystem::path out, FolderState state, bool resuming)
+      : out_(std::move(out)), state_(state), resuming_(resuming) {}
+  Status remove_result() const;
+
+  std::filesystem::path out_;
+  FolderState state_;
+  bool resuming_;
+  bool created_ = false;
+  bool old_result_stands_ = false;
+  bool complete_ = false;
+  int lock_ = -1;
+};
+
+}  // namespace tessera

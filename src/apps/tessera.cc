@@ -1,0 +1,107 @@
+// The command `tessera`: reads the command line, the environment and the configuration file, runs one subcommand, and
+// turns its error into one line on stderr and an exit status (docs/exit-status.md).
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "src/apps/command.h"
+#include "src/apps/log.h"
+#include "src/apps/settings.h"
+#include "src/apps/version.h"
+#include "src/base/result.h"
+
+namespace tessera {
+namespace {
+
+// A sentence is one line, whatever names of files and options are in it.
+std::string one_line(std::string text) {
+  for (auto& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+int fail(const Error& error, bool json) {
+  const auto sentence = one_line(error.where);
+  std::fprintf(stderr, "tessera: %s\n", sentence.c_str());
+  if (json) {
+    const nlohmann::ordered_json object{
+        {"event", "error"}, {"status", static_cast<int>(error.code)}, {"message", sentence}};
+    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::fflush(stdout);
+  }
+  return static_cast<int>(error.code);
+}
+
+Status run(const Command& command, const std::vector<Command>& commands, const std::vector<std::string>& command_line) {
+  command.settings->load_environment([](const char* name) { return std::getenv(name); });
+  const auto file = command.settings->text("config");
+  if (file && !file->empty()) {
+    std::vector<Settings*> all;
+    for (const auto& each : commands) all.push_back(each.settings.get());
+    BOOST_OUTCOME_TRYV(load_settings_file(*file, all));
+  }
+  BOOST_OUTCOME_TRYV(command.run(command_line));
+  // What was printed must have arrived, or a pipeline would take half an answer for a whole one.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return error(Errc::io, "standard output: cannot be written");
+  return success();
+}
+
+int tessera_main(int argc, char** argv) {
+  // A write beyond the limit of `ulimit -f` shall be an error with a sentence, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  start_log();
+
+  CLI::App app("Exact Delaunay triangulation of point clouds that do not fit in memory.", "tessera");
+  app.set_version_flag("--version", std::string("tessera ") + version());
+  app.require_subcommand(1);
+  app.footer("'tessera COMMAND --help' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
+  std::vector<Command> commands;
+  commands.push_back(add_triangulate(app));
+  commands.push_back(add_verify(app));
+  commands.push_back(add_info(app));
+  commands.push_back(add_export(app));
+  commands.push_back(add_generate(app));
+  commands.push_back(add_harness(app));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    const int status = app.exit(help);
+    std::cout.flush();
+    return std::cout ? status : fail(error(Errc::io, "standard output: cannot be written"), false);
+  } catch (const CLI::ParseError& wrong) {
+    const auto chosen = app.get_subcommands();
+    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tessera " +
+                                       (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help'"),
+                false);
+  }
+  for (const auto& command : commands) {
+    if (!command.app->parsed()) continue;
+    const auto status = run(command, commands, std::vector<std::string>(argv, argv + argc));
+    if (status) return 0;
+    const auto json = command.settings->on("json");
+    return fail(status.error(), json && json.value());
+  }
+  return fail(error(Errc::internal, "no command was run"), false);
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  try {
+    return tessera::tessera_main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"), false);
+  } catch (const std::exception& e) {
+    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()), false);
+  }
+}

@@ -1,0 +1,133 @@
+#include "src/apps/triangulate_options.h"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "src/apps/arguments.h"
+#include "src/apps/machine.h"
+
+namespace tessera {
+namespace {
+
+Result<std::uint64_t> parse_positive_count(const std::string& text) {
+  BOOST_OUTCOME_TRY(count, parse_count(text));
+  if (count == 0) return error(Errc::usage, "must be at least 1");
+  return count;
+}
+
+Result<KernelKind> parse_kernel(const std::string& text) {
+  if (text == "cgal") return KernelKind::cgal;
+  return error(Errc::usage, "'" + text + "' is no kernel; there is cgal");
+}
+
+// "auto" stands for a choice of the program.
+template <class Parse>
+auto or_auto(Parse parse, typename decltype(parse(std::string()))::value_type automatic) {
+  return [parse, automatic](const std::string& text) -> decltype(parse(text)) {
+    if (text == "auto") return automatic;
+    return parse(text);
+  };
+}
+
+}  // namespace
+
+void add_cloud_options(Command& command) {
+  add_value(command, "dim", "2|3", "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
+  add_value(command, "max-points-per-tile", "N", "most points a tile may hold, as 500k; default: from memory and threads");
+  add_value(command, "tiles", "N", "the number of tiles, instead of their size");
+  add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
+  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
+  add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
+  add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
+  add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
+  add_switch(command, "neighbors", "store the neighbours of every cell (default; --no-neighbors halves the files)");
+}
+
+Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
+  BOOST_OUTCOME_TRYV(settings.exclusive("tiles", "max-points-per-tile"));
+  BOOST_OUTCOME_TRY(dimension, settings.get("dim", or_auto([](const std::string& text) { return parse_integer(text, 2, 3); }, 0)));
+  options.cloud.dimension = static_cast<int>(dimension.value_or(0));
+  BOOST_OUTCOME_TRY(limit, settings.get("max-points-per-tile", or_auto(parse_positive_count, 0)));
+  options.max_points_per_tile = limit.value_or(0);
+  BOOST_OUTCOME_TRY(tiles, settings.get("tiles", or_auto(parse_positive_count, 0)));
+  if (tiles.value_or(0) > tiles_max) {
+    return error(Errc::usage, "--tiles: more than " + std::to_string(tiles_max) + " tiles are not possible");
+  }
+  options.tiles = static_cast<std::uint32_t>(tiles.value_or(0));
+  BOOST_OUTCOME_TRY(partition, settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
+  options.partition = partition.value_or(PartitionKind::kdtree);
+  BOOST_OUTCOME_TRY(threads, settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
+  options.threads = threads.value_or(0) > 0 ? static_cast<std::uint32_t>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
+  options.memory_bytes = memory.value_or(0) > 0 || settings.text("memory").value_or("auto") != "auto"
+                             ? *memory
+                             : available_memory() / 10 * 7;
+  BOOST_OUTCOME_TRY(crop, settings.get("crop", [&](const std::string& text) {
+    return parse_crop(text, options.cloud.dimension == 2 ? 2 : 3);
+  }));
+  options.cloud.crop = crop;
+  BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
+  options.cloud.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
+  options.cloud.attributes = attributes.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(skip_invalid, settings.on("skip-invalid"));
+  options.cloud.skip_invalid = skip_invalid;
+  BOOST_OUTCOME_TRY(neighbors, settings.get("neighbors", [](const std::string& text) { return parse_switch(text); }));
+  options.neighbors = neighbors.value_or(true);
+  return success();
+}
+
+void add_triangulate_options(Command& command) {
+  add_value(command, "output", "FOLDER", "the result folder", 'o', true);
+  add_cloud_options(command);
+  add_value(command, "kernel", "KIND", "cgal (default)");
+  add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
+  add_switch(command, "overwrite", "replace the result or unfinished run in the result folder", 0, true);
+  add_output_switches(command);
+}
+
+Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs) {
+  TriangulateOptions options;
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
+  BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
+  options.kernel = kernel.value_or(KernelKind::cgal);
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  options.output = output;
+  if (inputs.empty()) return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");
+  for (const auto& input : inputs) {
+    if (input.empty()) return error(Errc::usage, "an input file has an empty name");
+  }
+  options.inputs = std::move(inputs);
+  options.out = settings.text("output").value_or("");
+  if (options.out.empty()) return error(Errc::usage, "no result folder is given; add -o FOLDER");
+  BOOST_OUTCOME_TRY(resume, settings.on("resume"));
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  if (resume && overwrite) return error(Errc::usage, "--resume and --overwrite contradict each other: give one of them");
+  options.resume = resume;
+  options.overwrite = overwrite;
+  return options;
+}
+
+std::string options_key(const TriangulateOptions& options) {
+  nlohmann::ordered_json key{{"dimension", options.cloud.dimension},
+                             {"partition", name_of(options.partition)},
+                             {"max_points_per_tile", options.max_points_per_tile},
+                             {"tiles", options.tiles},
+                             {"skip_invalid", options.cloud.skip_invalid},
+                             {"classes", options.cloud.classes},
+                             {"attributes", options.cloud.attributes},
+                             {"neighbors", options.neighbors}};
+  if (const auto& crop = options.cloud.crop) {
+    // As text: JSON has no infinity.
+    std::string text;
+    for (int axis = 0; axis < 3; ++axis) {
+      text += nlohmann::json(crop->lo[axis]).dump() + " " + nlohmann::json(crop->hi[axis]).dump() + " ";
+    }
+    key["crop"] = text;
+  }
+  return key.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace tessera

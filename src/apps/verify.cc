@@ -1,0 +1,76 @@
+// tessera verify: proves a result folder.
+#include "src/verify/verify.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "src/apps/arguments.h"
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/machine.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+void print_json(const std::string& folder, const VerifyReport& report) {
+  const nlohmann::ordered_json object{{"event", "verified"},          {"result", folder},
+                                      {"cells", report.cells},        {"facets", report.facets},
+                                      {"hull_facets", report.hull_facets}, {"vertices", report.vertices},
+                                      {"passed", report.passed}};
+  std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+void print_text(const std::string& folder, const VerifyReport& report) {
+  for (const auto& line : report.passed) std::printf("ok  %s\n", line.c_str());
+  std::printf("%s is the Delaunay triangulation of its %s vertices: %s cells, %s facets, %s of them on the hull\n",
+              folder.c_str(), grouped(report.vertices).c_str(), grouped(report.cells).c_str(),
+              grouped(report.facets).c_str(), grouped(report.hull_facets).c_str());
+}
+
+Status run_verify(Settings& settings, const std::string& folder) {
+  VerifyOptions options;
+  BOOST_OUTCOME_TRY(memory, settings.get("memory", [](const std::string& text) { return parse_memory(text); }));
+  options.memory_bytes = memory ? *memory : available_memory() / 10 * 7;
+  options.scratch = settings.text("scratch").value_or("");
+  BOOST_OUTCOME_TRY(against_cgal, settings.on("against-cgal"));
+  options.against_cgal = against_cgal;
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera verify --help'");
+  if (output.verbose) log_everything();
+
+  const Interrupt interrupt;
+  BOOST_OUTCOME_TRY(report, verify(folder, options, interrupt.token()));
+  if (output.json) {
+    print_json(folder, report);
+  } else if (!output.quiet) {
+    print_text(folder, report);
+  }
+  return success();
+}
+
+}  // namespace
+
+Command add_verify(CLI::App& root) {
+  auto command = new_command(root, "verify", "Proves that a result folder holds the Delaunay triangulation of its points",
+                             "  tessera verify out/\n"
+                             "  tessera verify out/ --memory 2G --scratch /data/tmp\n"
+                             "  tessera verify out/ --against-cgal      (also compares every cell; needs memory for all)");
+  add_switch(command, "against-cgal", "also build the global triangulation with CGAL in memory, and compare the sets of cells");
+  add_value(command, "memory", "SIZE", "memory for facets before they are sorted on disk; default: 70 % of what is available");
+  add_value(command, "scratch", "FOLDER", "where to sort what does not fit; default: the system's temporary folder");
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
+    return run_verify(*settings, *folder);
+  };
+  return command;
+}
+
+}  // namespace tessera
