@@ -34,12 +34,14 @@ struct StoreOptions {
   std::vector<Attribute> schema;  // of `rows` below
 };
 
-// Writes OUT/tiles/NNNNNN.vtkhdf under a temporary name, syncs, checksums and renames it. `rows`: mesh.points.size()
-// rows of the schema. Safe to call from several threads for different tiles.
+// Writes OUT/tiles/NNNNNN.vtkhdf under a temporary name and checksums it; `rows`: mesh.points.size() rows of the schema.
+// A thread of the store syncs and renames it while the caller goes on: the tile counts as stored, and shows in
+// stored_tiles(), only after that. Its error is told by the next call for the same folder. Arrays are not kept: the mesh
+// may go when this returns. Safe to call from several threads for different tiles.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
 // Also leaves a side file (OUT/tiles/NNNNNN.done, the entry as JSON), by which a resumed run knows the tile is stored;
-// finish_store() removes them.
+// finish_store() removes them. Waits for tiles on their way to disk; so do read_tile() and finish_store().
 Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out);
 
 // Reads a tile file back. Every array is checked (lengths, ranges, ghost flags); corrupt names the file and the place.
@@ -71,12 +73,13 @@ struct Manifest {
   std::vector<TileEntry> tiles;           // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
   std::uint64_t duplicates_xxh3 = 0;      // of duplicates.bin; 0 when there is none
+  std::uint64_t master_xxh3 = 0;          // of triangulation.vtkhdf
   std::map<std::string, double> seconds;  // by phase
   std::map<std::string, double> figures;  // messages, peak memory, ...: for people, not for programs
 };
 
 // Writes triangulation.vtkhdf (virtual datasets over the tiles), duplicates.bin when `duplicates` is not empty
-// (ascending), and the manifest last.
+// (ascending), and the manifest last. Sets the manifest's checksums, and the schema's names as they are stored.
 Status finish_store(const std::filesystem::path& out, Manifest& manifest,
                     std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates);
 // Error io when there is none, corrupt when it is damaged or from a future version.

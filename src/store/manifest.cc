@@ -1,0 +1,307 @@
+#include "src/store/manifest.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "src/store/checksum.h"
+#include "src/store/files.h"
+#include "src/store/sync_queue.h"
+#include "src/store/tile_layout.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+fs::path tile_file(const fs::path& out, TileId tile) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06u.vtkhdf", tile.value);
+  return out / "tiles" / name;
+}
+
+namespace store {
+
+fs::path done_file(const fs::path& out, TileId tile) { return tile_file(out, tile).replace_extension(".done"); }
+fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
+fs::path master_file(const fs::path& out) { return out / "triangulation.vtkhdf"; }
+fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
+
+namespace {
+
+constexpr const char* type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
+
+// JSON has no infinity; finite doubles are written with as many digits as it takes to read the same double back.
+json number(double value) {
+  if (value == std::numeric_limits<double>::infinity()) return "inf";
+  if (value == -std::numeric_limits<double>::infinity()) return "-inf";
+  return value;
+}
+
+double to_double(const json& value) {
+  if (value.is_string()) {
+    if (value == "inf") return std::numeric_limits<double>::infinity();
+    if (value == "-inf") return -std::numeric_limits<double>::infinity();
+    throw json::other_error::create(501, "'" + value.get<std::string>() + "' is not a number", &value);
+  }
+  return value.get<double>();
+}
+
+json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
+Point to_point(const json& value) {
+  return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))};
+}
+
+template <class B>
+json corners(const B& box) {
+  return {{"lo", triple(box.lo)}, {"hi", triple(box.hi)}};
+}
+template <class B>
+B to_corners(const json& value) {
+  B box;
+  box.lo = to_point(value.at("lo"));
+  box.hi = to_point(value.at("hi"));
+  return box;
+}
+
+// get<unsigned>() would accept -1 and 1.5.
+std::uint64_t to_count(const json& value) {
+  if (!value.is_number_unsigned()) throw json::other_error::create(501, value.dump() + " is not a count", &value);
+  return value.get<std::uint64_t>();
+}
+
+std::uint64_t to_sum(const json& value) {
+  const auto text = value.get<std::string>();
+  if (text.size() != 16 || text.find_first_not_of("0123456789abcdef") != std::string::npos)
+    throw json::other_error::create(501, "'" + text + "' is not a checksum", &value);
+  return std::stoull(text, nullptr, 16);
+}
+
+json entry_to_json(const TileEntry& entry) {
+  return {{"tile", entry.tile},   {"points", entry.points},         {"own_points", entry.own_points},
+          {"cells", entry.cells}, {"main_cells", entry.main_cells}, {"bytes", entry.bytes},
+          {"xxh3", checksum_text(entry.xxh3)}};
+}
+
+TileEntry to_entry(const json& value) {
+  TileEntry entry;
+  const std::uint64_t tile = to_count(value.at("tile"));
+  if (tile > std::numeric_limits<std::uint32_t>::max())
+    throw json::other_error::create(501, "tile " + std::to_string(tile) + " does not exist", &value);
+  entry.tile = static_cast<std::uint32_t>(tile);
+  entry.points = to_count(value.at("points"));
+  entry.own_points = to_count(value.at("own_points"));
+  entry.cells = to_count(value.at("cells"));
+  entry.main_cells = to_count(value.at("main_cells"));
+  entry.bytes = to_count(value.at("bytes"));
+  entry.xxh3 = to_sum(value.at("xxh3"));
+  return entry;
+}
+
+Manifest to_manifest(const json& value) {
+  Manifest manifest;
+  manifest.format_version = static_cast<int>(to_count(value.at("format_version")));
+  manifest.software_version = value.at("software_version").get<std::string>();
+  manifest.command = value.at("command").get<std::vector<std::string>>();
+  for (const auto& input : value.at("inputs"))
+    manifest.inputs.push_back({input.at("path").get<std::string>(), to_count(input.at("bytes")),
+                               input.at("modified_ns").get<std::int64_t>()});
+  manifest.dimension = static_cast<int>(to_count(value.at("dimension")));
+  if (manifest.dimension != 2 && manifest.dimension != 3)
+    throw json::other_error::create(501, "the dimension is neither 2 nor 3", &value);
+  manifest.crs = value.at("crs").get<std::string>();
+  manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
+  for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
+  manifest.bounds = to_corners<Bounds>(value.at("bounds"));
+  manifest.neighbors = value.at("neighbors").get<bool>();
+  for (const auto& attribute : value.at("attributes")) {
+    const auto type = attribute.at("type").get<std::string>();
+    const auto found = std::find(std::begin(type_names), std::end(type_names), type);
+    if (found == std::end(type_names)) throw json::other_error::create(501, "'" + type + "' is not a type", &value);
+    manifest.schema.push_back(
+        {attribute.at("name").get<std::string>(), static_cast<AttributeType>(found - std::begin(type_names))});
+  }
+  for (const auto& entry : value.at("tiles")) manifest.tiles.push_back(to_entry(entry));
+  for (std::size_t i = 1; i < manifest.tiles.size(); ++i)
+    if (manifest.tiles[i - 1].tile >= manifest.tiles[i].tile)
+      throw json::other_error::create(501, "the tiles are not in ascending order", &value);
+  const auto& counts = value.at("counts");
+  manifest.points_read = to_count(counts.at("points_read"));
+  manifest.invalid = to_count(counts.at("invalid"));
+  manifest.filtered = to_count(counts.at("filtered"));
+  manifest.duplicates = to_count(counts.at("duplicates"));
+  manifest.vertices = to_count(counts.at("vertices"));
+  manifest.cells = to_count(counts.at("cells"));
+  manifest.master_xxh3 = to_sum(value.at("checksums").at("triangulation.vtkhdf"));
+  if (value.at("checksums").contains("duplicates.bin"))
+    manifest.duplicates_xxh3 = to_sum(value.at("checksums").at("duplicates.bin"));
+  manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
+  manifest.figures = value.at("figures").get<std::map<std::string, double>>();
+  return manifest;
+}
+
+}  // namespace
+
+std::string entry_to_text(const TileEntry& entry) { return entry_to_json(entry).dump() + "\n"; }
+
+std::string manifest_to_text(const Manifest& manifest) {
+  nlohmann::ordered_json value;
+  value["format"] = "tessera";
+  value["format_version"] = manifest.format_version;
+  value["software_version"] = manifest.software_version;
+  value["command"] = manifest.command;
+  value["inputs"] = json::array();
+  for (const auto& input : manifest.inputs)
+    value["inputs"].push_back({{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}});
+  value["dimension"] = manifest.dimension;
+  value["crs"] = manifest.crs;
+  value["bounds"] = corners(manifest.bounds);
+  value["neighbors"] = manifest.neighbors;
+  value["attributes"] = json::array();
+  for (const auto& attribute : manifest.schema)
+    value["attributes"].push_back(
+        {{"name", attribute.name}, {"type", type_names[static_cast<int>(attribute.type)]}});
+  value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
+                     {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
+                     {"vertices", manifest.vertices},       {"cells", manifest.cells}};
+  value["checksums"]["triangulation.vtkhdf"] = checksum_text(manifest.master_xxh3);
+  if (manifest.duplicates_xxh3 != 0) value["checksums"]["duplicates.bin"] = checksum_text(manifest.duplicates_xxh3);
+  value["seconds"] = json(manifest.seconds);
+  value["figures"] = json(manifest.figures);
+  value["partition"]["kind"] = manifest.partition_kind;
+  value["partition"]["boxes"] = json::array();
+  for (const auto& box : manifest.boxes) value["partition"]["boxes"].push_back(nlohmann::ordered_json(corners(box)));
+  value["tiles"] = json::array();
+  for (const auto& entry : manifest.tiles) value["tiles"].push_back(nlohmann::ordered_json(entry_to_json(entry)));
+  // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
+  return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace store
+
+Result<Manifest> read_manifest(const fs::path& out) {
+  const auto path = store::manifest_file(out);
+  std::error_code code;
+  if (!fs::exists(path, code))
+    return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+  BOOST_OUTCOME_TRY(bytes, store::read_whole(path));
+  const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  const json value = json::parse(text, text + bytes.size(), nullptr, false);
+  if (value.is_discarded() || !value.is_object() || value.value("format", json()) != json("tessera"))
+    return corrupt("is not a manifest of tessera, or damaged");
+  const json version = value.value("format_version", json());
+  if (!version.is_number_unsigned()) return corrupt("does not tell its format version");
+  if (version.get<std::uint64_t>() > store::format_version)
+    return corrupt("is of format version " + version.dump() + ", this program knows version " +
+                   std::to_string(store::format_version) + " and older: use a newer tessera");
+  try {
+    return store::to_manifest(value);
+  } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell
+    return corrupt(std::string("is damaged: ") + wrong.what());
+  }
+}
+
+Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
+  BOOST_OUTCOME_TRYV(store::SyncQueue::instance().settle(out));
+  std::vector<TileEntry> entries;
+  std::error_code code;
+  for (fs::directory_iterator file(out / "tiles", code), end; !code && file != end; file.increment(code)) {
+    if (file->path().extension() != ".done") continue;
+    BOOST_OUTCOME_TRY(bytes, store::read_whole(file->path()));
+    const char* text = reinterpret_cast<const char*>(bytes.data());
+    const json value = json::parse(text, text + bytes.size(), nullptr, false);
+    try {
+      const TileEntry entry = store::to_entry(value);
+      const auto tile = tile_file(out, TileId{entry.tile});
+      // A side file without its tile is what a crash between two renames cannot leave, but a person can.
+      std::error_code missing;
+      if (fs::file_size(tile, missing) == entry.bytes && !missing) entries.push_back(entry);
+    } catch (const json::exception& wrong) {
+      return error(Errc::corrupt, file->path().string() + ": is damaged: " + wrong.what());
+    }
+  }
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  return entries;
+}
+
+Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const fs::path& out) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+  const auto path = store::duplicates_file(out);
+  std::error_code code;
+  if (!fs::exists(path, code)) return pairs;
+  BOOST_OUTCOME_TRY(bytes, store::read_whole(path));
+  if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
+  pairs.resize(bytes.size() / 16);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    std::memcpy(&pairs[i].first, bytes.data() + 16 * i, 8);
+    std::memcpy(&pairs[i].second, bytes.data() + 16 * i + 8, 8);
+    if (i > 0 && pairs[i - 1].first >= pairs[i].first)
+      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
+    if (pairs[i].second >= pairs[i].first)
+      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) +
+                                      ": the kept point comes after its duplicate");
+  }
+  return pairs;
+}
+
+namespace {
+
+// Side files and temporary files of this folder's runs: worthless once the manifest is there.
+void remove_side_files(const fs::path& out) {
+  std::error_code code;
+  std::vector<fs::path> old;
+  for (fs::directory_iterator file(out / "tiles", code), end; !code && file != end; file.increment(code))
+    if (file->path().extension() == ".done" || file->path().extension() == ".tmp") old.push_back(file->path());
+  for (const auto& path : old) ::unlink(path.c_str());
+}
+
+}  // namespace
+
+Status finish_store(const fs::path& out, Manifest& manifest,
+                    std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates) {
+  static_assert(std::endian::native == std::endian::little);
+  BOOST_OUTCOME_TRYV(store::SyncQueue::instance().settle(out));
+  BOOST_OUTCOME_TRYV(store::make_directories(out));
+  std::sort(manifest.tiles.begin(), manifest.tiles.end(),
+            [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  BOOST_OUTCOME_TRY(schema, store::stored_schema(manifest.schema));
+  manifest.schema = schema;
+
+  const auto master = store::master_file(out);
+  {
+    store::TemporaryFile temporary(store::temporary_name(master));
+    BOOST_OUTCOME_TRYV(store::write_master(temporary.path(), manifest));
+    BOOST_OUTCOME_TRY(sum, checksum_file(temporary.path()));
+    manifest.master_xxh3 = sum;
+    BOOST_OUTCOME_TRYV(store::publish(temporary.path(), master));
+    temporary.keep();
+  }
+
+  manifest.duplicates_xxh3 = 0;
+  if (duplicates.empty()) {
+    ::unlink(store::duplicates_file(out).c_str());  // of an earlier result in this folder
+  } else {
+    std::vector<std::uint64_t> flat;
+    flat.reserve(2 * duplicates.size());
+    for (const auto& [duplicate, kept] : duplicates) {
+      flat.push_back(duplicate);
+      flat.push_back(kept);
+    }
+    const auto bytes = std::as_bytes(std::span(flat));
+    manifest.duplicates_xxh3 = checksum(bytes);
+    BOOST_OUTCOME_TRYV(store::write_whole(store::duplicates_file(out), bytes));
+  }
+  BOOST_OUTCOME_TRYV(store::write_whole(store::manifest_file(out), store::manifest_to_text(manifest)));
+  remove_side_files(out);
+  return success();
+}
+
+}  // namespace tessera

@@ -1,0 +1,25 @@
+// How the manifest and the tiles' side files are written down.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "src/base/result.h"
+#include "src/store/tile_store.h"
+
+namespace tessera::store {
+
+inline constexpr int format_version = 1;
+
+std::filesystem::path done_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path manifest_file(const std::filesystem::path& out);
+std::filesystem::path master_file(const std::filesystem::path& out);
+std::filesystem::path duplicates_file(const std::filesystem::path& out);
+
+std::string entry_to_text(const TileEntry& entry);
+std::string manifest_to_text(const Manifest& manifest);
+
+// Creates the master file under `path`, over the tile files that stand beside it in tiles/.
+Status write_master(const std::filesystem::path& path, const Manifest& manifest);
+
+}  // namespace tessera::store
