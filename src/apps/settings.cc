@@ -7,6 +7,8 @@
 #include <fstream>
 #include <iterator>
 
+// The library that Debian builds throws; the header alone can be told not to.
+#define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 

@@ -69,8 +69,6 @@ int tessera_main(int argc, char** argv) {
   commands.push_back(add_verify(app));
   commands.push_back(add_info(app));
   commands.push_back(add_export(app));
-  commands.push_back(add_generate(app));
-  commands.push_back(add_harness(app));
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -1,0 +1,59 @@
+#!/usr/bin/env bash
+# Everything a developer does, each with all its set-up and nothing twice: ./tessera.sh help
+set -euo pipefail
+cd "$(dirname "$0")"
+
+build_folder=build/release
+jobs=$(nproc)
+
+usage() {
+  cat <<'TEXT'
+./tessera.sh build            build/release/src/apps/tessera
+./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
+./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay)
+./tessera.sh tidy             clang-tidy over the sources
+./tessera.sh format           clang-format over the sources
+./tessera.sh deps             install what is missing (Debian 12)
+TEXT
+}
+
+# $1: TESSERA_TESTS, whether tests are built; the other half of the build is shared.
+build() {
+  deploy/install-deps.sh
+  local launcher=()
+  command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_C_COMPILER_LAUNCHER=ccache)
+  [[ -f $build_folder/build.ninja ]] || cmake --preset release "${launcher[@]}"
+  cmake --build $build_folder -j "$jobs" --target "$@"
+}
+
+demo() {
+  build tessera
+  local out=demo-out
+  mkdir -p $out
+  local tessera=$build_folder/src/apps/tessera
+  $tessera triangulate 'data/ign/*.las' -o $out/result --tiles 12 --attributes intensity,classification --overwrite
+  $tessera verify $out/result
+  deploy/draw-tiles.sh $out/result $out/tiles.png
+  echo "picture: $out/tiles.png    report: $out/result/report.html"
+}
+
+sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'tests/*.cc' 'bench/*.cc'; }
+
+# CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
+tidy() {
+  deploy/install-deps.sh --clang
+  build all
+  sources | grep -v -E '^(tests|bench)/' | xargs grep -L -E 'caf/|boost/asio|actors/' |
+    xargs -P "$jobs" -n 4 clang-tidy -p $build_folder --quiet --warnings-as-errors='*'
+}
+
+case "${1:-help}" in
+  build) build all ;;
+  demo) demo ;;
+  test) shift; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
+  tidy) tidy ;;
+  format) deploy/install-deps.sh --clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
+  deps) deploy/install-deps.sh ;;
+  help|-h|--help) usage ;;
+  *) usage >&2; exit 2 ;;
+esac
