@@ -68,7 +68,7 @@ std::filesystem::path attributes_file(const std::filesystem::path& run_folder, T
 // A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
 struct LoadedTile {
   std::vector<Point> points;
-  std::vector<std::uint64_t> ids;  // of equal points, the lowest
+  std::vector<std::uint64_t> ids;                                   // of equal points, the lowest
   std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates;  // (duplicate, kept), by ascending duplicate
 };
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);

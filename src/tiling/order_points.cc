@@ -1,0 +1,108 @@
+// A tile's points in Hilbert order, each once.
+#include <algorithm>
+#include <array>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "src/tiling/hilbert.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+namespace {
+
+struct Entry {
+  std::uint64_t key = 0;
+  std::uint64_t index = 0;
+};
+
+constexpr int digit_bits = 11;  // 2048 counters: the scatter's targets stay in the second-level cache
+constexpr int digits = 6;       // 66 >= 63 bits
+
+// Least significant digit first, all histograms in one pass; a digit that is the same everywhere costs nothing.
+void sort_by_key(std::vector<Entry>& entries) {
+  constexpr std::size_t buckets = std::size_t{1} << digit_bits;
+  std::vector<std::array<std::size_t, buckets>> counts(digits);
+  for (const Entry& e : entries) {
+    for (int d = 0; d < digits; ++d) ++counts[d][(e.key >> (d * digit_bits)) % buckets];
+  }
+  std::vector<Entry> other(entries.size());
+  for (int d = 0; d < digits; ++d) {
+    auto& count = counts[d];
+    const int shift = d * digit_bits;
+    if (entries.empty() || count[(entries[0].key >> shift) % buckets] == entries.size()) continue;
+    std::size_t begin = 0;
+    for (std::size_t& c : count) begin += std::exchange(c, begin);
+    for (const Entry& e : entries) other[count[(e.key >> shift) % buckets]++] = e;
+    entries.swap(other);
+  }
+}
+
+class Sorter {
+ public:
+  Sorter(const std::vector<LocalPoint>& points, int dimension) : points_(points), dimension_(dimension) {}
+
+  // By Hilbert key within the bounds of these points; equal keys by sort_run.
+  void sort(std::vector<Entry>& entries) const {
+    Bounds bounds;
+    for (const Entry& e : entries) bounds.add(points_[e.index].at);
+    const HilbertKey key(bounds, dimension_);
+    for (Entry& e : entries) e.key = key(points_[e.index].at);
+    sort_by_key(entries);
+    for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+      while (end < entries.size() && entries[end].key == entries[begin].key) ++end;
+      if (end - begin > 1) sort_run(std::span(entries).subspan(begin, end - begin));
+    }
+  }
+
+ private:
+  static constexpr std::size_t long_run = 1024;
+
+  // A few points share a cell of the curve: lexicographic order. Many do when density spans many octaves (outliers,
+  // clusters in clusters): a curve of their own. Each such curve is 2^21 times finer, so this ends after a few.
+  void sort_run(std::span<Entry> run) const {
+    const Point& first = points_[run[0].index].at;
+    const bool all_equal =
+        std::all_of(run.begin(), run.end(), [&](const Entry& e) { return points_[e.index].at == first; });
+    if (run.size() < long_run || all_equal) {
+      std::sort(run.begin(), run.end(), [&](const Entry& a, const Entry& b) {
+        const LocalPoint& p = points_[a.index];
+        const LocalPoint& q = points_[b.index];
+        return std::tie(p.at.x, p.at.y, p.at.z, p.id) < std::tie(q.at.x, q.at.y, q.at.z, q.id);
+      });
+      return;
+    }
+    std::vector<Entry> entries(run.begin(), run.end());
+    sort(entries);
+    std::copy(entries.begin(), entries.end(), run.begin());
+  }
+
+  const std::vector<LocalPoint>& points_;
+  int dimension_;
+};
+
+}  // namespace
+
+LoadedTile order_points(std::vector<LocalPoint> points, int dimension) {
+  std::vector<Entry> entries(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) entries[i].index = i;
+  Sorter(points, dimension).sort(entries);
+
+  LoadedTile tile;
+  tile.points.reserve(points.size());
+  tile.ids.reserve(points.size());
+  // Equal coordinates have equal keys on every curve, so they are neighbours now, the lowest id first.
+  for (const Entry& e : entries) {
+    const LocalPoint& p = points[e.index];
+    if (!tile.points.empty() && tile.points.back() == p.at) {
+      tile.duplicates.emplace_back(p.id, tile.ids.back());
+    } else {
+      tile.points.push_back(p.at);
+      tile.ids.push_back(p.id);
+    }
+  }
+  std::sort(tile.duplicates.begin(), tile.duplicates.end());
+  return tile;
+}
+
+}  // namespace tessera

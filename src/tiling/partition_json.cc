@@ -1,0 +1,101 @@
+// The partition in plan.json and in the manifest. What comes back is not trusted: a wrong tree would send points to
+// tiles whose boxes do not hold them.
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "src/tiling/partition.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+Error bad(const std::string& what) { return error(Errc::corrupt, "partition: " + what); }
+
+// An integer in [least, most].
+bool get(const json& from, std::int64_t least, std::int64_t most, std::int64_t& value) {
+  if (!from.is_number_integer()) return false;
+  if (from.is_number_unsigned() && from.get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) return false;
+  value = from.get<std::int64_t>();
+  return least <= value && value <= most;
+}
+
+// Every row but the root hangs from exactly one earlier row, every leaf from exactly one, and every plane is inside
+// its box: then leaves are disjoint, not empty, and cover space.
+Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
+  std::vector<bool> row_used(nodes.size()), leaf_used(tiles);
+  std::vector<Box> boxes(nodes.size());
+  for (std::size_t row = 0; row < nodes.size(); ++row) {
+    const SplitNode& node = nodes[row];
+    const Box& box = boxes[row];
+    const std::string name = "split " + std::to_string(row);
+    if (row > 0 && !row_used[row]) return bad(name + " hangs from no earlier one");
+    if (!(box.lo[node.axis] < node.value && node.value < box.hi[node.axis])) return bad(name + " is outside its box");
+    for (const int side : {0, 1}) {
+      const std::int32_t child = node.child[side];
+      if (child < 0) {
+        if (leaf_used[leaf_number(child)]) return bad("tile " + std::to_string(leaf_number(child)) + " occurs twice");
+        leaf_used[leaf_number(child)] = true;
+        continue;
+      }
+      const auto next = static_cast<std::size_t>(child);
+      if (next <= row || row_used[next]) return bad(name + " leads to split " + std::to_string(child) + ", not a tree");
+      row_used[next] = true;
+      boxes[next] = box;
+      (side == 0 ? boxes[next].hi : boxes[next].lo)[node.axis] = node.value;
+    }
+  }
+  return success();
+}
+
+}  // namespace
+
+std::string Partition::to_json() const {
+  json splits = json::array();
+  for (const SplitNode& node : nodes_) {
+    splits.push_back(json::array({node.axis, node.value, node.child[0], node.child[1]}));
+  }
+  return json{{"kind", name_of(kind_)}, {"dimension", dimension_}, {"tiles", tiles()}, {"splits", std::move(splits)}}
+      .dump();
+}
+
+Result<Partition> Partition::from_json(const std::string& text) {
+  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!root.is_object()) return bad("not a JSON object");
+  for (const char* key : {"kind", "dimension", "tiles", "splits"}) {
+    if (!root.contains(key)) return bad(std::string(key) + " is missing");
+  }
+  if (!root["kind"].is_string()) return bad("kind is not a string");
+  const auto kind = parse_partition_kind(root["kind"].get<std::string>());
+  if (!kind) return bad("unknown kind");
+  std::int64_t dimension = 0;
+  std::int64_t tiles = 0;
+  if (!get(root["dimension"], 2, 3, dimension)) return bad("dimension is not 2 or 3");
+  if (!get(root["tiles"], 1, tiles_max, tiles)) return bad("tiles is not a number from 1 to 1048576");
+  const json& splits = root["splits"];
+  if (!splits.is_array()) return bad("splits is not a list");
+  const std::int64_t rows = kind.value() == PartitionKind::random ? 0 : tiles - 1;
+  if (splits.size() != static_cast<std::size_t>(rows)) {
+    return bad(std::to_string(splits.size()) + " splits for " + std::to_string(tiles) + " tiles");
+  }
+  std::vector<SplitNode> nodes;
+  nodes.reserve(splits.size());
+  for (const json& split : splits) {
+    std::int64_t axis = 0;
+    std::int64_t below = 0;
+    std::int64_t above = 0;
+    if (!split.is_array() || split.size() != 4 || !get(split[0], 0, dimension - 1, axis) || !split[1].is_number() ||
+        !get(split[2], -tiles, rows - 1, below) || !get(split[3], -tiles, rows - 1, above) ||
+        !std::isfinite(split[1].get<double>())) {
+      return bad("split " + std::to_string(nodes.size()) + " is not [axis, coordinate, below, above]");
+    }
+    nodes.push_back({split[1].get<double>() + 0.0,
+                     static_cast<std::int32_t>(axis),
+                     {static_cast<std::int32_t>(below), static_cast<std::int32_t>(above)}});
+  }
+  BOOST_OUTCOME_TRYV(check_tree(nodes, static_cast<std::uint32_t>(tiles)));
+  return Partition(kind.value(), static_cast<int>(dimension), std::move(nodes), static_cast<std::uint32_t>(tiles));
+}
+
+}  // namespace tessera

@@ -1,0 +1,67 @@
+// The planes of a partition as a flat binary tree, and the three ways to choose them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/point.h"
+
+namespace tessera {
+
+// One plane: points with coordinate < value go to child[0], the others to child[1].
+// A child >= 0 is a row of the tree, a negative one is the leaf -1-child. Row 0 is the root; an empty tree is leaf 0.
+struct SplitNode {
+  double value = 0;
+  std::int32_t axis = 0;
+  std::int32_t child[2] = {0, 0};
+};
+
+constexpr std::int32_t as_leaf(std::uint32_t tile) { return -1 - static_cast<std::int32_t>(tile); }
+constexpr std::uint32_t leaf_number(std::int32_t child) { return static_cast<std::uint32_t>(-1 - child); }
+
+// Which child is an index, not a branch: the sides of a median split cannot be predicted.
+inline std::uint32_t leaf_of(std::span<const SplitNode> nodes, const Point& p) {
+  const double at[3] = {p.x, p.y, p.z};
+  std::int32_t row = nodes.empty() ? as_leaf(0) : 0;
+  while (row >= 0) {
+    const SplitNode& node = nodes[static_cast<std::size_t>(row)];
+    row = node.child[at[node.axis] >= node.value];
+  }
+  return leaf_number(row);
+}
+
+// By leaf number. REQUIRES: the tree has `leaves` leaves, numbered from 0.
+std::vector<Box> boxes_of(std::span<const SplitNode> nodes, std::uint32_t leaves);
+
+// Doubles as integers in the same order (both zeros are 0): neighbouring doubles are neighbouring integers. Used where
+// nothing better than "any plane inside the box" is wanted, and arithmetic would get stuck at rounding or overflow.
+std::int64_t ordinal(double x);
+double from_ordinal(std::int64_t n);
+
+// A median split of `points` on `axis`, as near as ties allow to `rank` points below it.
+struct MedianSplit {
+  double value = 0;
+  std::size_t below = 0;  // 0 when all points have the same coordinate: there is no split
+};
+MedianSplit median_split(std::span<Point> points, int axis, std::size_t rank);  // reorders points
+
+// Half the longest side of bounds and such: lo <= midpoint <= hi, without overflow.
+double midpoint(double lo, double hi);
+
+// Exactly `tiles` leaves, 1 <= tiles, numbered from left to right. Every split has points of the sample on both sides,
+// unless the node's points are all equal: then the tiles left over get any part of the node's box.
+std::vector<SplitNode> build_kd_tree(int dimension, std::vector<Point> sample, std::uint32_t tiles);
+
+// Boxes of equal size over `bounds`, as cubic as possible, `tiles` to 1.25 * tiles of them.
+std::vector<SplitNode> build_grid(int dimension, const Bounds& bounds, std::uint32_t tiles);
+
+// Splits the cube around `bounds` in 2^d equal ones, and so on while more than `limit` points of the sample are inside
+// and there are at most `tiles_max` leaves and 40 levels.
+std::vector<SplitNode> build_octree(int dimension, std::vector<Point> sample, const Bounds& bounds, std::size_t limit,
+                                    std::uint32_t tiles_max);
+// The same, splitting the fullest leaf until there are at least `tiles`.
+std::vector<SplitNode> build_octree_tiles(int dimension, std::vector<Point> sample, const Bounds& bounds,
+                                          std::uint32_t tiles);
+
+}  // namespace tessera
