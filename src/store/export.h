@@ -25,9 +25,9 @@ struct Exported {
   std::uint64_t bytes = 0;  // written, all files together
 };
 
-// Writes the result folder `out` to `target`: a file, or, for vtu, also a folder (one that exists, or a path without the
-// ending .vtu). Written under a temporary name and renamed; memory is that of the largest tile plus 12 bytes a vertex.
-// Errors: usage for a format that cannot hold the result, corrupt for a damaged tile, io, interrupted.
+// Writes the result folder `out` to `target`: a file, or, for vtu, also a folder (one that exists, or a path without
+// the ending .vtu). Written under a temporary name and renamed; memory is that of the largest tile plus 12 bytes a
+// vertex. Errors: usage for a format that cannot hold the result, corrupt for a damaged tile, io, interrupted.
 Result<Exported> export_result(const std::filesystem::path& out, ExportFormat format,
                                const std::filesystem::path& target, std::stop_token stop);
 

@@ -64,7 +64,10 @@ Status sync_path(const fs::path& path, int flags) {
 Status publish(const fs::path& temporary, const fs::path& final_name) {
   BOOST_OUTCOME_TRYV(sync_path(temporary, O_RDWR));
   if (::rename(temporary.c_str(), final_name.c_str()) != 0) return io_error(final_name, "cannot rename to it", errno);
-  const auto folder = final_name.parent_path();
+  return success();
+}
+
+Status sync_folder(const fs::path& folder) {
   return sync_path(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);
 }
 
@@ -92,7 +95,7 @@ Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes)
   }
   BOOST_OUTCOME_TRYV(publish(temporary.path(), final_name));
   temporary.keep();
-  return success();
+  return sync_folder(final_name.parent_path());
 }
 
 Status write_whole(const fs::path& final_name, std::string_view text) {

@@ -51,9 +51,11 @@ class TemporaryFile {
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 
 Status make_directories(const std::filesystem::path& folder);
-// Syncs `temporary`, renames it, and syncs the folder, after which the file survives a power cut under its name.
+// Syncs `temporary` and renames it: under its name there is the whole file or none. After sync_folder() of its folder
+// it survives a power cut there.
 Status publish(const std::filesystem::path& temporary, const std::filesystem::path& final_name);
-// Writes the whole file and publishes it.
+Status sync_folder(const std::filesystem::path& folder);
+// Writes the whole file, publishes it and syncs its folder.
 Status write_whole(const std::filesystem::path& final_name, std::span<const std::byte> bytes);
 Status write_whole(const std::filesystem::path& final_name, std::string_view text);
 // Error io when it is missing or unreadable.

@@ -64,8 +64,8 @@ VtkHdfFile create_vtkhdf(const std::string& path) {
 
   const Hdf5Handle pair = space_of({2});
   const std::int64_t version[2] = {1, 0};
-  const Hdf5Handle version_attribute{
-      H5Acreate2(result.group, "Version", H5T_STD_I64LE, pair, H5P_DEFAULT, H5P_DEFAULT), H5Aclose};
+  const Hdf5Handle version_attribute{H5Acreate2(result.group, "Version", H5T_STD_I64LE, pair, H5P_DEFAULT, H5P_DEFAULT),
+                                     H5Aclose};
   if (H5Awrite(version_attribute, H5T_NATIVE_INT64, version) < 0) return result;
   const Hdf5Handle text{H5Tcopy(H5T_C_S1), H5Tclose};  // VTK wants a fixed-length ASCII string
   H5Tset_size(text, 16);

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -55,9 +57,7 @@ double to_double(const json& value) {
 }
 
 json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
-Point to_point(const json& value) {
-  return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))};
-}
+Point to_point(const json& value) { return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))}; }
 
 template <class B>
 json corners(const B& box) {
@@ -85,8 +85,12 @@ std::uint64_t to_sum(const json& value) {
 }
 
 json entry_to_json(const TileEntry& entry) {
-  return {{"tile", entry.tile},   {"points", entry.points},         {"own_points", entry.own_points},
-          {"cells", entry.cells}, {"main_cells", entry.main_cells}, {"bytes", entry.bytes},
+  return {{"tile", entry.tile},
+          {"points", entry.points},
+          {"own_points", entry.own_points},
+          {"cells", entry.cells},
+          {"main_cells", entry.main_cells},
+          {"bytes", entry.bytes},
           {"xxh3", checksum_text(entry.xxh3)}};
 }
 
@@ -149,7 +153,14 @@ Manifest to_manifest(const json& value) {
 
 }  // namespace
 
-std::string entry_to_text(const TileEntry& entry) { return entry_to_json(entry).dump() + "\n"; }
+Status write_done(const fs::path& out, const TileEntry& entry) {
+  const auto path = done_file(out, TileId{entry.tile});
+  std::ofstream file(path, std::ios::trunc);
+  file << entry_to_json(entry).dump() << "\n";
+  file.close();
+  if (!file) return io_error(path, "cannot write", errno);
+  return success();
+}
 
 std::string manifest_to_text(const Manifest& manifest) {
   nlohmann::ordered_json value;
@@ -166,8 +177,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["neighbors"] = manifest.neighbors;
   value["attributes"] = json::array();
   for (const auto& attribute : manifest.schema)
-    value["attributes"].push_back(
-        {{"name", attribute.name}, {"type", type_names[static_cast<int>(attribute.type)]}});
+    value["attributes"].push_back({{"name", attribute.name}, {"type", type_names[static_cast<int>(attribute.type)]}});
   value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
@@ -224,8 +234,8 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
       // A side file without its tile is what a crash between two renames cannot leave, but a person can.
       std::error_code missing;
       if (fs::file_size(tile, missing) == entry.bytes && !missing) entries.push_back(entry);
-    } catch (const json::exception& wrong) {
-      return error(Errc::corrupt, file->path().string() + ": is damaged: " + wrong.what());
+    } catch (const json::exception&) {
+      continue;  // written when the power went: the tile is made again
     }
   }
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
@@ -246,8 +256,8 @@ Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(con
     if (i > 0 && pairs[i - 1].first >= pairs[i].first)
       return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
     if (pairs[i].second >= pairs[i].first)
-      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) +
-                                      ": the kept point comes after its duplicate");
+      return error(Errc::corrupt,
+                   path.string() + ", pair " + std::to_string(i) + ": the kept point comes after its duplicate");
   }
   return pairs;
 }
@@ -269,9 +279,9 @@ Status finish_store(const fs::path& out, Manifest& manifest,
                     std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates) {
   static_assert(std::endian::native == std::endian::little);
   BOOST_OUTCOME_TRYV(store::SyncQueue::instance().settle(out));
-  BOOST_OUTCOME_TRYV(store::make_directories(out));
-  std::sort(manifest.tiles.begin(), manifest.tiles.end(),
-            [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  BOOST_OUTCOME_TRYV(store::make_directories(out / "tiles"));
+  BOOST_OUTCOME_TRYV(store::sync_folder(out / "tiles"));
+  std::sort(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   BOOST_OUTCOME_TRY(schema, store::stored_schema(manifest.schema));
   manifest.schema = schema;
 

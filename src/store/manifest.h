@@ -16,7 +16,8 @@ std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 
-std::string entry_to_text(const TileEntry& entry);
+// The side file of a stored tile. Not synced: one that a power cut damaged means that the tile is made again.
+Status write_done(const std::filesystem::path& out, const TileEntry& entry);
 std::string manifest_to_text(const Manifest& manifest);
 
 // Creates the master file under `path`, over the tile files that stand beside it in tiles/.

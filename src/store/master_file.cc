@@ -36,7 +36,8 @@ bool create_virtual(hid_t group, const ArrayInfo& array, const Manifest& manifes
   for (const auto& entry : manifest.tiles) {
     const hsize_t rows = rows_of(array, entry, manifest.dimension);
     if (rows == 0) continue;
-    const std::vector<hsize_t> start = array.columns == 1 ? std::vector<hsize_t>{first} : std::vector<hsize_t>{first, 0};
+    const std::vector<hsize_t> start =
+        array.columns == 1 ? std::vector<hsize_t>{first} : std::vector<hsize_t>{first, 0};
     const auto count = shape(rows);
     H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr);
     const Hdf5Handle source = space_of(count);

@@ -61,7 +61,7 @@ void SyncQueue::work() {
     Status status = publish(job.file.path(), tile_file(job.out, tile));
     if (status) {
       job.file.keep();
-      status = write_whole(done_file(job.out, tile), entry_to_text(job.entry));
+      status = write_done(job.out, job.entry);
     }
 
     lock.lock();

@@ -83,8 +83,8 @@ bool create_offsets(hid_t group, std::uint64_t cells, int step) {
   H5Pset_shuffle(properties);
   H5Pset_deflate(properties, 1);
   const Hdf5Handle space = space_of({entries});
-  const Hdf5Handle dataset{
-      H5Dcreate2(group, "Offsets", H5T_STD_I32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose};
+  const Hdf5Handle dataset{H5Dcreate2(group, "Offsets", H5T_STD_I32LE, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+                           H5Dclose};
   if (!dataset.ok()) return false;
   for (hsize_t first = 0; first < entries; first += chunk) {
     const auto packed = offsets_chunk(first, chunk, step);

@@ -14,10 +14,10 @@ namespace tessera::store {
 enum class ArrayOf : std::uint8_t { points, cells, cells_plus_one, connectivity };
 
 struct ArrayInfo {
-  std::string name;        // below /VTKHDF
+  std::string name;  // below /VTKHDF
   AttributeType type;
-  ArrayOf rows;            // what there is one row of
-  std::uint64_t columns;   // 1: a one-dimensional dataset
+  ArrayOf rows;           // what there is one row of
+  std::uint64_t columns;  // 1: a one-dimensional dataset
 };
 
 // All arrays in the order in which they are created.

@@ -25,39 +25,48 @@ class TileReader {
  public:
   explicit TileReader(fs::path path) : path_(std::move(path)) {}
 
-  Result<StoredTile> read(bool with_rows) {
+  Result<StoredTile> read(bool with_cells, bool with_rows) {
     BOOST_OUTCOME_TRYV(open());
     StoredTile tile;
     TileMesh& mesh = tile.mesh;
     BOOST_OUTCOME_TRYV(read_dimension(mesh));
-    const auto corners = static_cast<hsize_t>(mesh.dimension + 1);
-
-    static_assert(sizeof(Point) == 3 * sizeof(double));
-    BOOST_OUTCOME_TRY(point_shape, shape("Points", AttributeType::f64));
-    if (point_shape.size() != 2 || point_shape[1] != 3) return corrupt("Points", "is not an array of 3 columns");
-    const hsize_t n = point_shape[0];
-    BOOST_OUTCOME_TRY(cell_shape, shape("CellData/vtkGhostType", AttributeType::u8));
-    if (cell_shape.size() != 1) return corrupt("CellData/vtkGhostType", "is not a list");
-    const hsize_t m = cell_shape[0];
-
-    BOOST_OUTCOME_TRYV(read_array("Points", AttributeType::f64, {n, 3}, mesh.points));
-    BOOST_OUTCOME_TRYV(read_array("PointData/id", AttributeType::u64, {n}, mesh.ids));
-    BOOST_OUTCOME_TRYV(read_array("PointData/vtkGhostType", AttributeType::u8, {n}, mesh.point_ghost));
-    BOOST_OUTCOME_TRYV(read_array("CellData/vtkGhostType", AttributeType::u8, {m}, mesh.cell_ghost));
-    BOOST_OUTCOME_TRYV(read_array("Connectivity", AttributeType::i32, {m * corners}, mesh.cells));
-    if (H5Lexists(group_, "CellData/neighbors", H5P_DEFAULT) > 0) {
-      BOOST_OUTCOME_TRYV(read_array("CellData/neighbors", AttributeType::i32, {m, corners}, mesh.neighbors));
+    BOOST_OUTCOME_TRYV(read_vertices(mesh));
+    if (with_cells) {
+      BOOST_OUTCOME_TRYV(read_cells(mesh));
     }
-    BOOST_OUTCOME_TRYV(check_constant_arrays(mesh, n, m));
     BOOST_OUTCOME_TRYV(check_values(mesh));
     BOOST_OUTCOME_TRYV(read_schema(tile.schema));
     if (with_rows) {
-      BOOST_OUTCOME_TRYV(read_rows(n, tile));
+      BOOST_OUTCOME_TRYV(read_rows(mesh.points.size(), tile));
     }
     return tile;
   }
 
  private:
+  Status read_vertices(TileMesh& mesh) const {
+    static_assert(sizeof(Point) == 3 * sizeof(double));
+    BOOST_OUTCOME_TRY(dims, shape("Points", AttributeType::f64));
+    if (dims.size() != 2 || dims[1] != 3) return corrupt("Points", "is not an array of 3 columns");
+    const hsize_t n = dims[0];
+    BOOST_OUTCOME_TRYV(read_array("Points", AttributeType::f64, {n, 3}, mesh.points));
+    BOOST_OUTCOME_TRYV(read_array("PointData/id", AttributeType::u64, {n}, mesh.ids));
+    BOOST_OUTCOME_TRYV(read_array("PointData/vtkGhostType", AttributeType::u8, {n}, mesh.point_ghost));
+    return check_count("NumberOfPoints", n);
+  }
+
+  Status read_cells(TileMesh& mesh) const {
+    const auto corners = static_cast<hsize_t>(mesh.dimension + 1);
+    BOOST_OUTCOME_TRY(dims, shape("CellData/vtkGhostType", AttributeType::u8));
+    if (dims.size() != 1) return corrupt("CellData/vtkGhostType", "is not a list");
+    const hsize_t m = dims[0];
+    BOOST_OUTCOME_TRYV(read_array("CellData/vtkGhostType", AttributeType::u8, {m}, mesh.cell_ghost));
+    BOOST_OUTCOME_TRYV(read_array("Connectivity", AttributeType::i32, {m * corners}, mesh.cells));
+    if (H5Lexists(group_, "CellData/neighbors", H5P_DEFAULT) > 0) {
+      BOOST_OUTCOME_TRYV(read_array("CellData/neighbors", AttributeType::i32, {m, corners}, mesh.neighbors));
+    }
+    return check_constant_arrays(mesh, m);
+  }
+
   Error corrupt(const std::string& place, const std::string& reason) const {
     return error(Errc::corrupt, path_.string() + ", /VTKHDF/" + place + ": " + reason);
   }
@@ -147,13 +156,13 @@ class TileReader {
   Status check_count(const char* name, hsize_t wanted) const {
     std::vector<std::int64_t> count;
     BOOST_OUTCOME_TRYV(read_array(name, AttributeType::i64, {1}, count));
-    if (count[0] < 0 || static_cast<hsize_t>(count[0]) != wanted) return corrupt(name, "does not agree with the arrays");
+    if (count[0] < 0 || static_cast<hsize_t>(count[0]) != wanted)
+      return corrupt(name, "does not agree with the arrays");
     return success();
   }
 
-  Status check_constant_arrays(const TileMesh& mesh, hsize_t n, hsize_t m) const {
+  Status check_constant_arrays(const TileMesh& mesh, hsize_t m) const {
     const auto corners = static_cast<std::size_t>(mesh.dimension + 1);
-    BOOST_OUTCOME_TRYV(check_count("NumberOfPoints", n));
     BOOST_OUTCOME_TRYV(check_count("NumberOfCells", m));
     BOOST_OUTCOME_TRYV(check_count("NumberOfConnectivityIds", m * corners));
     std::vector<std::uint8_t> types;
@@ -246,7 +255,13 @@ class TileReader {
 Result<StoredTile> read_tile(const fs::path& out, TileId tile, bool with_rows) {
   const QuietHdf5 quiet;
   BOOST_OUTCOME_TRYV(SyncQueue::instance().settle(out));
-  return TileReader(tile_file(out, tile)).read(with_rows);
+  return TileReader(tile_file(out, tile)).read(true, with_rows);
+}
+
+Result<StoredTile> read_tile_vertices(const fs::path& out, TileId tile, bool with_rows) {
+  const QuietHdf5 quiet;
+  BOOST_OUTCOME_TRYV(SyncQueue::instance().settle(out));
+  return TileReader(tile_file(out, tile)).read(false, with_rows);
 }
 
 }  // namespace tessera

@@ -20,12 +20,12 @@ namespace tessera {
 // What the manifest says of one tile file.
 struct TileEntry {
   std::uint32_t tile = 0;
-  std::uint64_t points = 0;        // vertices in the file, foreign ones included
+  std::uint64_t points = 0;  // vertices in the file, foreign ones included
   std::uint64_t own_points = 0;
-  std::uint64_t cells = 0;         // cells in the file
+  std::uint64_t cells = 0;  // cells in the file
   std::uint64_t main_cells = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t xxh3 = 0;          // XXH3-64 of the file's bytes
+  std::uint64_t xxh3 = 0;  // XXH3-64 of the file's bytes
   friend bool operator==(const TileEntry&, const TileEntry&) = default;
 };
 
@@ -34,10 +34,10 @@ struct StoreOptions {
   std::vector<Attribute> schema;  // of `rows` below
 };
 
-// Writes OUT/tiles/NNNNNN.vtkhdf under a temporary name and checksums it; `rows`: mesh.points.size() rows of the schema.
-// A thread of the store syncs and renames it while the caller goes on: the tile counts as stored, and shows in
-// stored_tiles(), only after that. Its error is told by the next call for the same folder. Arrays are not kept: the mesh
-// may go when this returns. Safe to call from several threads for different tiles.
+// Writes OUT/tiles/NNNNNN.vtkhdf under a temporary name and checksums it; `rows`: mesh.points.size() rows of the
+// schema. A thread of the store syncs and renames it while the caller goes on: the tile counts as stored, and shows in
+// stored_tiles(), only after that. Its error is told by the next call for the same folder. Arrays are not kept: the
+// mesh may go when this returns. Safe to call from several threads for different tiles.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
 // Also leaves a side file (OUT/tiles/NNNNNN.done, the entry as JSON), by which a resumed run knows the tile is stored;
@@ -52,6 +52,8 @@ struct StoredTile {
   std::vector<std::byte> rows;
 };
 Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false);
+// The same without cells.
+Result<StoredTile> read_tile_vertices(const std::filesystem::path& out, TileId tile, bool with_rows = false);
 
 struct Manifest {
   int format_version = 1;
@@ -70,7 +72,7 @@ struct Manifest {
   Bounds bounds;
   bool neighbors = true;
   std::vector<Attribute> schema;
-  std::vector<TileEntry> tiles;           // of non-empty tiles, by tile id
+  std::vector<TileEntry> tiles;  // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
   std::uint64_t duplicates_xxh3 = 0;      // of duplicates.bin; 0 when there is none
   std::uint64_t master_xxh3 = 0;          // of triangulation.vtkhdf

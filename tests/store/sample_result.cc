@@ -1,0 +1,143 @@
+#include "tests/store/sample_result.h"
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <set>
+
+#include "src/kernel/kernel.h"
+
+namespace tessera::test {
+
+std::vector<Point> sample_points(Shape shape, int dimension, std::size_t n, unsigned seed) {
+  std::mt19937_64 random(seed);
+  const auto unit = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  std::set<Point> points;
+  if (shape == Shape::lattice) {
+    const int side = static_cast<int>(std::ceil(std::pow(static_cast<double>(n), 1.0 / dimension)));
+    for (int x = 0; x < side; ++x)
+      for (int y = 0; y < side; ++y)
+        for (int z = 0; z < (dimension == 3 ? side : 1); ++z)
+          points.insert({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+  }
+  while (points.size() < n) {
+    Point p{unit(), unit(), dimension == 3 ? unit() : 0.0};
+    if (shape == Shape::terrain) {
+      p = {std::round(p.x * 200) / 10, std::round(p.y * 200) / 10, dimension == 3 ? std::round(p.z * 8) / 10 : 0.0};
+    } else if (shape == Shape::sphere) {
+      const Point c{p.x - 0.5, p.y - 0.5, dimension == 3 ? p.z - 0.5 : 0.0};
+      const double r = std::sqrt(c.x * c.x + c.y * c.y + c.z * c.z);
+      if (r < 0.01) continue;
+      p = {std::round(c.x / r * 1e6), std::round(c.y / r * 1e6), std::round(c.z / r * 1e6)};
+    }
+    points.insert(without_negative_zero(p));
+  }
+  std::vector<Point> result(points.begin(), points.end());
+  std::shuffle(result.begin(), result.end(), random);
+  return result;
+}
+
+std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles) {
+  const auto kernel = make_kernel(dimension);
+  kernel->build(points);
+  const CellList all = kernel->cells();
+  const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
+
+  std::vector<double> xs;
+  for (const auto& p : points) xs.push_back(p.x);
+  std::sort(xs.begin(), xs.end());
+  const auto tile_of = [&](std::size_t point) {
+    std::uint32_t tile = 0;
+    while (tile + 1 < tiles && points[point].x >= xs[xs.size() * (tile + 1) / tiles]) ++tile;
+    return tile;
+  };
+
+  std::vector<TileMesh> meshes(tiles);
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+    TileMesh& mesh = meshes[tile];
+    mesh.dimension = dimension;
+    std::map<std::size_t, std::int32_t> own, foreign;  // by point
+    std::map<std::size_t, std::int32_t> cell_index;    // by place in `all`
+    for (std::size_t c = 0; c < all.vertices.size() / corners; ++c) {
+      const Vertex* cell = all.vertices.data() + c * corners;
+      if (std::find(cell, cell + corners, infinite_vertex) != cell + corners) continue;
+      if (std::none_of(cell, cell + corners, [&](Vertex v) { return tile_of(v - 1) == tile; })) continue;
+      cell_index.emplace(c, static_cast<std::int32_t>(cell_index.size()));
+      for (std::size_t k = 0; k < corners; ++k) (tile_of(cell[k] - 1) == tile ? own : foreign)[cell[k] - 1] = 0;
+    }
+    for (std::size_t p = 0; p < points.size(); ++p)
+      if (tile_of(p) == tile) own[p] = 0;  // also of a point that no cell has: tests rely on what they put in
+    for (auto* part : {&own, &foreign})
+      for (auto& [point, index] : *part) {
+        index = static_cast<std::int32_t>(mesh.points.size());
+        mesh.points.push_back(points[point]);
+        mesh.ids.push_back(point);
+        mesh.owners.push_back(tile_of(point));
+        mesh.point_ghost.push_back(part == &foreign ? 1 : 0);
+      }
+    for (const auto& [c, index] : cell_index) {
+      std::uint32_t lowest = tiles;
+      for (std::size_t k = 0; k < corners; ++k) {
+        const std::size_t point = all.vertices[c * corners + k] - 1;
+        lowest = std::min(lowest, tile_of(point));
+        mesh.cells.push_back(own.contains(point) ? own.at(point) : foreign.at(point));
+        const std::size_t beyond = all.neighbors[c * corners + k];
+        const Vertex* other = all.vertices.data() + beyond * corners;
+        mesh.neighbors.push_back(std::find(other, other + corners, infinite_vertex) != other + corners ? -1
+                                 : cell_index.contains(beyond) ? cell_index.at(beyond)
+                                                               : -2);
+      }
+      mesh.cell_ghost.push_back(lowest == tile ? 0 : 1);
+    }
+  }
+  return meshes;
+}
+
+Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
+                      const StoreOptions& options,
+                      const std::vector<std::pair<std::uint64_t, std::uint64_t>>& duplicates) {
+  Manifest manifest;
+  manifest.software_version = "0.1.0";
+  manifest.command = {"tessera", "triangulate", "cloud.xyz"};
+  manifest.dimension = meshes.front().dimension;
+  manifest.partition_kind = "kdtree";
+  manifest.neighbors = options.neighbors;
+  manifest.schema = options.schema;
+  for (std::uint32_t tile = 0; tile < meshes.size(); ++tile) {
+    const TileMesh& mesh = meshes[tile];
+    if (mesh.points.empty()) continue;
+    std::vector<std::byte> rows(mesh.points.size() * row_bytes(options.schema));
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<std::byte>(i * 7);
+    const auto entry = write_tile(out, TileId{tile}, mesh, rows, options);
+    EXPECT_TRUE(entry) << (entry ? "" : entry.error().where);
+    if (!entry) return manifest;
+    manifest.tiles.push_back(entry.value());
+    manifest.vertices += entry.value().own_points;
+    manifest.cells += entry.value().main_cells;
+    for (const auto& p : mesh.points) manifest.bounds.add(p);
+    manifest.boxes.emplace_back();
+  }
+  manifest.duplicates = duplicates.size();
+  manifest.points_read = manifest.vertices + duplicates.size();
+  const auto status = finish_store(out, manifest, duplicates);
+  EXPECT_TRUE(status) << (status ? "" : status.error().where);
+  return manifest;
+}
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code code;
+  std::filesystem::remove_all(path_, code);
+}
+
+}  // namespace tessera::test

@@ -1,0 +1,40 @@
+// Small results made by hand: a triangulation of one kernel, cut into tiles by slabs. Tests damage them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/store/tile_store.h"
+#include "src/tile/tile_mesh.h"
+
+namespace tessera::test {
+
+enum class Shape { uniform, lattice, sphere, terrain };
+
+// Distinct points; lattice and terrain have many cospherical ones. `n` is a target: a lattice has at least as many.
+std::vector<Point> sample_points(Shape shape, int dimension, std::size_t n, unsigned seed = 1);
+
+// The triangulation of `points` (ids are their ranks) as `tiles` slabs along x would store it.
+std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles);
+
+// Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result.
+Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
+                      const StoreOptions& options = {},
+                      const std::vector<std::pair<std::uint64_t, std::uint64_t>>& duplicates = {});
+
+// An empty folder of its own, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace tessera::test
