@@ -55,7 +55,9 @@ std::vector<std::string_view> split_commas(std::string_view text) {
 }  // namespace
 
 Result<std::uint64_t> parse_count(std::string_view text) {
-  const auto bad = [&](const char* reason = "is not a number like 500, 10k, 1.5M or 2G") { return refuse(text, reason); };
+  const auto bad = [&](const char* reason = "is not a number like 500, 10k, 1.5M or 2G") {
+    return refuse(text, reason);
+  };
   const auto decimal = split_decimal(text);
   if (!decimal) return bad();
   std::size_t zeros = 0;

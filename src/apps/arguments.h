@@ -1,5 +1,6 @@
 // Text from flags, environment and configuration files turned into values. All of it is untrusted: every function
-// accepts the whole text or returns Errc::usage with the end of a sentence ("'12x' is not a number like 500, 10k, ...").
+// accepts the whole text or returns Errc::usage with the end of a sentence ("'12x' is not a number like 500, 10k,
+// ...").
 #pragma once
 
 #include <cstdint>
@@ -33,5 +34,14 @@ Result<std::vector<int>> parse_classes(std::string_view text);
 
 // Names separated by commas, none empty.
 Result<std::vector<std::string>> parse_names(std::string_view text);
+
+// A parser to which "auto" stands for a choice of the program.
+template <class Parse>
+auto or_auto(Parse parse, typename decltype(parse(std::string()))::value_type automatic) {
+  return [parse, automatic](const std::string& text) -> decltype(parse(text)) {
+    if (text == "auto") return automatic;
+    return parse(text);
+  };
+}
 
 }  // namespace tessera

@@ -4,22 +4,25 @@
 
 namespace tessera {
 
-Command new_command(CLI::App& root, const std::string& name, const std::string& description, const std::string& examples) {
+Command new_command(CLI::App& root, const std::string& name, const std::string& description,
+                    const std::string& examples) {
   Command command;
   command.app = root.add_subcommand(name, description);
   command.app->footer("Examples:\n" + examples);
   command.settings = std::make_unique<Settings>(name);
-  add_value(command, "config", "FILE", "read options from this TOML file (see config/tessera.toml); else TESSERA_CONFIG");
+  add_value(command, "config", "FILE",
+            "read options from this TOML file (see config/tessera.toml); else TESSERA_CONFIG");
   return command;
 }
 
-void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help, char short_name,
-               bool flag_only) {
+void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
+               char short_name, bool flag_only) {
   auto* settings = command.settings.get();
   settings->declare(key, flag_only);
   const std::string names = (short_name != 0 ? std::string("-") + short_name + "," : std::string()) + "--" + key;
-  command.app->add_option_function<std::string>(
-                 names, [settings, key](const std::string& text) { settings->set_flag(key, text); }, help)
+  command.app
+      ->add_option_function<std::string>(
+          names, [settings, key](const std::string& text) { settings->set_flag(key, text); }, help)
       ->type_name(metavar);
 }
 

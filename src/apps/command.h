@@ -30,7 +30,8 @@ Command add_generate(CLI::App& root);
 Command add_harness(CLI::App& root);
 
 // The parts of a command's declaration that all share.
-Command new_command(CLI::App& root, const std::string& name, const std::string& description, const std::string& examples);
+Command new_command(CLI::App& root, const std::string& name, const std::string& description,
+                    const std::string& examples);
 // --key VALUE (and -short VALUE), TESSERA_KEY, key = in the file.
 void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
                char short_name = 0, bool flag_only = false);

@@ -21,7 +21,8 @@ Json to_json(const Bounds& bounds) {
 std::string to_text(const Bounds& bounds) {
   if (bounds.empty()) return "unknown";
   const auto side = [](double lo, double hi) { return Json(lo).dump() + " .. " + Json(hi).dump(); };
-  return side(bounds.lo.x, bounds.hi.x) + "   " + side(bounds.lo.y, bounds.hi.y) + "   " + side(bounds.lo.z, bounds.hi.z);
+  return side(bounds.lo.x, bounds.hi.x) + "   " + side(bounds.lo.y, bounds.hi.y) + "   " +
+         side(bounds.lo.z, bounds.hi.z);
 }
 
 Json to_json(const FileInfo& file) {
@@ -43,8 +44,9 @@ std::string to_text(const FileInfo& file) {
   for (const auto& attribute : file.attributes) names += (names.empty() ? "" : ", ") + attribute.name;
   return file.path.string() + "\n  format      " + file.detail + " (" + human_bytes(file.bytes) + ")\n  points      " +
          (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
-         (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " + (names.empty() ? "none" : names) +
-         "\n" + (file.crs.empty() ? "" : "  CRS         " + file.crs.substr(0, 200) + "\n");
+         (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " +
+         (names.empty() ? "none" : names) + "\n" +
+         (file.crs.empty() ? "" : "  CRS         " + file.crs.substr(0, 200) + "\n");
 }
 
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.
@@ -64,10 +66,10 @@ Result<Plan> plan(const TriangulateOptions& options, const Cloud& cloud, std::ui
   for (const auto& p : sample) plan.sampled.add(p);
   const int dimension = options.cloud.dimension;
   if (!sample.empty()) {
-    plan.tiles = (options.tiles > 0
-                      ? Partition::build_tiles(options.partition, dimension, sample, plan.sampled, options.tiles)
-                      : Partition::build(options.partition, dimension, sample, plan.sampled, points, limit))
-                     .tiles();
+    plan.tiles =
+        (options.tiles > 0 ? Partition::build_tiles(options.partition, dimension, sample, plan.sampled, options.tiles)
+                           : Partition::build(options.partition, dimension, sample, plan.sampled, points, limit))
+            .tiles();
   }
   plan.cost = estimate(dimension, points, limit, options.neighbors, row_bytes(cloud.schema()),
                        {.memory_bytes = options.memory_bytes, .threads = options.threads});
@@ -107,12 +109,12 @@ Result<std::string> describe_inputs(TriangulateOptions options) {
   for (const auto& file : cloud.files()) text += to_text(file);
   text += "Triangulated in " + std::to_string(options.cloud.dimension) + "D on " + std::to_string(options.threads) +
           (options.threads == 1 ? " thread" : " threads") + " with " + human_bytes(options.memory_bytes) +
-          " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " + to_text(planned.sampled) +
-          " (of a sample)\n  tiles       " + std::to_string(planned.tiles) + " (" + name_of(options.partition) +
-          ", at most " + grouped(planned.limit) + " points each)\n  cells       " + human_count(cost.cells) +
-          "\n  memory      " + human_bytes(cost.memory_bytes) + "\n  disk        " + human_bytes(cost.result_bytes) +
-          " result, " + human_bytes(cost.temporary_bytes) + " while it works\n  time        " + human_seconds(cost.seconds) +
-          "\n";
+          " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " +
+          to_text(planned.sampled) + " (of a sample)\n  tiles       " + std::to_string(planned.tiles) + " (" +
+          name_of(options.partition) + ", at most " + grouped(planned.limit) + " points each)\n  cells       " +
+          human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + "\n  disk        " +
+          human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
+          " while it works\n  time        " + human_seconds(cost.seconds) + "\n";
   return text;
 }
 

@@ -53,10 +53,11 @@ Status run_export(Settings& settings, const std::string& folder) {
 }  // namespace
 
 Command add_export(CLI::App& root) {
-  auto command = new_command(root, "export", "Writes a result folder as a file for other programs",
-                             "  tessera export out/ --format ply -o mesh.ply\n"
-                             "  tessera export out/ --format vtu -o tiles/      (one .vtu a tile, and a .pvtu over them)\n"
-                             "  tessera export ground/ -o ground.geojson        (2D; the ending tells the format)");
+  auto command =
+      new_command(root, "export", "Writes a result folder as a file for other programs",
+                  "  tessera export out/ --format ply -o mesh.ply\n"
+                  "  tessera export out/ --format vtu -o tiles/      (one .vtu a tile, and a .pvtu over them)\n"
+                  "  tessera export ground/ -o ground.geojson        (2D; the ending tells the format)");
   add_value(command, "format", "NAME", "ply, vtu, off or geojson (2D); default: as the ending of --output says");
   add_value(command, "output", "PATH", "the file to write; for vtu also a folder", 'o', true);
   add_switch(command, "overwrite", "replace the file if it exists", 0, true);

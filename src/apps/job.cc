@@ -12,7 +12,8 @@ Result<Cloud> open_cloud(TriangulateOptions& options) {
     CloudOptions anything;
     anything.dimension = 2;
     BOOST_OUTCOME_TRY(files, Cloud::open(options.inputs, anything));
-    const bool flat = std::all_of(files.files().begin(), files.files().end(), [](const auto& f) { return f.dimension == 2; });
+    const bool flat =
+        std::all_of(files.files().begin(), files.files().end(), [](const auto& f) { return f.dimension == 2; });
     options.cloud.dimension = flat ? 2 : 3;
     if (flat && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
       return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");

@@ -68,11 +68,14 @@ std::uint64_t available_memory() {
   return least;
 }
 
+std::uint64_t default_memory() { return available_memory() / 10 * 7; }
+
 std::uint32_t usable_processors() {
   cpu_set_t set;
   CPU_ZERO(&set);
   std::uint32_t processors = 1;
-  if (sched_getaffinity(0, sizeof set, &set) == 0) processors = static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&set)));
+  if (sched_getaffinity(0, sizeof set, &set) == 0)
+    processors = static_cast<std::uint32_t>(std::max(1, CPU_COUNT(&set)));
   for_each_group("/sys/fs/cgroup", "", [&](const std::filesystem::path& group) {
     std::ifstream file(group / "cpu.max");
     double quota = 0, period = 0;

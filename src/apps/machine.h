@@ -9,6 +9,9 @@ namespace tessera {
 // around this process leave (v1 and v2). 1 GiB when nothing can be read.
 std::uint64_t available_memory();
 
+// What a job takes when it is not told: 70 % of that, so that the page cache and others live too.
+std::uint64_t default_memory();
+
 // Processors this process may run on: its affinity mask and the control group's quota, rounded up. At least 1.
 std::uint32_t usable_processors();
 

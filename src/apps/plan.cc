@@ -15,7 +15,9 @@ constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'
 // Below this, halving tiles to keep threads busy costs more in stars at borders than it gains.
 constexpr std::uint64_t worthwhile_tile = 200'000;
 
-std::string in_mebibytes(double bytes) { return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20)) + 1) + "M"; }
+std::string in_mebibytes(double bytes) {
+  return std::to_string(static_cast<std::uint64_t>(bytes / (1 << 20)) + 1) + "M";
+}
 
 }  // namespace
 
@@ -46,9 +48,10 @@ Result<std::uint64_t> choose_tile_limit(int dimension, std::uint64_t points, con
 
 Status check_tile_fits(int dimension, std::uint64_t points, std::uint64_t memory_bytes) {
   if (points <= memory_bytes / point_bytes(dimension)) return success();
-  return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " +
-                                 in_mebibytes(static_cast<double>(points) * static_cast<double>(point_bytes(dimension))) +
-                                 " of memory, which --memory does not allow; ask for smaller tiles");
+  return error(Errc::memory,
+               "a tile of " + std::to_string(points) + " points needs about " +
+                   in_mebibytes(static_cast<double>(points) * static_cast<double>(point_bytes(dimension))) +
+                   " of memory, which --memory does not allow; ask for smaller tiles");
 }
 
 Estimate estimate(int dimension, std::uint64_t points, std::uint64_t tile_limit, bool neighbors,
@@ -65,8 +68,8 @@ Estimate estimate(int dimension, std::uint64_t points, std::uint64_t tile_limit,
 
   Estimate estimate;
   estimate.cells = static_cast<std::uint64_t>(cells_a_point * n);
-  const double working = static_cast<double>(point_bytes(dimension)) *
-                         std::min(n, static_cast<double>(tile_limit) * machine.threads * 2);
+  const double working =
+      static_cast<double>(point_bytes(dimension)) * std::min(n, static_cast<double>(tile_limit) * machine.threads * 2);
   estimate.memory_bytes =
       std::min(machine.memory_bytes, static_cast<std::uint64_t>(working) + (std::uint64_t{64} << 20));
   estimate.result_bytes = static_cast<std::uint64_t>(n * (1 + shared) * (cells_a_point * cell_bytes + vertex_bytes));

@@ -73,7 +73,8 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   }
   if (is_run(out / ".run")) {
     if (!resume && !overwrite) {
-      return error(Errc::usage, out.string() + ": holds an unfinished run; --resume continues it, --overwrite starts again");
+      return error(Errc::usage,
+                   out.string() + ": holds an unfinished run; --resume continues it, --overwrite starts again");
     }
     return ResultFolder(std::move(out), FolderState::unfinished, resume);
   }

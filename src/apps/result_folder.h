@@ -35,8 +35,8 @@ class ResultFolder {
   std::filesystem::path run() const { return out_ / ".run"; }
   std::filesystem::path new_run() const { return out_ / ".run.new"; }
 
-  // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when another
-  // process works in it.
+  // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when
+  // another process works in it.
   Status claim();
   // Removes what a crashed routing left, and an unfinished run that is to be overwritten.
   Status discard_runs();

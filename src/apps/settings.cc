@@ -100,8 +100,8 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
   }
   constexpr std::size_t bytes_max = 1 << 20;  // a thousand times what it needs
   std::string content;
-  std::copy_n(std::istreambuf_iterator<char>(file), std::min<std::uintmax_t>(std::filesystem::file_size(path, ec), bytes_max),
-              std::back_inserter(content));
+  std::copy_n(std::istreambuf_iterator<char>(file),
+              std::min<std::uintmax_t>(std::filesystem::file_size(path, ec), bytes_max), std::back_inserter(content));
   const auto at_line = [&](const toml::source_region& source) {
     return path.string() + ", line " + std::to_string(source.begin.line) + ": ";
   };
@@ -115,8 +115,8 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
                                       [&](const Settings* settings) { return settings->table() == table_name; });
     const auto* table = table_node.as_table();
     if (command == commands.end() || table == nullptr) {
-      return error(Errc::usage, at_line(table_key.source()) + "there is no table [" + table_name + "]; options stand in " +
-                                    "the table of their command, as in [triangulate]");
+      return error(Errc::usage, at_line(table_key.source()) + "there is no table [" + table_name +
+                                    "]; options stand in " + "the table of their command, as in [triangulate]");
     }
     for (const auto& [key_node, value] : *table) {
       const std::string key(key_node.str());
@@ -129,7 +129,8 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
       }
       const auto text = as_text(value);
       if (!text) {
-        return error(Errc::usage, at_line(key_node.source()) + key + ": neither text, number, true, false nor a list of those");
+        return error(Errc::usage,
+                     at_line(key_node.source()) + key + ": neither text, number, true, false nor a list of those");
       }
       (*command)->set(setting->second, Settings::Source::file, *text, at_line(key_node.source()) + key);
     }

@@ -67,8 +67,9 @@ class Settings {
   std::map<std::string, Setting> settings_;
 };
 
-// Reads a TOML file with one table a command. Errors name file and line: io when it cannot be read; usage when it is not
-// TOML, or has a table or key that no command knows, or a value that is no string, number, boolean or list of those.
+// Reads a TOML file with one table a command. Errors name file and line: io when it cannot be read; usage when it is
+// not TOML, or has a table or key that no command knows, or a value that is no string, number, boolean or list of
+// those.
 Status load_settings_file(const std::filesystem::path& path, const std::vector<Settings*>& commands);
 
 }  // namespace tessera

@@ -51,7 +51,8 @@ Status run(const Command& command, const std::vector<Command>& commands, const s
   }
   BOOST_OUTCOME_TRYV(command.run(command_line));
   // What was printed must have arrived, or a pipeline would take half an answer for a whole one.
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) return error(Errc::io, "standard output: cannot be written");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return error(Errc::io, "standard output: cannot be written");
   return success();
 }
 
@@ -63,12 +64,14 @@ int tessera_main(int argc, char** argv) {
   CLI::App app("Exact Delaunay triangulation of point clouds that do not fit in memory.", "tessera");
   app.set_version_flag("--version", std::string("tessera ") + version());
   app.require_subcommand(1);
-  app.footer("'tessera COMMAND --help' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
+  app.footer(
+      "'tessera COMMAND --help' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
   std::vector<Command> commands;
   commands.push_back(add_triangulate(app));
   commands.push_back(add_verify(app));
   commands.push_back(add_info(app));
   commands.push_back(add_export(app));
+  commands.push_back(add_generate(app));
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

@@ -46,8 +46,8 @@ Status check_same_job(const RoutedRun& run, const Cloud& cloud, const std::strin
 }
 
 // The routed points: those of the run that is resumed, or of a new one.
-Result<RoutedRun> routed_run(const TriangulateOptions& options, const Cloud& cloud, ResultFolder& folder, Progress& progress,
-                             const std::stop_token& stop) {
+Result<RoutedRun> routed_run(const TriangulateOptions& options, const Cloud& cloud, ResultFolder& folder,
+                             Progress& progress, const std::stop_token& stop) {
   const auto key = options_key(options);
   if (folder.resuming()) {
     BOOST_OUTCOME_TRY(run, open_run(folder.run()));
@@ -148,8 +148,8 @@ ProgressStyle progress_style(const OutputOptions& output) {
 }
 
 Result<JobSummary> make_result(const TriangulateOptions& options, const Cloud& cloud, ResultFolder& folder,
-                               const std::vector<std::string>& command_line, ProgressDisplay& display, Progress& progress,
-                               const std::stop_token& stop) {
+                               const std::vector<std::string>& command_line, ProgressDisplay& display,
+                               Progress& progress, const std::stop_token& stop) {
   const double began_s = display.elapsed_s();
   BOOST_OUTCOME_TRY(run, routed_run(options, cloud, folder, progress, stop));
   const double routed_s = display.elapsed_s();
@@ -200,7 +200,8 @@ Result<JobSummary> make_result(const TriangulateOptions& options, const Cloud& c
   spans.push_back({Phase::finishing, 0, 0, ran_s, display.elapsed_s()});
   // The run folder goes first: the report is small, and may find the space that it frees.
   BOOST_OUTCOME_TRYV(folder.finish());
-  BOOST_OUTCOME_TRYV(write_html_report(folder.path() / "report.html", report_of(summary, manifest, tiles, std::move(spans))));
+  BOOST_OUTCOME_TRYV(
+      write_html_report(folder.path() / "report.html", report_of(summary, manifest, tiles, std::move(spans))));
   progress.phase = Phase::done;
   return summary;
 }
@@ -234,8 +235,9 @@ Status run_triangulate(TriangulateOptions options, const std::vector<std::string
                                               : "interrupted while reading the input; nothing is kept");
   }
   if (!options.output.quiet) {
-    std::fputs(options.output.json ? (summary_json(summary.value()) + "\n").c_str() : summary_text(summary.value()).c_str(),
-               stdout);
+    std::fputs(
+        options.output.json ? (summary_json(summary.value()) + "\n").c_str() : summary_text(summary.value()).c_str(),
+        stdout);
   }
   return success();
 }
@@ -250,7 +252,8 @@ Command add_triangulate(CLI::App& root) {
                              "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
   add_triangulate_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("inputs", *inputs, "LAS, PLY, XYZ/CSV or NPY files, or patterns of their names")->type_name("FILE");
+  command.app->add_option("inputs", *inputs, "LAS, PLY, XYZ/CSV or NPY files, or patterns of their names")
+      ->type_name("FILE");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(options, read_triangulate_options(*settings, *inputs));
     if (options.output.verbose) log_everything();

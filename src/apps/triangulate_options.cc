@@ -20,20 +20,13 @@ Result<KernelKind> parse_kernel(const std::string& text) {
   return error(Errc::usage, "'" + text + "' is no kernel; there is cgal");
 }
 
-// "auto" stands for a choice of the program.
-template <class Parse>
-auto or_auto(Parse parse, typename decltype(parse(std::string()))::value_type automatic) {
-  return [parse, automatic](const std::string& text) -> decltype(parse(text)) {
-    if (text == "auto") return automatic;
-    return parse(text);
-  };
-}
-
 }  // namespace
 
 void add_cloud_options(Command& command) {
-  add_value(command, "dim", "2|3", "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
-  add_value(command, "max-points-per-tile", "N", "most points a tile may hold, as 500k; default: from memory and threads");
+  add_value(command, "dim", "2|3",
+            "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
+  add_value(command, "max-points-per-tile", "N",
+            "most points a tile may hold, as 500k; default: from memory and threads");
   add_value(command, "tiles", "N", "the number of tiles, instead of their size");
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
@@ -46,8 +39,12 @@ void add_cloud_options(Command& command) {
 }
 
 Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
-  BOOST_OUTCOME_TRYV(settings.exclusive("tiles", "max-points-per-tile"));
-  BOOST_OUTCOME_TRY(dimension, settings.get("dim", or_auto([](const std::string& text) { return parse_integer(text, 2, 3); }, 0)));
+  const auto given = [&](const char* key) { return settings.text(key).value_or("auto") != "auto"; };
+  if (given("tiles") && given("max-points-per-tile")) {
+    BOOST_OUTCOME_TRYV(settings.exclusive("tiles", "max-points-per-tile"));
+  }
+  BOOST_OUTCOME_TRY(dimension,
+                    settings.get("dim", or_auto([](const std::string& text) { return parse_integer(text, 2, 3); }, 0)));
   options.cloud.dimension = static_cast<int>(dimension.value_or(0));
   BOOST_OUTCOME_TRY(limit, settings.get("max-points-per-tile", or_auto(parse_positive_count, 0)));
   options.max_points_per_tile = limit.value_or(0);
@@ -56,14 +53,16 @@ Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
     return error(Errc::usage, "--tiles: more than " + std::to_string(tiles_max) + " tiles are not possible");
   }
   options.tiles = static_cast<std::uint32_t>(tiles.value_or(0));
-  BOOST_OUTCOME_TRY(partition, settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
+  BOOST_OUTCOME_TRY(partition,
+                    settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
   options.partition = partition.value_or(PartitionKind::kdtree);
-  BOOST_OUTCOME_TRY(threads, settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
+  BOOST_OUTCOME_TRY(
+      threads,
+      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
   options.threads = threads.value_or(0) > 0 ? static_cast<std::uint32_t>(*threads) : usable_processors();
-  BOOST_OUTCOME_TRY(memory, settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 || settings.text("memory").value_or("auto") != "auto"
-                             ? *memory
-                             : available_memory() / 10 * 7;
+  BOOST_OUTCOME_TRY(memory,
+                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
+  options.memory_bytes = given("memory") ? *memory : default_memory();
   BOOST_OUTCOME_TRY(crop, settings.get("crop", [&](const std::string& text) {
     return parse_crop(text, options.cloud.dimension == 2 ? 2 : 3);
   }));
@@ -104,7 +103,8 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
   if (options.out.empty()) return error(Errc::usage, "no result folder is given; add -o FOLDER");
   BOOST_OUTCOME_TRY(resume, settings.on("resume"));
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
-  if (resume && overwrite) return error(Errc::usage, "--resume and --overwrite contradict each other: give one of them");
+  if (resume && overwrite)
+    return error(Errc::usage, "--resume and --overwrite contradict each other: give one of them");
   options.resume = resume;
   options.overwrite = overwrite;
   return options;

@@ -19,9 +19,12 @@ namespace tessera {
 namespace {
 
 void print_json(const std::string& folder, const VerifyReport& report) {
-  const nlohmann::ordered_json object{{"event", "verified"},          {"result", folder},
-                                      {"cells", report.cells},        {"facets", report.facets},
-                                      {"hull_facets", report.hull_facets}, {"vertices", report.vertices},
+  const nlohmann::ordered_json object{{"event", "verified"},
+                                      {"result", folder},
+                                      {"cells", report.cells},
+                                      {"facets", report.facets},
+                                      {"hull_facets", report.hull_facets},
+                                      {"vertices", report.vertices},
                                       {"passed", report.passed}};
   std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }
@@ -35,8 +38,9 @@ void print_text(const std::string& folder, const VerifyReport& report) {
 
 Status run_verify(Settings& settings, const std::string& folder) {
   VerifyOptions options;
-  BOOST_OUTCOME_TRY(memory, settings.get("memory", [](const std::string& text) { return parse_memory(text); }));
-  options.memory_bytes = memory ? *memory : available_memory() / 10 * 7;
+  BOOST_OUTCOME_TRY(memory, settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); },
+                                                           default_memory())));
+  options.memory_bytes = memory.value_or(default_memory());
   options.scratch = settings.text("scratch").value_or("");
   BOOST_OUTCOME_TRY(against_cgal, settings.on("against-cgal"));
   options.against_cgal = against_cgal;
@@ -57,12 +61,15 @@ Status run_verify(Settings& settings, const std::string& folder) {
 }  // namespace
 
 Command add_verify(CLI::App& root) {
-  auto command = new_command(root, "verify", "Proves that a result folder holds the Delaunay triangulation of its points",
-                             "  tessera verify out/\n"
-                             "  tessera verify out/ --memory 2G --scratch /data/tmp\n"
-                             "  tessera verify out/ --against-cgal      (also compares every cell; needs memory for all)");
-  add_switch(command, "against-cgal", "also build the global triangulation with CGAL in memory, and compare the sets of cells");
-  add_value(command, "memory", "SIZE", "memory for facets before they are sorted on disk; default: 70 % of what is available");
+  auto command =
+      new_command(root, "verify", "Proves that a result folder holds the Delaunay triangulation of its points",
+                  "  tessera verify out/\n"
+                  "  tessera verify out/ --memory 2G --scratch /data/tmp\n"
+                  "  tessera verify out/ --against-cgal      (also compares every cell; needs memory for all)");
+  add_switch(command, "against-cgal",
+             "also build the global triangulation with CGAL in memory, and compare the sets of cells");
+  add_value(command, "memory", "SIZE",
+            "memory for facets before they are sorted on disk; default: 70 % of what is available");
   add_value(command, "scratch", "FOLDER", "where to sort what does not fit; default: the system's temporary folder");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();

@@ -80,11 +80,14 @@ std::string cards(const JobSummary& s) {
 
 std::string exchange(const JobSummary& s) {
   const auto share = [&](std::uint64_t n) {
-    return s.vertices == 0 ? std::string() : " (" + fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) + " % of the vertices)";
+    return s.vertices == 0 ? std::string()
+                           : " (" + fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) +
+                                 " % of the vertices)";
   };
-  return "<p>" + grouped(s.messages) + " messages carried " + grouped(s.points_sent) + " points" + share(s.points_sent) +
-         ". Of " + grouped(s.points_received) + " received, " + grouped(s.points_inserted) + " were inserted and " +
-         grouped(s.points_kept) + " kept. The longest chain of messages that caused one another: " + grouped(s.rounds) +
+  return "<p>" + grouped(s.messages) + " messages carried " + grouped(s.points_sent) + " points" +
+         share(s.points_sent) + ". Of " + grouped(s.points_received) + " received, " + grouped(s.points_inserted) +
+         " were inserted and " + grouped(s.points_kept) +
+         " kept. The longest chain of messages that caused one another: " + grouped(s.rounds) +
          "; the counters were collected " + grouped(s.waves) + " times; tiles were put to sleep " + grouped(s.sleeps) +
          " times.</p>\n";
 }
@@ -95,8 +98,8 @@ std::string phases(const JobSummary& s) {
   std::string bar = "<div class=\"phases\">", key = "<div class=\"key\">";
   for (const auto& [name, seconds] : s.seconds) {
     const auto safe = escape_html(name);
-    bar += "<div class=\"p-" + safe + "\" style=\"flex:" + fixed(sum > 0 ? seconds / sum : 1, 5) + "\" title=\"" + safe +
-           ": " + human_seconds(seconds) + "\"></div>";
+    bar += "<div class=\"p-" + safe + "\" style=\"flex:" + fixed(sum > 0 ? seconds / sum : 1, 5) + "\" title=\"" +
+           safe + ": " + human_seconds(seconds) + "\"></div>";
     key += "<span><i class=\"p-" + safe + "\"></i>" + safe + " " + human_seconds(seconds) + "</span>";
   }
   return bar + "</div>\n" + key + "</div>\n";
@@ -114,14 +117,16 @@ std::string pictures(const ReportData& data) {
     const auto svg = by_time ? tiles_svg(data, across, up, seconds, human_seconds(*fast), human_seconds(*slow))
                              : tiles_svg(data, across, up, sizes, human_count(static_cast<std::uint64_t>(*small)),
                                          human_count(static_cast<std::uint64_t>(*large)));
-    return svg.empty() ? "" : "<figure class=\"panel\"><figcaption>" + caption + "</figcaption>\n" + svg + "</figure>\n";
+    return svg.empty() ? ""
+                       : "<figure class=\"panel\"><figcaption>" + caption + "</figcaption>\n" + svg + "</figure>\n";
   };
   std::string html = "<div class=\"pictures\">\n" + figure(0, 1, "From above (x, y), coloured by points", false) +
                      figure(0, 1, "From above (x, y), coloured by time worked", true);
   // From above, tiles over one another hide each other: show them from the front too.
-  const bool stacked = data.summary.dimension == 3 && std::any_of(data.tiles.begin(), data.tiles.end(), [&](const auto& t) {
-    return t.box.lo.z > data.bounds.lo.z || t.box.hi.z <= data.bounds.hi.z;
-  });
+  const bool stacked =
+      data.summary.dimension == 3 && std::any_of(data.tiles.begin(), data.tiles.end(), [&](const auto& t) {
+        return t.box.lo.z > data.bounds.lo.z || t.box.hi.z <= data.bounds.hi.z;
+      });
   if (stacked) {
     html += figure(0, 2, "From the front (x, z), coloured by points", false) +
             figure(0, 2, "From the front (x, z), coloured by time worked", true);
@@ -134,13 +139,17 @@ std::string table(const ReportData& data) {
   std::stable_sort(tiles.begin(), tiles.end(), [](const auto& a, const auto& b) { return a.seconds > b.seconds; });
   std::string html;
   if (tiles.size() > table_rows_max) {
-    html += "<p class=\"soft\">The " + grouped(table_rows_max) + " that took longest, of " + grouped(tiles.size()) + ".</p>\n";
+    html += "<p class=\"soft\">The " + grouped(table_rows_max) + " that took longest, of " + grouped(tiles.size()) +
+            ".</p>\n";
     tiles.resize(table_rows_max);
   }
-  html += "<div class=\"panel\"><table><tr><th>tile</th><th>points</th><th>cells</th><th>file</th><th>time worked</th></tr>\n";
+  html +=
+      "<div class=\"panel\"><table><tr><th>tile</th><th>points</th><th>cells</th><th>file</th><th>time "
+      "worked</th></tr>\n";
   for (const auto& tile : tiles) {
-    html += "<tr><td>" + std::to_string(tile.tile) + "</td><td>" + grouped(tile.points) + "</td><td>" + grouped(tile.cells) +
-            "</td><td>" + human_bytes(tile.bytes) + "</td><td>" + human_seconds(tile.seconds) + "</td></tr>\n";
+    html += "<tr><td>" + std::to_string(tile.tile) + "</td><td>" + grouped(tile.points) + "</td><td>" +
+            grouped(tile.cells) + "</td><td>" + human_bytes(tile.bytes) + "</td><td>" + human_seconds(tile.seconds) +
+            "</td></tr>\n";
   }
   return html + "</table></div>\n";
 }
@@ -156,15 +165,16 @@ std::string html_report(const ReportData& data) {
   }
   if (data.inputs.size() > inputs_shown) inputs += " and " + grouped(data.inputs.size() - inputs_shown) + " more";
 
-  std::string html = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-                     "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Tessera: " +
-                     inputs + "</title>\n" + style + phase_styles() + "</head><body><main>\n";
+  std::string html =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Tessera: " +
+      inputs + "</title>\n" + style + phase_styles() + "</head><body><main>\n";
   html += "<h1>" + inputs + "</h1>\n<p class=\"soft\">Delaunay triangulation in " +
           std::to_string(data.summary.dimension) + "D, " + escape_html(data.partition_kind) + " partition, Tessera " +
           escape_html(data.version) + "</p>\n<p><code>" + escape_html(command) + "</code></p>\n";
   html += cards(data.summary);
-  html += "<h2>Time</h2>\n<div class=\"panel\">" + phases(data.summary) + timeline_svg(data.spans, data.summary.total_s) +
-          "</div>\n";
+  html += "<h2>Time</h2>\n<div class=\"panel\">" + phases(data.summary) +
+          timeline_svg(data.spans, data.summary.total_s) + "</div>\n";
   html += "<h2>Exchange between tiles</h2>\n" + exchange(data.summary);
   if (data.boxes_disjoint && !data.tiles.empty()) html += "<h2>Tiles</h2>\n" + pictures(data);
   if (!data.tiles.empty()) html += "<h2>All tiles, the slowest first</h2>\n" + table(data);

@@ -15,9 +15,9 @@ namespace tessera {
 
 struct TileFigures {
   std::uint32_t tile = 0;
-  Box box;               // may be unbounded
+  Box box;  // may be unbounded
   std::uint64_t points = 0, cells = 0, bytes = 0;
-  double seconds = 0;    // worked on it
+  double seconds = 0;  // worked on it
 };
 
 struct ReportData {
@@ -27,9 +27,9 @@ struct ReportData {
   std::vector<std::string> inputs;
   std::string crs;
   std::string partition_kind;
-  bool boxes_disjoint = true;       // false for the random partition: no picture of tiles then
-  Bounds bounds;                    // of all points
-  std::vector<TileFigures> tiles;   // that hold points
+  bool boxes_disjoint = true;      // false for the random partition: no picture of tiles then
+  Bounds bounds;                   // of all points
+  std::vector<TileFigures> tiles;  // that hold points
   std::vector<Span> spans;
 };
 
@@ -41,8 +41,8 @@ Status write_html_report(const std::filesystem::path& path, const ReportData& da
 // are none.
 std::string timeline_svg(const std::vector<Span>& spans, double total_s);
 
-// The boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`, each coloured by
-// its value in `values` (by position in `tiles`). `unit`: written at the legend.
+// The boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`, each coloured
+// by its value in `values` (by position in `tiles`). `unit`: written at the legend.
 std::string tiles_svg(const ReportData& data, int across, int up, const std::vector<double>& values,
                       const std::string& low, const std::string& high);
 

@@ -52,7 +52,8 @@ void ProgressDisplay::run(const std::stop_token& stop) {
     }
     if (stop.stop_requested()) break;
     const auto now = look(progress_, elapsed_s());
-    if (style_ == ProgressStyle::terminal || now.phase != shown_phase_ || now.elapsed_s - shown_s_ >= interval_s(style_)) {
+    if (style_ == ProgressStyle::terminal || now.phase != shown_phase_ ||
+        now.elapsed_s - shown_s_ >= interval_s(style_)) {
       show(now);
     }
   }

@@ -73,10 +73,10 @@ double fraction_done(const ProgressSnapshot& now) {
   if (now.phase == Phase::done) return 1;
   const double total = static_cast<double>(now.points_total);
   const double routed = now.phase > Phase::routing ? 1 : ratio(static_cast<double>(now.points_routed), total);
-  const double triangulated =
-      now.phase > Phase::triangulating
-          ? 1
-          : std::max(ratio(static_cast<double>(now.points_triangulated), total), ratio(now.tiles_triangulated, now.tiles_total));
+  const double triangulated = now.phase > Phase::triangulating
+                                  ? 1
+                                  : std::max(ratio(static_cast<double>(now.points_triangulated), total),
+                                             ratio(now.tiles_triangulated, now.tiles_total));
   const double splayed = now.phase > Phase::splaying ? 1 : 0;
   const double stored = now.phase > Phase::collecting ? 1 : ratio(now.tiles_stored, now.tiles_total);
   return routing * routed + triangulating * triangulated + splaying * splayed + collecting * stored;
@@ -107,8 +107,8 @@ std::vector<std::string> progress_panel(const ProgressSnapshot& before, const Pr
   name.resize(name_width, ' ');
   const double done = fraction_done(now);
   const auto percent = std::to_string(static_cast<int>(done * 100));
-  const std::string tail = std::string(4 - std::min<std::size_t>(3, percent.size()), ' ') + percent + " %  " +
-                           human_seconds(now.elapsed_s);
+  const std::string tail =
+      std::string(4 - std::min<std::size_t>(3, percent.size()), ' ') + percent + " %  " + human_seconds(now.elapsed_s);
   const int width = std::clamp(columns - name_width - static_cast<int>(tail.size()) - 4, 4, 50);
   const int filled = static_cast<int>(done * width);
   return {cut(name + " [" + std::string(filled, '#') + std::string(width - filled, '.') + "]" + tail, columns),

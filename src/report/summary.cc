@@ -21,7 +21,8 @@ std::string summary_text(const JobSummary& s) {
   line("messages", grouped(s.messages) + " with " + grouped(s.points_sent) + " points, " + grouped(s.rounds) +
                        " rounds equivalent");
   std::string phases;
-  for (const auto& [name, seconds] : s.seconds) phases += (phases.empty() ? "" : ", ") + name + " " + human_seconds(seconds);
+  for (const auto& [name, seconds] : s.seconds)
+    phases += (phases.empty() ? "" : ", ") + name + " " + human_seconds(seconds);
   line("time", human_seconds(s.total_s) + " (" + phases + ")");
   line("memory", human_bytes(s.peak_memory_bytes) + " at most, of " + human_bytes(s.memory_budget_bytes));
   line("result", s.out + " (" + human_bytes(s.result_bytes) + ")");

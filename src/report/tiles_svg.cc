@@ -40,10 +40,15 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
   const double width = std::max(30.0, extent_x * scale);
   const double height = std::max(30.0, extent_y * scale);
   const auto x_of = [&](double x) {
-    return extent_x > 0 ? width * (std::clamp(x, data.bounds.lo[across], data.bounds.hi[across]) - data.bounds.lo[across]) / extent_x : 0;
+    return extent_x > 0
+               ? width * (std::clamp(x, data.bounds.lo[across], data.bounds.hi[across]) - data.bounds.lo[across]) /
+                     extent_x
+               : 0;
   };
   const auto y_of = [&](double y) {
-    return extent_y > 0 ? height * (data.bounds.hi[up] - std::clamp(y, data.bounds.lo[up], data.bounds.hi[up])) / extent_y : 0;
+    return extent_y > 0
+               ? height * (data.bounds.hi[up] - std::clamp(y, data.bounds.lo[up], data.bounds.hi[up])) / extent_y
+               : 0;
   };
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double range = *most - *least;

@@ -60,7 +60,11 @@ std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
     const double x = at(i * tick);
     svg += "<line class=\"tick\" x1=\"" + fixed(x, 1) + "\" x2=\"" + fixed(x, 1) + "\" y1=\"0\" y2=\"" +
            fixed(height - 20, 1) + "\"/><text class=\"axis\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(height - 6, 1) +
-           "\" text-anchor=\"middle\">" + fixed(i * tick, tick < 0.1 ? 2 : tick < 1 ? 1 : 0) + " s</text>\n";
+           "\" text-anchor=\"middle\">" +
+           fixed(i * tick, tick < 0.1 ? 2
+                           : tick < 1 ? 1
+                                      : 0) +
+           " s</text>\n";
   }
   double y = top;
   for (const auto& [thread, list] : threads) {

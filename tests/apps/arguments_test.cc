@@ -20,8 +20,8 @@ TEST(Arguments, CountsTakeDecimalSuffixes) {
 }
 
 TEST(Arguments, CountsAreStrict) {
-  for (const auto* text : {"", " 5", "5 ", "-1", "+1", "1e6", "1.5", "1.", ".5M", "5MB", "5m", "0x10", "M", "1,000", "nan",
-                           "18446744073709551616", "99999999999999999999", "20000000000G", "1.0005k"}) {
+  for (const auto* text : {"", " 5", "5 ", "-1", "+1", "1e6", "1.5", "1.", ".5M", "5MB", "5m", "0x10", "M", "1,000",
+                           "nan", "18446744073709551616", "99999999999999999999", "20000000000G", "1.0005k"}) {
     const auto count = parse_count(text);
     ASSERT_FALSE(count) << text;
     EXPECT_EQ(count.error().code, Errc::usage) << text;
@@ -39,7 +39,8 @@ TEST(Arguments, MemoryTakesBinarySuffixes) {
 }
 
 TEST(Arguments, MemoryIsStrict) {
-  for (const auto* text : {"", "4GB", "4GiB", "4g", "1.5", "-4G", "4 G", "1.0000001G", "G", "16777216T", "99999999999999999999"}) {
+  for (const auto* text :
+       {"", "4GB", "4GiB", "4g", "1.5", "-4G", "4 G", "1.0000001G", "G", "16777216T", "99999999999999999999"}) {
     EXPECT_FALSE(parse_memory(text)) << text;
   }
 }
@@ -75,7 +76,8 @@ TEST(Arguments, CropOfSixNumbersIs3D) {
 }
 
 TEST(Arguments, CropRefusesWhatIsNoBox) {
-  for (const auto* text : {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", "a,2,3,4", "5,2,3,4", "1,2,3,nan", "1,2,inf,4", "1 ,2,3,4"}) {
+  for (const auto* text :
+       {"", "1,2,3", "1,2,3,4,5", "1,2,3,4,", "a,2,3,4", "5,2,3,4", "1,2,3,nan", "1,2,inf,4", "1 ,2,3,4"}) {
     EXPECT_FALSE(parse_crop(text, 3)) << text;
   }
 }

@@ -14,7 +14,8 @@ namespace {
 class SettingsTest : public testing::Test {
  protected:
   SettingsTest() {
-    for (const auto* key : {"threads", "memory", "tiles", "max-points-per-tile", "crop", "quiet"}) settings_.declare(key);
+    for (const auto* key : {"threads", "memory", "tiles", "max-points-per-tile", "crop", "quiet"})
+      settings_.declare(key);
     settings_.declare("output", true);
     verify_.declare("memory");
   }
@@ -77,7 +78,8 @@ TEST_F(SettingsTest, FilesMayHoldListsNumbersAndSwitches) {
 }
 
 TEST_F(SettingsTest, AnUnknownKeyIsAnErrorWithFileAndLine) {
-  EXPECT_EQ(refusal("[triangulate]\nthreads = 1\nthraeds = 2\n"), path_.string() + ", line 3: [triangulate] has no key 'thraeds'");
+  EXPECT_EQ(refusal("[triangulate]\nthreads = 1\nthraeds = 2\n"),
+            path_.string() + ", line 3: [triangulate] has no key 'thraeds'");
   EXPECT_NE(refusal("\n[triangle]\n").find(", line 2: there is no table [triangle]"), std::string::npos);
   EXPECT_NE(refusal("threads = 2\n").find(", line 1: "), std::string::npos);
 }

@@ -36,7 +36,9 @@ TEST(Human, DigitsAreGrouped) {
   EXPECT_EQ(grouped(12'345'678), "12 345 678");
 }
 
-TEST(Human, MarkupIsEscaped) { EXPECT_EQ(escape_html("<a href='x'>&\"</a>"), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;&lt;/a&gt;"); }
+TEST(Human, MarkupIsEscaped) {
+  EXPECT_EQ(escape_html("<a href='x'>&\"</a>"), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;&lt;/a&gt;");
+}
 
 }  // namespace
 }  // namespace tessera

@@ -49,7 +49,8 @@ TEST(Progress, TheRateIsThatOfThePhase) {
 
 TEST(Progress, ThePanelFitsTheTerminalHoweverNarrow) {
   for (const int columns : {1, 10, 40, 80, 200}) {
-    for (const auto& line : progress_panel({}, halfway(), columns)) EXPECT_LE(line.size(), static_cast<std::size_t>(columns));
+    for (const auto& line : progress_panel({}, halfway(), columns))
+      EXPECT_LE(line.size(), static_cast<std::size_t>(columns));
   }
 }
 

@@ -1,0 +1,117 @@
+"""Help, arguments, and where options come from: everything that is settled before any file is touched."""
+import unittest
+
+from cli import IO, OK, USAGE, CliTest
+
+COMMANDS = ["triangulate", "verify", "info", "export", "generate", "harness"]
+
+
+class Help(CliTest):
+    def test_the_version_is_told(self):
+        self.assertRegex(self.ok("--version"), r"^tessera \d+\.\d+\.\d+\n$")
+
+    def test_every_command_has_help_with_examples(self):
+        overview = self.ok("--help")
+        for command in COMMANDS:
+            self.assertIn(command, overview)
+            text = self.ok(command, "--help")
+            self.assertIn("Examples:", text)
+            self.assertIn(f"tessera {command} ", text)
+
+    def test_nothing_and_nonsense_are_refused(self):
+        self.refused(USAGE, says="--help")
+        self.refused(USAGE, "fly", says="--help")
+        self.refused(USAGE, "triangulate", "a.las", "-o", "out", "--no-such-option", says="--no-such-option")
+
+
+class Arguments(CliTest):
+    def refuse(self, *args, says):
+        # Nothing exists: had it looked for the input, the status would be another.
+        self.refused(USAGE, "triangulate", "missing.las", "-o", "out", *args, says=says)
+        self.assertEqual(self.files(), [])
+
+    def test_each_wrong_value_is_named_before_any_file_is_touched(self):
+        for option, value in [("--threads", "0"), ("--threads", "two"), ("--threads", "1025"), ("--memory", "4GB"),
+                              ("--memory", "-1"), ("--tiles", "0"), ("--tiles", "2M"), ("--dim", "4"),
+                              ("--max-points-per-tile", "1.5"), ("--partition", "voronoi"), ("--crop", "1,2,3"),
+                              ("--crop", "5,0,1,1"), ("--class", "2,x"), ("--attributes", "a,,b"), ("--kernel", "magic")]:
+            with self.subTest(option=option, value=value):
+                self.refuse(option, value, says=option)
+
+    def test_contradictions_are_refused(self):
+        self.refuse("--tiles", "4", "--max-points-per-tile", "10k", says=["--tiles", "--max-points-per-tile"])
+        self.refuse("--resume", "--overwrite", says=["--resume", "--overwrite"])
+        self.refuse("--quiet", "-v", says=["--quiet", "--verbose"])
+        self.refuse("--dim", "2", "--crop", "0,0,0,1,1,1", says="--crop")
+
+    def test_what_is_required_must_be_there(self):
+        self.refused(USAGE, "triangulate", "a.las", says="-o")
+        self.refused(USAGE, "triangulate", "-o", "out", says="input")
+        self.refused(USAGE, "verify", says="result folder")
+        self.refused(USAGE, "info", says="given")
+        self.refused(USAGE, "export", "out", says="-o")
+        self.refused(USAGE, "export", "out", "-o", "x.stl", says="stl")
+        self.refused(USAGE, "generate", says="--help")
+
+    def test_a_negative_crop_is_no_option(self):
+        cloud = self.xyz(n=200)
+        self.ok("triangulate", cloud, "-o", self.out, "--crop", "-1,-1,2,2", "--quiet")
+
+
+class Sources(CliTest):
+    """Precedence: flag > environment > file."""
+
+    def tiles(self, *args, env=None):
+        text = self.ok("info", self.cloud, "--json", *args, env=env)
+        return self.json_lines(text)[0]["tiles"]
+
+    def setUp(self):
+        super().setUp()
+        self.cloud = self.xyz()
+        self.config = self.write("my.toml", "[info]\ntiles = 5\n")
+
+    def test_the_file_counts_when_nothing_else_is_said(self):
+        self.assertEqual(self.tiles("--config", self.config), 5)
+        self.assertEqual(self.tiles(env={"TESSERA_CONFIG": str(self.config)}), 5)
+
+    def test_the_environment_beats_the_file(self):
+        self.assertEqual(self.tiles("--config", self.config, env={"TESSERA_TILES": "6"}), 6)
+
+    def test_the_flag_beats_both(self):
+        self.assertEqual(self.tiles("--config", self.config, "--tiles", "7", env={"TESSERA_TILES": "6"}), 7)
+
+    def test_a_switch_of_the_environment_is_undone_by_its_negation(self):
+        env = {"TESSERA_QUIET": "yes"}
+        self.assertEqual(self.ok("triangulate", self.cloud, "-o", "a", env=env), "")
+        self.assertNotEqual(self.ok("triangulate", self.cloud, "-o", "b", "--no-quiet", env=env), "")
+
+    def test_a_wrong_variable_is_named(self):
+        self.refused(USAGE, "info", self.cloud, env={"TESSERA_THREADS": "many"}, says=["TESSERA_THREADS", "many"])
+
+    def test_unknown_keys_are_errors_with_file_and_line(self):
+        for content, says in [("[info]\ntile = 5\n", "line 2"), ("\n\n[infos]\n", "line 3"), ("[info]\ntiles = \n", "line 2")]:
+            config = self.write("wrong.toml", content)
+            self.refused(USAGE, "info", self.cloud, "--config", config, says=["wrong.toml", says])
+
+    def test_a_missing_file_is_an_error(self):
+        self.refused(IO, "info", self.cloud, "--config", "nowhere.toml", says="nowhere.toml")
+
+    def test_the_shipped_file_is_valid_and_says_only_defaults(self):
+        import pathlib
+        shipped = pathlib.Path(__file__).resolve().parents[2] / "config" / "tessera.toml"
+        self.assertEqual(self.tiles("--config", shipped), self.tiles())
+        # Each commented default is a key that exists, with a value that is accepted.
+        lines = []
+        for line in shipped.read_text().splitlines():
+            key = line.removeprefix("# ").split(" =")[0]
+            shown = line.startswith("# ") and " = " in line.split("#")[1] and "-" + key in KEYS
+            lines.append(line[2:] if shown and key not in ("crop", "class", "attributes", "scratch", "format") else line)
+        self.ok("info", self.cloud, "--config", self.write("uncommented.toml", "\n".join(lines)))
+
+
+KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "class",
+                              "attributes", "skip-invalid", "neighbors", "kernel", "quiet", "verbose", "json",
+                              "against-cgal", "scratch", "format", "seed"]}
+
+if __name__ == "__main__":
+    unittest.main()
