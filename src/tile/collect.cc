@@ -73,12 +73,15 @@ std::vector<std::int32_t> sort_cells(std::vector<Cell>& cells, std::size_t verti
 
 class MeshMaker {
  public:
-  explicit MeshMaker(const CollectInput& input) : in_(input), d_(input.dimension), corners_(input.dimension + 1) {}
+  explicit MeshMaker(CollectInput input)
+      : in_(std::move(input)), d_(in_.dimension), corners_(in_.dimension + 1) {}
 
   TileMesh make() {
     number_vertices();
     add_kernel_cells();
+    in_.cells = {};
     add_final_cells();
+    in_.final_cells = {};
     for (Cell& c : cells_) make_canonical(c, d_);
     const std::vector<std::int32_t> place = sort_cells(cells_, mesh_.points.size(), corners_);
     write(place);
@@ -126,8 +129,11 @@ class MeshMaker {
     }
     cells_.reserve(kept + in_.final_cells.vertices.size() / corners_);
     for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      if (in_.held[c] != CollectInput::kept) continue;
       const Vertex* v = &in_.cells.vertices[c * corners_];
+      if (in_.held[c] != CollectInput::kept) {
+        note_hull_facet(c);
+        continue;
+      }
       Cell cell{};
       for (int i = 0; i < corners_; ++i) cell.vertices[i] = index_[v[i]];
       for (int i = 0; i < corners_; ++i) {
@@ -141,6 +147,16 @@ class MeshMaker {
       }
       cells_.push_back(cell);
     }
+  }
+
+  // A final cell may border the outside: its facet is then one of an infinite cell.
+  void note_hull_facet(std::size_t c) {
+    const Vertex* v = &in_.cells.vertices[c * corners_];
+    const auto infinite = std::find(v, v + corners_, infinite_vertex) - v;
+    if (infinite == corners_ || in_.held[in_.cells.neighbors[c * corners_ + infinite]] != CollectInput::fill) return;
+    std::array<std::int32_t, 4> corner{};
+    for (int i = 0; i < corners_; ++i) corner[i] = index_[v[i]];
+    borders_[facet_key(corner.data(), static_cast<int>(infinite), d_)] = {outside, 0};
   }
 
   bool is_outside(std::uint32_t c) const {
@@ -172,6 +188,7 @@ class MeshMaker {
         const auto border = borders_.find(facet_key(cell.vertices.data(), i, d_));
         check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
         cell.neighbors[i] = border->second.first;
+        if (border->second.first == outside) continue;
         cells_[border->second.first].neighbors[border->second.second] = shift + static_cast<std::int32_t>(c);
       }
       cells_.push_back(cell);
@@ -193,16 +210,16 @@ class MeshMaker {
     }
   }
 
-  const CollectInput& in_;
+  CollectInput in_;
   const int d_, corners_;
   TileMesh mesh_;
   std::vector<std::int32_t> index_;  // by vertex: its place in the mesh
   std::vector<Cell> cells_;
-  tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell, opposite vertex)
+  tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite vertex)
 };
 
 }  // namespace
 
-TileMesh make_mesh(const CollectInput& input) { return MeshMaker(input).make(); }
+TileMesh make_mesh(CollectInput input) { return MeshMaker(std::move(input)).make(); }
 
 }  // namespace tessera

@@ -28,9 +28,10 @@ struct CollectInput {
   CellList cells;                        // of the kernel
   std::vector<std::uint8_t> held;        // by cell: what it is to this tile
   std::vector<VertexInfo> vertices;      // by vertex
-  const FinalCells& final_cells;         // written earlier: they border the fill
+  FinalCells final_cells;                // handed out earlier: they border the fill
 };
 
-TileMesh make_mesh(const CollectInput& input);
+// Frees each list as soon as it has been used: this is where a tile needs most memory.
+TileMesh make_mesh(CollectInput input);
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "src/base/check.h"
 #include "src/tile/circumsphere.h"
@@ -37,11 +38,13 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
   const int corners = options_.dimension + 1;
   const CellList list = kernel_->cells();
   const std::vector<std::uint8_t> is_final = find_final(list, points, box, options_.dimension);
-  FinalCells finals = extract_final(list, is_final, options_.dimension);
-  if (finals.vertices.empty()) return finals;
+  if (std::find(is_final.begin(), is_final.end(), 1) == is_final.end()) return {};
 
   // Vertices of the cells that stay, in the old order: that is Hilbert order for the local ones.
   const Vertex before = kernel_->vertices();
+  std::vector<Point> foreign;
+  for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) foreign.push_back(kernel_->point(v));
+  kernel_.reset();  // nine tenths of the tile's memory, before more is needed
   std::vector<Vertex> renumbered(before + 1, 0);
   for (std::size_t i = 0; i < list.vertices.size(); ++i) {
     if (!is_final[i / corners]) renumbered[list.vertices[i]] = 1;
@@ -64,10 +67,11 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
   std::vector<Vertex> around;
   for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) {
     // Seeds are vertices of infinite or mixed cells, which are never final: they all stay.
-    kernel->insert(kernel_->point(v), false, InsertMode::always, around);
+    kernel->insert(foreign[v - points.size() - 1], false, InsertMode::always, around);
     renumbered[v] = kernel->vertices();
     ids.push_back(ids_[v]);
     owners.push_back(owners_[v]);
+    ranks_.push_back(0);
     foreign_[ids_[v]] = renumbered[v];
   }
   std::array<Vertex, 4> cell{};
@@ -81,13 +85,14 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
     }
     if (all_local) open_cells_.insert(cell_key(cell.data(), options_.dimension));
   }
-  tsl::robin_set<std::uint64_t> sent;
+  tsl::robin_set<std::uint64_t, MixHash> sent;
   for (const std::uint64_t key : sent_) {
     const Vertex v = renumbered[key >> 32];
     check(v != 0, "only vertices of cells that are not final have been shared");
     sent.insert(std::uint64_t{v} << 32 | (key & 0xffffffffu));
   }
   sent_ = std::move(sent);
+  FinalCells finals = extract_final(list, is_final, options_.dimension);
   kernel_ = std::move(kernel);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
@@ -252,8 +257,8 @@ std::map<std::uint32_t, std::vector<SharedPoint>> TileTriangulation::take_update
 }
 
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const std::uint64_t> ids,
-                                    const FinalCells& final_cells) {
-  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, final_cells};
+                                    FinalCells final_cells) {
+  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
   const int corners = options_.dimension + 1;
   input.cells = kernel_->cells();
   input.held.assign(input.cells.vertices.size() / corners, 0);
@@ -282,13 +287,14 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
       input.vertices[v].at = kernel_->point(v);
     }
   }
-  TileMesh mesh = make_mesh(input);
+  kernel_.reset();
+  TileMesh mesh = make_mesh(std::move(input));
   counts_.kept = mesh.points.size() - points.size();
   return mesh;
 }
 
 std::size_t TileTriangulation::memory() const {
-  std::size_t bytes = kernel_->memory() + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
+  std::size_t bytes = (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
   bytes += foreign_.bucket_count() * 24 + sent_.bucket_count() * 16 + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(SharedPoint);
   return bytes;

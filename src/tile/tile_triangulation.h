@@ -50,6 +50,15 @@ struct ExchangeCounts {
   std::uint64_t kept = 0;      // foreign vertices of cells with a local vertex; set by collect()
 };
 
+// Keys differ in a few high or low bits only, and the tables are powers of two: mix them (splitmix64's finaliser).
+struct MixHash {
+  std::size_t operator()(std::uint64_t x) const noexcept {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+  }
+};
+
 class TileTriangulation {
  public:
   explicit TileTriangulation(const TileOptions& options);
@@ -76,8 +85,8 @@ class TileTriangulation {
   std::map<std::uint32_t, std::vector<SharedPoint>> take_updates();
 
   // All cells with a vertex of this tile. `points`, `ids` as in triangulate(); `final_cells` from reduce(), or empty.
-  // Right only once all tiles are quiet.
-  TileMesh collect(std::span<const Point> points, std::span<const std::uint64_t> ids, const FinalCells& final_cells);
+  // Right only once all tiles are quiet. The triangulation is gone afterwards.
+  TileMesh collect(std::span<const Point> points, std::span<const std::uint64_t> ids, FinalCells final_cells);
 
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;
@@ -102,8 +111,8 @@ class TileTriangulation {
   std::vector<std::uint64_t> ids_;
   std::vector<std::uint32_t> owners_;
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: rank = vertex - 1
-  tsl::robin_map<std::uint64_t, Vertex> foreign_;  // by id: the vertex, or 0 once refused
-  tsl::robin_set<std::uint64_t> sent_;             // vertex << 32 | tile, for vertices that tile has been told of
+  tsl::robin_map<std::uint64_t, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
+  tsl::robin_set<std::uint64_t, MixHash> sent_;  // vertex << 32 | tile, for vertices that tile has been told of
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // after reduce(): all-local cells that are not final, by vertices
   std::map<std::uint32_t, std::vector<SharedPoint>> updates_;

@@ -87,7 +87,7 @@ TEST(Circumsphere, BallContainsTheExactSphereForCoordinatesOfEverySize) {
 TEST(Circumsphere, BallIsTightForRoundCells) {
   const Ball ball = circumsphere({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
   ASSERT_TRUE(ball.known);
-  EXPECT_NEAR(ball.reach, std::sqrt(0.75), 1e-14);
+  EXPECT_NEAR(ball.reach, std::sqrt(0.75), 1e-13);
 }
 
 TEST(Circumsphere, NothingIsKnownOfFlatOrExtremeCells) {

@@ -15,13 +15,12 @@ struct Mail {
   std::vector<SharedPoint> points;
 };
 
-// The least point, and d+1 that span the space.
 std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
-                                    int d, bool spanning) {
+                                    int d, Announced announced) {
   std::vector<std::size_t> chosen;
   const auto least = std::min_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.at < b.at; });
   chosen.push_back(static_cast<std::size_t>(least - points.begin()));
-  for (std::size_t i = 0; spanning && i < points.size() && chosen.size() < static_cast<std::size_t>(d) + 1; ++i) {
+  for (std::size_t i = 0; announced == Announced::spanning && i < points.size() && chosen.size() < static_cast<std::size_t>(d) + 1; ++i) {
     const Point &a = points[chosen[0]].at, p = points[i].at;
     bool independent = p != a;
     if (chosen.size() == 2) {
@@ -31,6 +30,22 @@ std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const
       independent = orientation_3(a, points[chosen[1]].at, points[chosen[2]].at, p) != 0;
     }
     if (independent) chosen.push_back(i);
+  }
+  if (announced == Announced::extremes) {
+    const auto tiles = static_cast<std::size_t>(*std::max_element(tile_of.begin(), tile_of.end())) + 1;
+    for (std::size_t t = 0; t < tiles; ++t) {
+      for (int axis = 0; axis < 2 * d; ++axis) {
+        std::size_t best = points.size();
+        const double sign = axis % 2 ? 1 : -1;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          const bool better = best == points.size() || sign * points[i].at[axis / 2] > sign * points[best].at[axis / 2];
+          if (tile_of[i] == t && better) best = i;
+        }
+        if (best < points.size()) chosen.push_back(best);
+      }
+    }
+    std::sort(chosen.begin(), chosen.end());
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   }
   std::vector<SharedPoint> seeds;
   for (const std::size_t i : chosen) seeds.push_back({points[i].at, points[i].id, tile_of[i], 0});
@@ -56,7 +71,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     tile[tile_of[i]].ids.push_back(points[i].id);
     tile[tile_of[i]].bounds.add(points[i].at);
   }
-  const auto seeds = make_seeds(points, tile_of, options.dimension, options.spanning_seeds);
+  const auto seeds = make_seeds(points, tile_of, options.dimension, options.announced);
   std::vector<Mail> mail;
   const auto post = [&](std::uint32_t from) {
     for (auto& [to, list] : tile[from].t->take_updates()) {
@@ -119,7 +134,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   }
   std::vector<TileMesh> meshes;
   for (Tile& t : tile) {
-    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, t.finals));
+    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)));
   }
   return meshes;
 }

@@ -12,10 +12,14 @@
 
 namespace tessera::testing {
 
+// What every tile is given at the start: the lexicographic minimum, and with it points that span the space (as in
+// production) or the extreme points of every tile.
+enum class Announced { minimum, spanning, extremes };
+
 struct SplayOptions {
   int dimension = 3;
   std::uint64_t seed = 0;
-  bool spanning_seeds = true;  // else the lexicographic minimum alone is announced
+  Announced announced = Announced::spanning;
   bool reduce = false;         // hand out final cells first
   bool announce = true;
   bool sleep = false;          // save and load tiles between deliveries
