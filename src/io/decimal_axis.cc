@@ -4,7 +4,6 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,7 +36,10 @@ Decimal shortest(double value) {
     decimal.digits = decimal.digits * 10 + (*at - '0');
     decimals += after_point;
   }
-  if (at != end) decimal.exponent = std::atoi(at + 1);
+  if (at != end) {
+    at += at[1] == '+' ? 2 : 1;  // from_chars knows no '+'
+    std::from_chars(at, end, decimal.exponent);
+  }
   decimal.exponent -= decimals;
   if (text[0] == '-') decimal.digits = -decimal.digits;
   if (decimal.digits == 0) decimal.exponent = 0;
