@@ -13,14 +13,15 @@ namespace {
 
 constexpr std::array<const char*, 4> kind_names{"kdtree", "grid", "octree", "random"};
 
-// How many kd tiles keep the fullest below the limit: a tile with s points of the sample is off by about s^-1/2, three
-// times that is rare. A sample that is the whole cloud is not off at all.
+// How many kd tiles keep the fullest below the limit. A sample comes in runs of points that are neighbours in their
+// file: a tile with s of them knows its border as well as from s/64 independent ones, so it is off by (s/64)^-1/2, and
+// twice that is rare. A sample that is the whole cloud is not off at all.
 std::uint32_t tiles_for_limit(std::size_t sample, std::uint64_t total, std::uint64_t limit) {
   const double exact = std::ceil(static_cast<double>(total) / static_cast<double>(limit));
   double margin = 1;
   if (sample < total && total > limit) {
     const double sample_per_tile = std::max(1.0, static_cast<double>(sample) / exact);
-    margin = std::min(2.0, 1 + 3 / std::sqrt(sample_per_tile));
+    margin = std::min(1.5, 1 + 2 / std::sqrt(sample_per_tile / 64));
   }
   return static_cast<std::uint32_t>(std::clamp(std::ceil(exact * margin), 1.0, double{Partition::tiles_max}));
 }

@@ -1,9 +1,9 @@
 // The partition in plan.json and in the manifest. What comes back is not trusted: a wrong tree would send points to
 // tiles whose boxes do not hold them.
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/tiling/json_read.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -12,14 +12,6 @@ namespace {
 using nlohmann::json;
 
 Error bad(const std::string& what) { return error(Errc::corrupt, "partition: " + what); }
-
-// An integer in [least, most].
-bool get(const json& from, std::int64_t least, std::int64_t most, std::int64_t& value) {
-  if (!from.is_number_integer()) return false;
-  if (from.is_number_unsigned() && from.get<std::uint64_t>() > static_cast<std::uint64_t>(INT64_MAX)) return false;
-  value = from.get<std::int64_t>();
-  return least <= value && value <= most;
-}
 
 // Every row but the root hangs from exactly one earlier row, every leaf from exactly one, and every plane is inside
 // its box: then leaves are disjoint, not empty, and cover space.
@@ -71,8 +63,8 @@ Result<Partition> Partition::from_json(const std::string& text) {
   if (!kind) return bad("unknown kind");
   std::int64_t dimension = 0;
   std::int64_t tiles = 0;
-  if (!get(root["dimension"], 2, 3, dimension)) return bad("dimension is not 2 or 3");
-  if (!get(root["tiles"], 1, tiles_max, tiles)) return bad("tiles is not a number from 1 to 1048576");
+  if (!read_integer(root["dimension"], 2, 3, dimension)) return bad("dimension is not 2 or 3");
+  if (!read_integer(root["tiles"], 1, tiles_max, tiles)) return bad("tiles is not a number from 1 to 1048576");
   const json& splits = root["splits"];
   if (!splits.is_array()) return bad("splits is not a list");
   const std::int64_t rows = kind.value() == PartitionKind::random ? 0 : tiles - 1;
@@ -85,9 +77,9 @@ Result<Partition> Partition::from_json(const std::string& text) {
     std::int64_t axis = 0;
     std::int64_t below = 0;
     std::int64_t above = 0;
-    if (!split.is_array() || split.size() != 4 || !get(split[0], 0, dimension - 1, axis) || !split[1].is_number() ||
-        !get(split[2], -tiles, rows - 1, below) || !get(split[3], -tiles, rows - 1, above) ||
-        !std::isfinite(split[1].get<double>())) {
+    if (!split.is_array() || split.size() != 4 || !read_integer(split[0], 0, dimension - 1, axis) ||
+        !split[1].is_number() || !read_integer(split[2], -tiles, rows - 1, below) ||
+        !read_integer(split[3], -tiles, rows - 1, above) || !std::isfinite(split[1].get<double>())) {
       return bad("split " + std::to_string(nodes.size()) + " is not [axis, coordinate, below, above]");
     }
     nodes.push_back({split[1].get<double>() + 0.0,

@@ -51,7 +51,7 @@ struct RouteOptions {
   std::uint64_t max_points_per_tile = 0;  // used when `tiles` is 0
   std::uint32_t tiles = 0;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // for buffers and the sample
-  std::string options_key;
+  std::string options_key = {};
 };
 
 // Streams the cloud into tile files. Refuses, with bad_input and one sentence, a cloud without points or whose points

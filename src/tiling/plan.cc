@@ -1,0 +1,227 @@
+#include "src/tiling/plan.h"
+
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include "src/tiling/disk_file.h"
+#include "src/tiling/json_read.h"
+
+namespace tessera {
+namespace {
+
+using nlohmann::json;
+
+constexpr int format_version = 1;
+constexpr std::uint64_t plan_bytes_max = std::uint64_t{1} << 30;  // 1000 bytes for each of 2^20 tiles
+constexpr std::array<const char*, 10> type_names{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
+
+json to_json(const Point& p) { return json::array({p.x, p.y, p.z}); }
+
+json to_json(const Bounds& b) {
+  if (b.empty()) return nullptr;
+  return json::array({to_json(b.lo), to_json(b.hi)});
+}
+
+bool read_bounds(const json& from, Bounds& b) {
+  b = {};
+  if (from.is_null()) return true;
+  if (!from.is_array() || from.size() != 2 || !read_point(from[0], b.lo) || !read_point(from[1], b.hi)) return false;
+  return b.lo.x <= b.hi.x && b.lo.y <= b.hi.y && b.lo.z <= b.hi.z;
+}
+
+// Reads plan.json field by field; the first thing wrong is the error.
+class PlanReader {
+ public:
+  PlanReader(std::filesystem::path path, const json& root) : path_(std::move(path)), root_(root) {}
+
+  Result<RoutedRun> read(const std::filesystem::path& folder) {
+    BOOST_OUTCOME_TRYV(read_header());
+    run_.folder = folder;
+    BOOST_OUTCOME_TRYV(read_tiles());
+    BOOST_OUTCOME_TRYV(read_seeds());
+    BOOST_OUTCOME_TRYV(read_source());
+    return std::move(run_);
+  }
+
+ private:
+  Error bad(const std::string& what) const { return error(Errc::corrupt, path_.string() + ": " + what); }
+
+  // null when missing, which no reading function takes for a value it needs.
+  const json& at(const json& object, const char* key) const {
+    static const json none;
+    if (!object.is_object()) return none;
+    const auto found = object.find(key);
+    return found == object.end() ? none : *found;
+  }
+
+  Status read_header() {
+    if (!root_.is_object()) return bad("is not a JSON object");
+    std::int64_t version = 0;
+    if (!read_integer(at(root_, "version"), 1, INT64_MAX, version)) return bad("has no version");
+    if (version != format_version) {
+      return bad("has version " + std::to_string(version) + "; this program reads version " +
+                 std::to_string(format_version));
+    }
+    return success();
+  }
+
+  Status read_tiles() {
+    auto partition = Partition::from_json(at(root_, "partition").dump());
+    if (!partition) return bad(partition.error().where);
+    run_.partition = std::move(partition).value();
+    run_.dimension = run_.partition.dimension();
+    const json& counts = at(root_, "counts");
+    if (!read_unsigned(at(counts, "read"), run_.counts.read) ||
+        !read_unsigned(at(counts, "invalid"), run_.counts.invalid) ||
+        !read_unsigned(at(counts, "filtered"), run_.counts.filtered)) {
+      return bad("counts are not three numbers");
+    }
+    const json& tiles = at(root_, "tiles");
+    if (!tiles.is_array() || tiles.size() != run_.partition.tiles()) return bad("does not list every tile once");
+    std::uint64_t sum = 0;
+    for (const json& tile : tiles) {
+      std::uint64_t points = 0;
+      Bounds bounds;
+      const std::string name = "tile " + std::to_string(run_.tile_points.size());
+      if (!read_unsigned(at(tile, "points"), points) || points > run_.counts.read - sum) {
+        return bad(name + " has no possible number of points");
+      }
+      if (!read_bounds(at(tile, "bounds"), bounds) || bounds.empty() != (points == 0)) {
+        return bad(name + " has no possible bounds");
+      }
+      sum += points;
+      run_.tile_points.push_back(points);
+      run_.tile_bounds.push_back(bounds);
+      run_.bounds.add(bounds);
+    }
+    const CloudCounts& c = run_.counts;
+    if (c.invalid > c.read || c.filtered > c.read - c.invalid || sum != c.read - c.invalid - c.filtered) {
+      return bad("the tiles' points do not add up to what was read");
+    }
+    return success();
+  }
+
+  Status read_seeds() {
+    const json& seeds = at(root_, "seeds");
+    const auto span = static_cast<std::size_t>(run_.dimension) + 1;
+    if (!seeds.is_array() || seeds.size() < span || seeds.size() > span + 1) return bad("has not the right seeds");
+    for (const json& from : seeds) {
+      SharedPoint seed;
+      if (!read_unsigned(at(from, "id"), seed.id) || seed.id >= run_.counts.read ||
+          !read_point(at(from, "at"), seed.at)) {
+        return bad("a seed is not a point of the cloud");
+      }
+      seed.tile = run_.partition.tile_of(seed.at).value;
+      run_.seeds.push_back(seed);
+    }
+    return success();
+  }
+
+  Status read_source() {
+    const json& schema = at(root_, "schema");
+    if (!schema.is_array()) return bad("schema is not a list");
+    for (const json& from : schema) {
+      Attribute a;
+      std::string type;
+      if (!read_string(at(from, "name"), a.name) || !read_string(at(from, "type"), type)) {
+        return bad("an attribute has no name or type");
+      }
+      const auto found = std::find(type_names.begin(), type_names.end(), type);
+      if (found == type_names.end()) return bad("attribute " + a.name + " has an unknown type");
+      a.type = static_cast<AttributeType>(found - type_names.begin());
+      run_.schema.push_back(std::move(a));
+    }
+    const json& inputs = at(root_, "inputs");
+    if (!inputs.is_array()) return bad("inputs is not a list");
+    for (const json& from : inputs) {
+      InputFile input;
+      std::int64_t modified = 0;
+      if (!read_string(at(from, "path"), input.path) || !read_unsigned(at(from, "bytes"), input.bytes) ||
+          !read_integer(at(from, "modified_ns"), INT64_MIN, INT64_MAX, modified)) {
+        return bad("an input has no path, size or time");
+      }
+      input.modified_ns = modified;
+      run_.inputs.push_back(std::move(input));
+    }
+    if (!read_string(at(root_, "crs"), run_.crs) || !read_string(at(root_, "options_key"), run_.options_key)) {
+      return bad("crs or options_key is not text");
+    }
+    return success();
+  }
+
+  std::filesystem::path path_;
+  const json& root_;
+  RoutedRun run_;
+};
+
+Status check_size(const std::filesystem::path& path, std::uint64_t records, std::size_t record_bytes) {
+  std::error_code failed;
+  const std::uint64_t bytes = std::filesystem::file_size(path, failed);
+  if (records == 0 && failed == std::errc::no_such_file_or_directory) return success();
+  if (failed) return system_error(path, "cannot read its size", failed.value());
+  // Divided, not multiplied: the number comes from a file.
+  if (bytes % record_bytes == 0 && bytes / record_bytes == records) return success();
+  return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but " +
+                                  std::to_string(records) + " records of " + std::to_string(record_bytes) +
+                                  " bytes were written");
+}
+
+}  // namespace
+
+std::filesystem::path plan_file(const std::filesystem::path& run_folder) { return run_folder / "plan.json"; }
+
+Status write_plan(const RoutedRun& run) {
+  json tiles = json::array();
+  for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
+    tiles.push_back({{"points", run.tile_points[t]}, {"bounds", to_json(run.tile_bounds[t])}});
+  }
+  json seeds = json::array();
+  for (const SharedPoint& s : run.seeds) seeds.push_back({{"at", to_json(s.at)}, {"id", s.id}});
+  json schema = json::array();
+  for (const Attribute& a : run.schema) {
+    schema.push_back({{"name", a.name}, {"type", type_names[static_cast<std::size_t>(a.type)]}});
+  }
+  json inputs = json::array();
+  for (const InputFile& i : run.inputs) {
+    inputs.push_back({{"path", i.path}, {"bytes", i.bytes}, {"modified_ns", i.modified_ns}});
+  }
+  const json plan{
+      {"version", format_version},
+      {"partition", json::parse(run.partition.to_json())},
+      {"counts", {{"read", run.counts.read}, {"invalid", run.counts.invalid}, {"filtered", run.counts.filtered}}},
+      {"tiles", std::move(tiles)},
+      {"seeds", std::move(seeds)},
+      {"schema", std::move(schema)},
+      {"inputs", std::move(inputs)},
+      {"crs", run.crs},
+      {"options_key", run.options_key}};
+  // File names and coordinate systems need not be UTF-8, which JSON is.
+  return write_atomically(plan_file(run.folder), plan.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+Result<RoutedRun> open_run(const std::filesystem::path& folder) {
+  const auto path = plan_file(folder);
+  std::string text;
+  {
+    BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
+    BOOST_OUTCOME_TRY(bytes, file.size());
+    if (bytes > plan_bytes_max) return error(Errc::corrupt, path.string() + ": is larger than a plan can be");
+    text.resize(bytes);
+    BOOST_OUTCOME_TRY(got, file.read(std::as_writable_bytes(std::span(text))));
+    text.resize(got);
+  }
+  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (root.is_discarded()) return error(Errc::corrupt, path.string() + ": is not JSON");
+  BOOST_OUTCOME_TRY(run, PlanReader(path, root).read(folder));
+  const std::size_t row = row_bytes(run.schema);
+  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
+    BOOST_OUTCOME_TRYV(check_size(points_file(folder, TileId{t}), run.tile_points[t], sizeof(LocalPoint)));
+    if (row > 0) {
+      BOOST_OUTCOME_TRYV(check_size(attributes_file(folder, TileId{t}), run.tile_points[t], row));
+    }
+  }
+  return std::move(run);
+}
+
+}  // namespace tessera

@@ -1,0 +1,207 @@
+// From a cloud of any size to the files of a run folder, in bounded memory.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "src/tiling/disk_file.h"
+#include "src/tiling/plan.h"
+#include "src/tiling/refine.h"
+#include "src/tiling/routed_run.h"
+#include "src/tiling/span_finder.h"
+#include "src/tiling/tile_writer.h"
+
+namespace tessera {
+namespace {
+
+// More buys nothing: writes are long enough, and the page cache wants memory too.
+constexpr std::uint64_t buffer_bytes_max = std::uint64_t{512} << 20;
+constexpr std::uint64_t sample_max = 1'000'000;
+
+// Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.
+class RunFolder {
+ public:
+  explicit RunFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+  ~RunFolder() {
+    if (keep_) return;
+    // Already failing: what cannot be removed is removed by the next run, and the first error is the one to tell.
+    std::error_code ignored;
+    for (const auto& path : parts()) std::filesystem::remove_all(path, ignored);
+  }
+
+  Status prepare(bool with_rows) {
+    std::error_code failed;
+    for (const auto& path : parts()) {
+      std::filesystem::remove_all(path, failed);
+      if (failed) return system_error(path, "cannot remove", failed.value());
+    }
+    std::filesystem::create_directories(path_ / "points", failed);
+    if (!failed && with_rows) std::filesystem::create_directories(path_ / "attributes", failed);
+    if (failed) return system_error(path_, "cannot create this folder", failed.value());
+    return success();
+  }
+  void keep() { keep_ = true; }
+
+ private:
+  std::vector<std::filesystem::path> parts() const {
+    return {plan_file(path_), path_ / "plan.json.tmp", path_ / "points", path_ / "attributes"};
+  }
+
+  std::filesystem::path path_;
+  bool keep_ = false;
+};
+
+struct Survey {
+  std::vector<Point> sample;
+  std::uint64_t total = 0;  // 0 if unknown
+};
+
+// One pass over everything: needed where no header tells how many points there are, or a filter leaves an unknown part.
+// Keeps every k-th point, k doubling whenever there are twice as many as wanted.
+Result<Survey> survey_all(const Cloud& cloud, std::size_t wanted, const std::stop_token& stop) {
+  Survey survey;
+  std::uint64_t stride = 1;
+  const auto visit = [&](CloudBatch& batch) -> Status {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while points were counted");
+    for (const LocalPoint& p : batch.points) {
+      if (survey.total++ % stride != 0) continue;
+      survey.sample.push_back(p.at);
+      if (survey.sample.size() < 2 * wanted) continue;
+      for (std::size_t i = 0; i < wanted; ++i) survey.sample[i] = survey.sample[2 * i];
+      survey.sample.resize(wanted);
+      stride *= 2;
+    }
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(cloud.for_each_batch(visit));
+  return survey;
+}
+
+Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, const std::stop_token& stop) {
+  // The sample exists up to four times: while it is thinned, and in the partition's builder.
+  const std::uint64_t affordable = options.memory_bytes / 8 / (4 * sizeof(Point));
+  const auto wanted = static_cast<std::size_t>(std::clamp<std::uint64_t>(affordable, 4096, sample_max));
+  Survey survey;
+  bool known = !cloud.options().crop && cloud.options().classes.empty();
+  for (const FileInfo& file : cloud.files()) {
+    known = known && file.points.has_value();
+    survey.total += file.points.value_or(0);
+  }
+  if (!known && options.tiles == 0) return survey_all(cloud, wanted, stop);
+  if (!known) survey.total = 0;
+  BOOST_OUTCOME_TRY(sample, cloud.sample(wanted));
+  survey.sample = std::move(sample);
+  return survey;
+}
+
+Partition plan_partition(const Survey& survey, int dimension, const RouteOptions& options) {
+  Bounds bounds;
+  for (const Point& p : survey.sample) bounds.add(p);
+  if (options.tiles > 0) {
+    return Partition::build_tiles(options.kind, dimension, survey.sample, bounds, options.tiles);
+  }
+  const std::uint64_t limit = options.max_points_per_tile > 0 ? options.max_points_per_tile : UINT64_MAX;
+  return Partition::build(options.kind, dimension, survey.sample, bounds, survey.total, limit);
+}
+
+std::string name_of(const Cloud& cloud) {
+  if (cloud.files().size() == 1) return cloud.files()[0].path.string();
+  return "the " + std::to_string(cloud.files().size()) + " input files";
+}
+
+// Refuses a cloud that has no triangulation.
+Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, int rank) {
+  const std::uint64_t points = counts.read - counts.invalid - counts.filtered;
+  const std::string n = std::to_string(points);
+  const auto refuse = [&](const std::string& reason) { return error(Errc::bad_input, name_of(cloud) + ": " + reason); };
+  if (points == 0 && counts.read == 0) return refuse("there are no points");
+  if (points == 0) {
+    return refuse("no points are left of " + std::to_string(counts.read) + ": " + std::to_string(counts.filtered) +
+                  " were filtered out, " + std::to_string(counts.invalid) + " were not finite");
+  }
+  if (rank == dimension) return success();
+  const std::string d = std::to_string(dimension);
+  if (points <= static_cast<std::uint64_t>(dimension)) {
+    return refuse("there " + std::string(points == 1 ? "is 1 point" : "are " + n + " points") + "; a " + d +
+                  "D triangulation needs at least " + std::to_string(dimension + 1));
+  }
+  if (rank == 0) return refuse("all " + n + " points are identical");
+  if (rank == 1) return refuse("all " + n + " points lie on one line; a " + d + "D triangulation needs points off it");
+  return refuse("all " + n + " points lie in one plane; a 3D triangulation needs points off it (try --dim 2)");
+}
+
+// The least point and the spanning ones, each once, with their owners.
+std::vector<SharedPoint> seeds_of(const SpanFinder& finder, const Partition& partition) {
+  std::vector<LocalPoint> points{finder.least()};
+  for (const LocalPoint& p : finder.span()) {
+    if (p.at != finder.least().at) points.push_back(p);
+  }
+  std::vector<SharedPoint> seeds;
+  for (const LocalPoint& p : points) {
+    seeds.push_back({.at = p.at, .id = p.id, .tile = partition.tile_of(p.at).value, .reserved = 0});
+  }
+  return seeds;
+}
+
+}  // namespace
+
+Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
+                        Progress& progress, std::stop_token stop) {
+  if (options.tiles > Partition::tiles_max) {
+    return error(Errc::usage, std::to_string(options.tiles) + " tiles are more than the " +
+                                  std::to_string(Partition::tiles_max) + " that can be made");
+  }
+  RoutedRun run;
+  run.folder = folder;
+  run.dimension = cloud.options().dimension;
+  run.schema = cloud.schema();
+  run.crs = cloud.crs();
+  run.options_key = options.options_key;
+  for (const FileInfo& file : cloud.files()) run.inputs.push_back({file.path.string(), file.bytes, file.modified_ns});
+  const std::size_t row = row_bytes(run.schema);
+
+  RunFolder files(folder);
+  BOOST_OUTCOME_TRYV(files.prepare(row > 0));
+  std::uint64_t points_max = 0;  // a file cannot hold more points than bytes, whatever its header says
+  for (const FileInfo& file : cloud.files()) points_max += std::min(file.points.value_or(file.bytes), file.bytes);
+  {
+    BOOST_OUTCOME_TRY(survey, survey_cloud(cloud, options, stop));
+    progress.points_total = survey.total;
+    run.partition = plan_partition(survey, run.dimension, options);
+  }
+  progress.tiles_total = run.partition.tiles();
+
+  const std::uint64_t buffer =
+      std::min({options.memory_bytes / 2, buffer_bytes_max, (points_max + 1) * TileWriter::bytes_per_point(row)});
+  TileWriter writer(folder, row, buffer);
+  SpanFinder finder(run.dimension);
+  const auto visit = [&](CloudBatch& batch) -> Status {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while points were routed");
+    BOOST_OUTCOME_TRYV(writer.add(run.partition, batch.points, batch.rows));
+    finder.add(batch.points);
+    progress.points_routed += batch.points.size();
+    return success();
+  };
+  BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(visit));
+  run.counts = counts;
+  BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, counts, finder.rank()));
+  BOOST_OUTCOME_TRYV(writer.flush());
+  if (options.tiles == 0 && options.max_points_per_tile > 0) {
+    BOOST_OUTCOME_TRYV(split_large_tiles(run.partition, writer, folder, row, options.max_points_per_tile,
+                                         options.memory_bytes / 4, stop));
+  }
+
+  run.tile_points = std::move(writer.counts());
+  run.tile_bounds = std::move(writer.bounds());
+  for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
+  run.seeds = seeds_of(finder, run.partition);
+  progress.points_total = progress.points_routed.load();
+  progress.tiles_total = run.partition.tiles();
+  BOOST_OUTCOME_TRYV(write_plan(run));
+  files.keep();
+  return run;
+}
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+#include "src/tiling/span_finder.h"
+
+#include "src/kernel/kernel.h"
+
+namespace tessera {
+
+void SpanFinder::add(std::span<const LocalPoint> points) {
+  if (points.empty()) return;
+  if (span_.empty()) {
+    span_.push_back(points[0]);
+    least_ = points[0];
+  }
+  for (const LocalPoint& p : points) {
+    if (p.at.x <= least_.at.x && p.at < least_.at) least_ = p;
+  }
+  for (std::size_t i = 0; i < points.size() && !complete(); ++i) {
+    if (extends(points[i].at)) span_.push_back(points[i]);
+  }
+}
+
+bool SpanFinder::extends(const Point& p) const {
+  // Points that agree with the span on enough axes are in its flat, whatever the predicates would say at a hundred
+  // times the cost: a flat raster of 10^8 points is refused in seconds.
+  int agree = 0;
+  for (int a = 0; a < dimension_; ++a) {
+    bool same = true;
+    for (const LocalPoint& q : span_) same = same && q.at[a] == p[a];
+    agree += same;
+  }
+  if (dimension_ - agree <= rank()) return false;
+  const Point& a = span_[0].at;
+  switch (rank()) {
+    case 0:
+      return true;
+    case 1:
+      return dimension_ == 2 ? orientation_2(a, span_[1].at, p) != 0 : !collinear_3(a, span_[1].at, p);
+    default:
+      return orientation_3(a, span_[1].at, span_[2].at, p) != 0;
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,153 @@
+// A temporary folder with input files and run folders, and what must hold of every run in it.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "src/kernel/kernel.h"
+#include "src/tiling/routed_run.h"
+#include "tests/tiling/clouds.h"
+
+namespace tessera {
+
+class RunFixture : public testing::Test {
+ protected:
+  RunFixture() {
+    std::string name = (std::filesystem::temp_directory_path() / "tiling_test_XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~RunFixture() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path run_folder() const { return folder_ / "run"; }
+
+  // NumPy's format, version 1.0: n rows of 2 or 3 little-endian doubles.
+  std::string write_npy(const std::vector<Point>& points, int dimension, const std::string& name = "in.npy") const {
+    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(points.size()) + ", " +
+                         std::to_string(dimension) + "), }";
+    header.resize(117, ' ');
+    header += '\n';
+    const auto path = folder_ / name;
+    std::ofstream out(path, std::ios::binary);
+    out.write("\x93NUMPY\x01\x00\x76\x00", 10);
+    out << header;
+    for (const Point& p : points) out.write(reinterpret_cast<const char*>(&p), dimension * 8);
+    return path.string();
+  }
+
+  static CloudOptions in_dimension(int dimension) {
+    CloudOptions options;
+    options.dimension = dimension;
+    return options;
+  }
+
+  static Cloud open_cloud(const std::string& path, int dimension) { return open_cloud(path, in_dimension(dimension)); }
+
+  static Cloud open_cloud(const std::string& path, const CloudOptions& options) {
+    auto cloud = Cloud::open({path}, options);
+    if (!cloud) throw std::runtime_error(cloud.error().where);
+    return std::move(cloud).value();
+  }
+
+  Result<RoutedRun> route_points(const std::vector<Point>& points, int dimension, const RouteOptions& options) {
+    return route(open_cloud(write_npy(points, dimension), dimension), run_folder(), options, progress_, {});
+  }
+
+  static std::vector<LocalPoint> read_points(const RoutedRun& run, std::uint32_t tile) {
+    std::vector<LocalPoint> points(run.tile_points.at(tile));
+    std::ifstream in(points_file(run.folder, TileId{tile}), std::ios::binary);
+    if (!points.empty())
+      in.read(reinterpret_cast<char*>(points.data()), static_cast<std::streamsize>(points.size() * 32));
+    EXPECT_TRUE(points.empty() || in.good());
+    EXPECT_TRUE(points.empty() || in.peek() == std::ifstream::traits_type::eof());
+    return points;
+  }
+
+  // Every point is in the file of its tile, under its rank in the input; the run's numbers are those of its files.
+  static void expect_complete(const RoutedRun& run, const std::vector<Point>& points) {
+    ASSERT_EQ(run.tile_points.size(), run.partition.tiles());
+    ASSERT_EQ(run.tile_bounds.size(), run.partition.tiles());
+    std::vector<bool> seen(points.size());
+    std::size_t total = 0;
+    for (std::uint32_t t = 0; t < run.partition.tiles(); ++t) {
+      const auto inside = read_points(run, t);
+      Bounds bounds;
+      for (std::size_t i = 0; i < inside.size(); ++i) {
+        ASSERT_LT(inside[i].id, points.size());
+        ASSERT_EQ(inside[i].at, points[inside[i].id]);
+        ASSERT_EQ(run.partition.tile_of(inside[i].at).value, t);
+        ASSERT_TRUE(i == 0 || inside[i - 1].id < inside[i].id);
+        ASSERT_FALSE(seen[inside[i].id]);
+        seen[inside[i].id] = true;
+        bounds.add(inside[i].at);
+      }
+      ASSERT_EQ(bounds, run.tile_bounds[t]);
+      total += inside.size();
+    }
+    EXPECT_EQ(total, points.size());
+    EXPECT_EQ(run.bounds, bounds_of(points));
+    expect_seeds(run, points);
+  }
+
+  // The least point is among them, d+1 of them span the space, and their ids are those of the vertices that are kept.
+  static void expect_seeds(const RoutedRun& run, const std::vector<Point>& points) {
+    std::map<Point, std::uint64_t> lowest;
+    for (std::size_t i = 0; i < points.size(); ++i) lowest.try_emplace(points[i], i);
+    const auto& seeds = run.seeds;
+    const auto d = static_cast<std::size_t>(run.dimension);
+    ASSERT_TRUE(seeds.size() == d + 1 || seeds.size() == d + 2);
+    EXPECT_EQ(seeds[0].at, lowest.begin()->first);
+    std::set<Point> distinct;
+    for (const SharedPoint& s : seeds) {
+      EXPECT_EQ(s.id, lowest.at(s.at));
+      EXPECT_EQ(s.tile, run.partition.tile_of(s.at).value);
+      EXPECT_TRUE(distinct.insert(s.at).second);
+    }
+    bool spanned = false;
+    for (std::size_t leave_out = 0; leave_out < seeds.size(); ++leave_out) {
+      std::vector<Point> p;
+      for (std::size_t i = 0; i < seeds.size(); ++i) {
+        if (seeds.size() == d + 1 || i != leave_out) p.push_back(seeds[i].at);
+      }
+      spanned = spanned || (d == 2 ? orientation_2(p[0], p[1], p[2]) != 0 : orientation_3(p[0], p[1], p[2], p[3]) != 0);
+    }
+    EXPECT_TRUE(spanned);
+  }
+
+  static void expect_same(const RoutedRun& a, const RoutedRun& b) {
+    EXPECT_EQ(a.dimension, b.dimension);
+    EXPECT_EQ(a.partition.kind(), b.partition.kind());
+    EXPECT_EQ(a.partition.boxes(), b.partition.boxes());
+    EXPECT_EQ(a.tile_points, b.tile_points);
+    EXPECT_EQ(a.tile_bounds, b.tile_bounds);
+    EXPECT_EQ(a.counts.read, b.counts.read);
+    EXPECT_EQ(a.counts.invalid, b.counts.invalid);
+    EXPECT_EQ(a.counts.filtered, b.counts.filtered);
+    EXPECT_EQ(a.bounds, b.bounds);
+    EXPECT_EQ(a.seeds, b.seeds);
+    EXPECT_EQ(a.schema, b.schema);
+    EXPECT_EQ(a.inputs, b.inputs);
+    EXPECT_EQ(a.crs, b.crs);
+    EXPECT_EQ(a.options_key, b.options_key);
+  }
+
+  std::filesystem::path folder_;
+  Progress progress_;
+};
+
+inline std::string read_text(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << text;
+}
+
+}  // namespace tessera
