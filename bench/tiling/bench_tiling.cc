@@ -58,7 +58,7 @@ int run(std::size_t n, std::uint32_t tiles, unsigned seed, const std::filesystem
     bool written = true;
     std::uint64_t routed = 0;
     print("route " + name, n, seconds([&] {
-            TileWriter writer(run_folder, 0, std::uint64_t{512} << 20);
+            TileWriter writer(run_folder, 0, std::uint64_t{128} << 20);
             for (std::size_t i = 0; i < n && written; i += batch) {
               const auto part = std::span(points).subspan(i, std::min(batch, n - i));
               written = writer.add(partition, part, {}).has_value();

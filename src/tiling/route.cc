@@ -14,8 +14,8 @@
 namespace tessera {
 namespace {
 
-// More buys nothing: writes are long enough, and the page cache wants memory too.
-constexpr std::uint64_t buffer_bytes_max = std::uint64_t{512} << 20;
+// More buys nothing: writes are long enough, and touching fresh memory costs (15 M points: 64 MB 0.8 s, 512 MB 1.1 s).
+constexpr std::uint64_t buffer_bytes_max = std::uint64_t{128} << 20;
 constexpr std::uint64_t sample_max = 1'000'000;
 
 // Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.

@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Collects points in one buffer; when it is full, every tile that has some gets them appended to its file. One file is
-// open at a time, and writes are large when the buffer is: 512 MB over 1000 tiles are 400 KB each.
+// open at a time, and writes are large when the buffer is: 128 MB over 1000 tiles are 100 KB each.
 class TileWriter {
  public:
   // `buffer_bytes`: memory to use, at least for a few thousand points.
