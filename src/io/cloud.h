@@ -14,11 +14,11 @@
 namespace tessera {
 
 struct CloudOptions {
-  int dimension = 3;                    // 2 keeps x and y; z becomes 0 (and can be carried as attribute "z")
-  bool skip_invalid = false;            // drop non-finite points and count them, instead of refusing the file
-  std::optional<Box> crop;              // closed box: points outside are not part of the cloud
-  std::vector<int> classes;             // keep these LAS classes only; empty keeps all
-  std::vector<std::string> attributes;  // names to carry, or {"all"}
+  int dimension = 3;                         // 2 keeps x and y; z becomes 0 (and can be carried as attribute "z")
+  bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
+  std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
+  std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
+  std::vector<std::string> attributes = {};  // names to carry, or {"all"}
 };
 
 // Points with their source index (rank in the whole input, filtered and rejected points counted).

@@ -106,8 +106,11 @@ void split_line(std::string_view line, Delimiter delimiter, std::size_t most, st
 bool is_header(std::string_view line) {
   std::vector<std::string_view> fields;
   split_line(line, delimiter_of(line), 2, fields);
-  return std::any_of(fields.begin(), fields.end(),
-                     [](std::string_view field) { return !field.empty() && !parse_number(field); });
+  // What begins like a number is a wrong number ("1,5" between semicolons), not a name.
+  return std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+    return !field.empty() && std::string_view("0123456789+-.").find(field[0]) == std::string_view::npos &&
+           !parse_number(field);
+  });
 }
 
 std::string settle_columns(std::string_view header, std::string_view numbers, TextColumns& columns) {

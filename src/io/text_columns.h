@@ -35,7 +35,7 @@ struct TextColumns {
 // empty). Returns what is wrong, or "" if nothing is.
 std::string settle_columns(std::string_view header, std::string_view numbers, TextColumns& columns);
 
-// True if one of the first two fields is no number and not empty: the line names columns.
+// True if one of the first two fields is a word and no number: the line names columns.
 bool is_header(std::string_view line);
 
 }  // namespace tessera

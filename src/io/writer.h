@@ -14,7 +14,7 @@ namespace tessera {
 struct WriterOptions {
   int dimension = 3;         // 2: PLY, NumPy and text files have no z; in LAS it is 0
   std::uint64_t points = 0;  // how many will be written: exactly that many must be
-  Bounds bounds;             // holds them all; LAS needs it to choose its steps
+  Bounds bounds = {};        // holds them all; LAS needs it to choose its steps
   double step = 0;           // coordinates are multiples of this power of ten; 0 if they are not
 };
 
