@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -130,7 +131,11 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
 }
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "tessera-test-XXXXXX").string();
+  // In memory where there is such a place: on a disk, syncing takes five times as long as all the rest of these tests.
+  const std::filesystem::path memory = "/dev/shm";
+  std::error_code code;
+  const bool usable = std::filesystem::is_directory(memory, code) && ::access(memory.c_str(), W_OK) == 0;
+  std::string name = ((usable ? memory : std::filesystem::temp_directory_path()) / "tessera-test-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make " + name);
   path_ = name;
 }

@@ -1,0 +1,30 @@
+// The slow, independent answer: CGAL's triangulation of all vertices, in memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/tile/tile_mesh.h"
+#include "src/verify/place.h"
+
+namespace tessera {
+
+class AgainstCgal {
+ public:
+  explicit AgainstCgal(int dimension) : dimension_(dimension) {}
+  // Keeps the tile's own vertices and main cells.
+  void add(const TileMesh& mesh);
+  // Builds and compares the sets of cells; not_delaunay tells the first cell that only one of them has.
+  Status compare(const std::filesystem::path& out);
+
+ private:
+  int dimension_;
+  std::vector<Point> points_;       // in the order of the tiles, which is along Hilbert curves
+  std::vector<std::uint64_t> ids_;  // of points_
+  std::vector<IdSet> cells_;
+};
+
+}  // namespace tessera

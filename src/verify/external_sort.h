@@ -1,0 +1,158 @@
+// Sorts more records than fit into memory: sorted runs in unnamed files, merged at the end.
+#pragma once
+
+#include <fcntl.h>
+#include <stdlib.h>
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <queue>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/store/files.h"
+
+namespace tessera {
+
+// Record: trivially copyable, with operator<.
+template <class Record>
+class ExternalSort {
+ public:
+  static_assert(std::is_trivially_copyable_v<Record>);
+
+  ExternalSort(std::filesystem::path scratch, std::uint64_t memory_bytes)
+      : scratch_(std::move(scratch)), capacity_(std::max<std::uint64_t>(memory_bytes / sizeof(Record), 1024)) {}
+
+  Status push(const Record& record) {
+    if (buffer_.size() == buffer_.capacity()) {
+      if (buffer_.size() >= capacity_) {
+        BOOST_OUTCOME_TRYV(spill());
+      } else {
+        // Half as much again, not twice: while it moves, old and new are held.
+        buffer_.reserve(std::min<std::uint64_t>(capacity_, std::max<std::uint64_t>(1024, buffer_.size() * 3 / 2)));
+      }
+    }
+    buffer_.push_back(record);
+    return success();
+  }
+
+  // Calls `visit(record)` for all records in order, until it returns an error. Ends the sorter's life.
+  template <class Visit>
+  Status for_each(Visit&& visit) {
+    std::sort(buffer_.begin(), buffer_.end());
+    if (runs_.empty()) {
+      for (const auto& record : buffer_) {
+        BOOST_OUTCOME_TRYV(visit(record));
+      }
+      return success();
+    }
+    BOOST_OUTCOME_TRYV(spill());
+    buffer_ = {};
+    return merge(visit);
+  }
+
+  std::size_t runs() const { return runs_.size(); }
+
+ private:
+  struct Run {
+    store::FileHandle file;
+    std::uint64_t records = 0;
+  };
+
+  class Cursor {
+   public:
+    Cursor(const Run& run, std::size_t records) : run_(&run), buffer_(records) {}
+    // False at the end of the run.
+    Result<bool> next() {
+      if (++at_ < filled_) return true;
+      const auto wanted = std::min<std::uint64_t>(buffer_.size(), run_->records - done_);
+      if (wanted == 0) return false;
+      const auto bytes = std::as_writable_bytes(std::span(buffer_.data(), wanted));
+      std::size_t read = 0;
+      while (read < bytes.size()) {
+        const auto n = ::pread(run_->file.get(), bytes.data() + read, bytes.size() - read,
+                               static_cast<off_t>(done_ * sizeof(Record) + read));
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return store::io_error("the scratch file", "cannot read back", n < 0 ? errno : EIO);
+        read += static_cast<std::size_t>(n);
+      }
+      done_ += wanted;
+      filled_ = wanted;
+      at_ = 0;
+      return true;
+    }
+    const Record& record() const { return buffer_[at_]; }
+
+   private:
+    const Run* run_;
+    std::vector<Record> buffer_;
+    std::uint64_t done_ = 0;
+    std::size_t at_ = 0, filled_ = 0;
+  };
+
+  Status spill() {
+    std::sort(buffer_.begin(), buffer_.end());
+    std::string name = (scratch_ / "tessera-sort-XXXXXX").string();
+    Run run{store::FileHandle(::mkostemp(name.data(), O_CLOEXEC)), buffer_.size()};
+    if (run.file.get() < 0) return store::io_error(scratch_, "cannot create a scratch file", errno);
+    ::unlink(name.c_str());  // gone when closed, however the process ends
+    BOOST_OUTCOME_TRYV(store::write_at(run.file.get(), std::as_bytes(std::span(buffer_)), 0, scratch_));
+    runs_.push_back(std::move(run));
+    buffer_.clear();
+    return success();
+  }
+
+  template <class Visit>
+  Status merge(Visit& visit) {
+    std::vector<Cursor> cursors;
+    for (const auto& run : runs_)
+      cursors.emplace_back(run, std::max<std::size_t>(256, static_cast<std::size_t>(capacity_ / runs_.size())));
+    const auto later = [&](std::size_t a, std::size_t b) { return cursors[b].record() < cursors[a].record(); };
+    std::priority_queue<std::size_t, std::vector<std::size_t>, decltype(later)> queue(later);
+    for (std::size_t i = 0; i < cursors.size(); ++i) {
+      BOOST_OUTCOME_TRY(more, cursors[i].next());
+      if (more) queue.push(i);
+    }
+    while (!queue.empty()) {
+      const std::size_t i = queue.top();
+      queue.pop();
+      BOOST_OUTCOME_TRYV(visit(cursors[i].record()));
+      BOOST_OUTCOME_TRY(more, cursors[i].next());
+      if (more) queue.push(i);
+    }
+    return success();
+  }
+
+  std::filesystem::path scratch_;
+  std::uint64_t capacity_;
+  std::vector<Record> buffer_;
+  std::vector<Run> runs_;
+};
+
+// Groups of records for which `same(a, b)` holds, as they come in order: `visit(span)` for each. A group is as large as
+// a damaged file makes it, so it is cut at `group_max` records, which is more than any sound result has.
+template <class Record, class Same, class Visit>
+Status for_each_group(ExternalSort<Record>& sorted, std::size_t group_max, Same same, Visit visit) {
+  std::vector<Record> group;
+  BOOST_OUTCOME_TRYV(sorted.for_each([&](const Record& record) -> Status {
+    if (!group.empty() && (group.size() >= group_max || !same(group.front(), record))) {
+      BOOST_OUTCOME_TRYV(visit(std::span<const Record>(group)));
+      group.clear();
+    }
+    group.push_back(record);
+    return success();
+  }));
+  if (group.empty()) return success();
+  return visit(std::span<const Record>(group));
+}
+
+}  // namespace tessera

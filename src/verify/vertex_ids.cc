@@ -1,0 +1,65 @@
+#include "src/verify/vertex_ids.h"
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "src/verify/place.h"
+
+namespace tessera {
+
+Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
+                        std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates,
+                        const std::filesystem::path& out) {
+  const auto wrong = [&](const std::string& reason) {
+    return error(Errc::not_delaunay, (out / "manifest.json").string() + ": " + reason);
+  };
+  if (duplicates.size() != manifest.duplicates)
+    return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
+                 std::to_string(duplicates.size()));
+  std::vector<std::uint64_t> kept;
+  kept.reserve(duplicates.size());
+  for (const auto& pair : duplicates) kept.push_back(pair.second);
+  std::sort(kept.begin(), kept.end());
+
+  std::uint64_t vertices = 0;
+  std::optional<OwnVertex> last;
+  auto duplicate = duplicates.begin();
+  auto wanted = kept.begin();
+  BOOST_OUTCOME_TRYV(own.for_each([&](const OwnVertex& vertex) -> Status {
+    if (last && last->id == vertex.id)
+      return wrong_tile(out, vertex.tile,
+                        "vertex " + std::to_string(vertex.id) +
+                            (last->tile == vertex.tile ? " is there twice"
+                                                       : " is also tile " + std::to_string(last->tile) + "'s own"));
+    if (vertex.id >= manifest.points_read)
+      return wrong_tile(out, vertex.tile,
+                        "vertex " + std::to_string(vertex.id) + " is none of the " +
+                            std::to_string(manifest.points_read) + " points read");
+    while (duplicate != duplicates.end() && duplicate->first < vertex.id) ++duplicate;
+    if (duplicate != duplicates.end() && duplicate->first == vertex.id)
+      return wrong_tile(out, vertex.tile,
+                        "vertex " + std::to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
+    if (wanted != kept.end() && *wanted < vertex.id)
+      return error(Errc::not_delaunay, (out / "duplicates.bin").string() + ": point " + std::to_string(*wanted) +
+                                           " was kept for a duplicate, but is no vertex");
+    while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
+    last = vertex;
+    ++vertices;
+    return success();
+  }));
+  if (wanted != kept.end())
+    return error(Errc::not_delaunay, (out / "duplicates.bin").string() + ": point " + std::to_string(*wanted) +
+                                         " was kept for a duplicate, but is no vertex");
+  if (vertices != manifest.vertices)
+    return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +
+                 std::to_string(vertices));
+  const std::uint64_t rejected = manifest.invalid + manifest.filtered;
+  if (vertices + manifest.duplicates + rejected != manifest.points_read)
+    return wrong("of " + std::to_string(manifest.points_read) + " points, " + std::to_string(vertices) +
+                 " are vertices, " + std::to_string(manifest.duplicates) + " duplicates and " +
+                 std::to_string(rejected) + " rejected: some were lost");
+  return success();
+}
+
+}  // namespace tessera
