@@ -17,7 +17,7 @@ usage() {
 TEXT
 }
 
-# $1: TESSERA_TESTS, whether tests are built; the other half of the build is shared.
+# Builds these targets.
 build() {
   deploy/install-deps.sh
   local launcher=()
@@ -33,7 +33,7 @@ demo() {
   local tessera=$build_folder/src/apps/tessera
   $tessera triangulate 'data/ign/*.las' -o $out/result --tiles 12 --attributes intensity,classification --overwrite
   $tessera verify $out/result
-  deploy/draw-tiles.sh $out/result $out/tiles.png
+  xvfb-run -a /usr/bin/python3 scripts/draw_tiles.py $out/result $out/tiles.png
   echo "picture: $out/tiles.png    report: $out/result/report.html"
 }
 

@@ -26,13 +26,18 @@ void add_value(Command& command, const std::string& key, const std::string& meta
       ->type_name(metavar);
 }
 
-void add_switch(Command& command, const std::string& key, const std::string& help, char short_name, bool flag_only) {
+void add_switch(Command& command, const std::string& key, const std::string& help, char short_name, bool flag_only,
+                bool on_by_default) {
   auto* settings = command.settings.get();
   settings->declare(key, flag_only);
-  const std::string names = (short_name != 0 ? std::string("-") + short_name + "," : std::string()) + "--" + key;
-  command.app->add_flag_function(
-      names + ",!--no-" + key,
-      [settings, key](std::int64_t count) { settings->set_flag(key, count > 0 ? "true" : "false"); }, help);
+  const std::string short_part = short_name != 0 ? std::string("-") + short_name + "," : std::string();
+  auto* on = command.app->add_flag_callback(
+      short_part + "--" + key, [settings, key] { settings->set_flag(key, "true"); }, help);
+  auto* off = command.app->add_flag_callback(
+      "--no-" + key, [settings, key] { settings->set_flag(key, "false"); }, help);
+  // The help shows the one that changes something.
+  (on_by_default ? on : off)->group("");
+  on->excludes(off);
 }
 
 void add_output_switches(Command& command) {

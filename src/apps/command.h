@@ -35,9 +35,9 @@ Command new_command(CLI::App& root, const std::string& name, const std::string& 
 // --key VALUE (and -short VALUE), TESSERA_KEY, key = in the file.
 void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
                char short_name = 0, bool flag_only = false);
-// --key and --no-key.
+// --key and --no-key. With on_by_default `help` tells what the latter does.
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
-                bool flag_only = false);
+                bool flag_only = false, bool on_by_default = false);
 void add_output_switches(Command& command);  // quiet, verbose, json
 
 struct OutputOptions {

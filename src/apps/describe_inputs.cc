@@ -46,7 +46,7 @@ std::string to_text(const FileInfo& file) {
          (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
          (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " +
          (names.empty() ? "none" : names) + "\n" +
-         (file.crs.empty() ? "" : "  CRS         " + file.crs.substr(0, 200) + "\n");
+         (file.crs.empty() ? "" : "  CRS         " + crs_name(file.crs) + "\n");
 }
 
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.

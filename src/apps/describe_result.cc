@@ -73,13 +73,19 @@ std::string as_text(const std::string& folder, const Manifest& manifest) {
   std::string names;
   for (const auto& attribute : manifest.schema) names += (names.empty() ? "" : ", ") + attribute.name;
   line("attributes", names.empty() ? "none" : names);
-  if (!manifest.crs.empty()) line("CRS", manifest.crs.substr(0, 200));
+  if (!manifest.crs.empty()) line("CRS", crs_name(manifest.crs));
   for (const auto& [name, seconds] : manifest.seconds) line(name, human_seconds(seconds));
   for (const auto& [name, value] : manifest.figures) text += "  " + name + " " + Json(value).dump() + "\n";
   return text;
 }
 
 }  // namespace
+
+std::string crs_name(const std::string& crs) {
+  const auto first = crs.find('"');
+  const auto second = first == std::string::npos ? first : crs.find('"', first + 1);
+  return second == std::string::npos ? crs : crs.substr(first + 1, second - first - 1);
+}
 
 Result<std::string> describe_result(const std::string& folder, bool json) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));

@@ -11,4 +11,7 @@ namespace tessera {
 Result<std::string> describe_inputs(TriangulateOptions options);
 Result<std::string> describe_result(const std::string& folder, bool json);
 
+// The name in a WKT: `PROJCS["RGF93 v1 / Lambert-93",...` is "RGF93 v1 / Lambert-93". Other texts are left as they are.
+std::string crs_name(const std::string& crs);
+
 }  // namespace tessera

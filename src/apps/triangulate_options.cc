@@ -35,7 +35,7 @@ void add_cloud_options(Command& command) {
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
-  add_switch(command, "neighbors", "store the neighbours of every cell (default; --no-neighbors halves the files)");
+  add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
 }
 
 Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
