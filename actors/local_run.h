@@ -15,10 +15,14 @@
 
 namespace tessera {
 
+// Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
+enum class Keep : std::uint8_t { by_budget, whole, reduced };
+
 struct RunOptions {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   KernelKind kernel = KernelKind::cgal;
+  Keep keep = Keep::by_budget;
   StoreOptions store;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <string>
@@ -26,6 +27,7 @@ struct Span {
 };
 
 struct Progress {
+  const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::atomic<Phase> phase{Phase::planning};
   std::atomic<std::uint64_t> points_total{0};        // 0 while unknown
   std::atomic<std::uint64_t> points_routed{0};
