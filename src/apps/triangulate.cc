@@ -191,11 +191,6 @@ Result<JobSummary> make_result(const TriangulateOptions& options, const Cloud& c
   summary.total_s = display.elapsed_s();
   summary.peak_memory_bytes = peak_memory();
   auto spans = progress.spans();
-  // run_tiles counts from its own beginning.
-  for (auto& span : spans) {
-    span.begin_s += routed_s;
-    span.end_s += routed_s;
-  }
   spans.push_back({Phase::routing, 0, 0, began_s, routed_s});
   spans.push_back({Phase::finishing, 0, 0, ran_s, display.elapsed_s()});
   // The run folder goes first: the report is small, and may find the space that it frees.

@@ -115,8 +115,8 @@ std::string pictures(const ReportData& data) {
   const auto [fast, slow] = std::minmax_element(seconds.begin(), seconds.end());
   const auto figure = [&](int across, int up, const std::string& caption, bool by_time) {
     const auto svg = by_time ? tiles_svg(data, across, up, seconds, human_seconds(*fast), human_seconds(*slow))
-                             : tiles_svg(data, across, up, sizes, human_count(static_cast<std::uint64_t>(*small)),
-                                         human_count(static_cast<std::uint64_t>(*large)));
+                             : tiles_svg(data, across, up, sizes, grouped(static_cast<std::uint64_t>(*small)),
+                                         grouped(static_cast<std::uint64_t>(*large)));
     return svg.empty() ? ""
                        : "<figure class=\"panel\"><figcaption>" + caption + "</figcaption>\n" + svg + "</figure>\n";
   };

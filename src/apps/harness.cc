@@ -1,0 +1,136 @@
+// tessera harness: the real actors under a deterministic scheduler, compared with CGAL, seed after seed.
+#include "actors/harness.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/apps/arguments.h"
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/harness/clouds.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::int64_t points_max = 1'000'000;  // the comparison keeps every cell in memory
+constexpr std::int64_t tiles_max = 4096;
+
+// "17" or "1..1000", inclusive.
+Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& text) {
+  constexpr auto highest = std::numeric_limits<std::int64_t>::max() - 1;
+  const auto dots = text.find("..");
+  auto first = parse_integer(text.substr(0, dots), 0, highest);
+  auto last = dots == std::string::npos ? first : parse_integer(text.substr(dots + 2), 0, highest);
+  if (!first || !last || first.value() > last.value()) {
+    return error(Errc::usage, "'" + text + "' is no range of seeds like 1..1000");
+  }
+  return std::pair(static_cast<std::uint64_t>(first.value()), static_cast<std::uint64_t>(last.value()));
+}
+
+std::string kinds() {
+  std::string names;
+  for (const auto& kind : cloud_kinds()) names += (names.empty() ? "" : ", ") + kind;
+  return names;
+}
+
+Result<HarnessOptions> read_options(Settings& settings) {
+  HarnessOptions options;
+  BOOST_OUTCOME_TRYV(settings.exclusive("seed", "seeds"));
+  options.kind = settings.text("kind").value_or(options.kind);
+  if (std::find(cloud_kinds().begin(), cloud_kinds().end(), options.kind) == cloud_kinds().end()) {
+    return error(Errc::usage, "--kind: '" + options.kind + "' is no kind of cloud; there are " + kinds());
+  }
+  const auto integer = [](std::int64_t lowest, std::int64_t highest) {
+    return [=](const std::string& text) { return parse_integer(text, lowest, highest); };
+  };
+  BOOST_OUTCOME_TRY(dimension, settings.get("dim", integer(2, 3)));
+  options.dimension = static_cast<int>(dimension.value_or(options.dimension));
+  BOOST_OUTCOME_TRY(points, settings.get("points", integer(options.dimension + 1, points_max)));
+  if (points) options.points = static_cast<std::size_t>(*points);
+  BOOST_OUTCOME_TRY(tiles, settings.get("tiles", integer(1, tiles_max)));
+  if (tiles) options.tiles = static_cast<std::uint32_t>(*tiles);
+  BOOST_OUTCOME_TRY(partition, settings.get("partition", parse_partition_kind));
+  if (partition) options.partition = *partition;
+  BOOST_OUTCOME_TRY(seeds, settings.get("seeds", parse_seeds));
+  if (seeds) std::tie(options.first_seed, options.last_seed) = *seeds;
+  BOOST_OUTCOME_TRY(seed, settings.get("seed", integer(0, std::numeric_limits<std::int64_t>::max() - 1)));
+  if (seed) options.first_seed = options.last_seed = static_cast<std::uint64_t>(*seed);
+  BOOST_OUTCOME_TRY(trace, settings.on("trace"));
+  if (trace) options.trace = [](const std::string& step) { std::printf("%s\n", step.c_str()); };
+  return options;
+}
+
+// Seed by seed, so that Ctrl-C is heard between two.
+Result<HarnessReport> run_seeds(const HarnessOptions& options) {
+  const Interrupt interrupt;
+  HarnessReport sum;
+  for (auto seed = options.first_seed; seed <= options.last_seed && !sum.failed_seed; ++seed) {
+    if (interrupt.token().stop_requested()) {
+      return error(Errc::interrupted, "interrupted before seed " + std::to_string(seed) + "; all before it passed");
+    }
+    auto one = options;
+    one.first_seed = one.last_seed = seed;
+    auto report = run_harness(one);
+    sum.seeds += report.seeds;
+    sum.steps += report.steps;
+    sum.batches += report.batches;
+    sum.waves += report.waves;
+    sum.sleeps += report.sleeps;
+    sum.failed_seed = report.failed_seed;
+    sum.failure = std::move(report.failure);
+  }
+  return sum;
+}
+
+Status run_harness_command(Settings& settings) {
+  BOOST_OUTCOME_TRY(options, read_options(settings));
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(report, run_seeds(options));
+  if (report.failed_seed) {
+    return error(Errc::not_delaunay, "seed " + std::to_string(*report.failed_seed) + ": " + report.failure +
+                                         "; replay it with --seed " + std::to_string(*report.failed_seed) + " --trace");
+  }
+  if (output.json) {
+    const nlohmann::ordered_json object{{"event", "harness"},        {"seeds", report.seeds}, {"steps", report.steps},
+                                        {"batches", report.batches}, {"waves", report.waves}, {"sleeps", report.sleeps}};
+    std::printf("%s\n", object.dump().c_str());
+  } else if (!output.quiet) {
+    std::printf("%s seeds passed: %s messages handled, %s batches of points, %s collections of counters, %s sleeps\n",
+                grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.batches).c_str(),
+                grouped(report.waves).c_str(), grouped(report.sleeps).c_str());
+  }
+  return success();
+}
+
+}  // namespace
+
+Command add_harness(CLI::App& root) {
+  auto command = new_command(root, "harness", "Runs the actors in seeded random schedules and compares with CGAL",
+                             "  tessera harness --kind lattice -n 40 --tiles 7 --seeds 1..1000\n"
+                             "  tessera harness --kind lattice -n 40 --tiles 7 --seed 17 --trace      (replays one)");
+  add_value(command, "kind", "NAME", kinds() + "; default: uniform", 0, true);
+  add_value(command, "points", "N", "about how many points; default: 40", 'n', true);
+  add_value(command, "dim", "2|3", "default: 3", 0, true);
+  add_value(command, "tiles", "N", "default: 7", 0, true);
+  add_value(command, "partition", "KIND", "kdtree (default), grid, octree or random", 0, true);
+  add_value(command, "seeds", "A..B", "run these, up to the first that fails; default: 1..1", 0, true);
+  add_value(command, "seed", "N", "run this one", 0, true);
+  add_switch(command, "trace", "print every step", 0, true);
+  add_output_switches(command);
+  command.run = [settings = command.settings.get()](const std::vector<std::string>&) {
+    return run_harness_command(*settings);
+  };
+  return command;
+}
+
+}  // namespace tessera
