@@ -69,7 +69,6 @@ int tessera_main(int argc, char** argv) {
   std::vector<Command> commands;
   commands.push_back(add_triangulate(app));
   commands.push_back(add_verify(app));
-  commands.push_back(add_harness(app));
   commands.push_back(add_info(app));
   commands.push_back(add_export(app));
   commands.push_back(add_generate(app));

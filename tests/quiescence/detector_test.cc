@@ -1,0 +1,127 @@
+#include "src/quiescence/detector.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+using Verdict = QuiescenceDetector::Verdict;
+
+TEST(Detector, BelievesOnlyTwoEqualWaves) {
+  QuiescenceDetector d(2);
+  EXPECT_EQ(d.notice(), Verdict::probe);
+  EXPECT_EQ(d.answer(1, 0, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 1, true, {1, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(2, 0, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(2, 1, true, {1, 3}), Verdict::quiet);
+}
+
+TEST(Detector, SumsThatAgreeOnlyWithinAWaveAreNotEnough) {
+  QuiescenceDetector d(1);
+  d.notice();
+  EXPECT_EQ(d.answer(1, 0, true, {3, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(2, 0, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
+  EXPECT_EQ(d.answer(3, 0, true, {4, 4}), Verdict::quiet);
+}
+
+TEST(Detector, ABusyNodeOrAMessageOnItsWayEndsTheWave) {
+  QuiescenceDetector d(2);
+  d.notice();
+  d.answer(1, 0, false, {1, 1});
+  EXPECT_EQ(d.answer(1, 1, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.notice(), Verdict::probe);
+  d.answer(2, 0, true, {2, 1});
+  EXPECT_EQ(d.answer(2, 1, true, {0, 0}), Verdict::wait);
+}
+
+TEST(Detector, ANoticeDuringAWaveStartsAnotherOne) {
+  QuiescenceDetector d(1);
+  d.notice();
+  EXPECT_EQ(d.notice(), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 0, false, {1, 0}), Verdict::probe);
+}
+
+TEST(Detector, AnswersToOldWavesAndSecondAnswersAreIgnored) {
+  QuiescenceDetector d(2);
+  d.notice();
+  EXPECT_EQ(d.answer(0, 0, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 0, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 0, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 7, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, 1, true, {0, 0}), Verdict::probe);
+}
+
+// Nodes that send, receive and work at random, asked at random moments: quiet is never said while a message is on its
+// way or a node is busy, and always in the end.
+TEST(Detector, QuietIsTrueForRandomHistories) {
+  for (std::uint64_t seed = 0; seed < 2000; ++seed) {
+    std::mt19937_64 rng(seed);
+    const std::uint32_t nodes = 1 + static_cast<std::uint32_t>(rng() % 5);
+    struct Node {
+      Totals totals;
+      std::uint64_t work = 0;  // messages to process
+      bool asked = false;
+    };
+    std::vector<Node> node(nodes);
+    std::vector<std::uint32_t> on_the_way;
+    std::uint64_t budget = rng() % 60;  // messages still to be caused
+    node[0].work = 1;
+    node[0].totals.sent = 1;  // the job itself
+    QuiescenceDetector d(nodes);
+    bool quiet = false;
+    for (int steps = 0; !quiet && steps < 100000; ++steps) {
+      Verdict verdict = Verdict::wait;
+      Node& n = node[rng() % nodes];
+      switch (rng() % 4) {
+        case 0:
+          if (!on_the_way.empty()) {
+            std::swap(on_the_way[rng() % on_the_way.size()], on_the_way.back());
+            ++node[on_the_way.back()].work;
+            on_the_way.pop_back();
+          }
+          break;
+        case 1:
+          if (n.work > 0) {
+            for (std::uint64_t k = rng() % 3; k > 0 && budget > 0; --k, --budget) {
+              on_the_way.push_back(static_cast<std::uint32_t>(rng() % nodes));
+              ++n.totals.sent;
+            }
+            --n.work;
+            ++n.totals.processed;
+            if (n.work == 0) verdict = d.notice();
+          }
+          break;
+        default:
+          if (n.asked) {
+            n.asked = false;
+            verdict = d.answer(d.wave(), static_cast<std::uint32_t>(&n - node.data()), n.work == 0, n.totals);
+          }
+      }
+      if (verdict == Verdict::probe) {
+        for (Node& x : node) x.asked = true;
+      }
+      if (verdict == Verdict::quiet) {
+        quiet = true;
+        EXPECT_TRUE(on_the_way.empty()) << "seed " << seed;
+        for (const Node& x : node) EXPECT_EQ(x.work, 0u) << "seed " << seed;
+      }
+    }
+    EXPECT_TRUE(quiet) << "seed " << seed;
+  }
+}
+
+TEST(PeerCounters, ForgettingAnIncarnationRemovesItFromTheSums) {
+  PeerCounters counters;
+  counters.add_sent({TileId{1}, 0});
+  counters.add_sent({TileId{1}, 1});
+  counters.add_processed({TileId{2}, 0});
+  EXPECT_EQ(counters.totals(), (Totals{2, 1}));
+  counters.forget({TileId{1}, 0});
+  EXPECT_EQ(counters.totals(), (Totals{1, 1}));
+}
+
+}  // namespace
+}  // namespace tessera
