@@ -11,7 +11,7 @@ namespace {
 constexpr double west = 650'000, south = 6'860'000;  // metres, Lambert-93
 constexpr double spacing = 0.288675;                 // 12 points a square metre
 constexpr double block = 40;                         // side of the squares that hold one building or none
-constexpr double roof_share = 0.15;                  // of the squares
+constexpr double roof_share = 0.25;                  // of the squares
 
 double rounded(double v) { return std::floor(v / Terrain::step() + 0.5) / (1 / Terrain::step()); }
 

@@ -1,0 +1,63 @@
+// What every fuzz target does with its bytes, and the replay test with those of earlier runs.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "src/io/byte_source.h"
+#include "src/io/reader.h"
+
+namespace tessera {
+
+inline void must(bool holds) {
+  if (!holds) std::abort();
+}
+
+// Reads the bytes as a file of that name, with all its attributes, and holds the reader to its promises: a sentence
+// that names the file, or as many points as announced, in batches that are not huge; rows as long as asked for; after a
+// seek the same points again.
+inline void read_stranger(const std::uint8_t* data, std::size_t size, const std::string& name) {
+  const auto* begin = reinterpret_cast<const std::byte*>(data);
+  const auto open = [&](std::vector<Attribute> schema) {
+    return open_reader(memory_source(name, std::vector<std::byte>(begin, begin + size)), std::move(schema));
+  };
+  auto first = open({});
+  if (first.has_error()) {
+    must(first.error().where.find(name) == 0);
+    return;
+  }
+  const auto schema = first.value()->info().attributes;
+  auto opened = open(schema);
+  must(opened.has_value());
+  auto& reader = *opened.value();
+
+  std::uint64_t count = 0;
+  std::vector<Point> last;
+  PointBatch batch;
+  while (true) {
+    const auto status = reader.next(batch);
+    if (status.has_error()) {
+      must(status.error().where.find(name) == 0);
+      return;
+    }
+    if (batch.points.empty()) break;
+    must(batch.points.size() <= 65536);
+    must(batch.rows.size() == batch.points.size() * row_bytes(schema));
+    must(!reader.place(0).empty());
+    count += batch.points.size();
+    last = batch.points;
+  }
+  if (reader.info().points) must(*reader.info().points == count);
+  const auto can_seek = reader.seek(count - last.size());
+  if (!can_seek.has_value() || !can_seek.value() || last.empty()) return;
+  must(reader.next(batch).has_value());
+  must(batch.points.size() == last.size());
+  for (std::size_t i = 0; i < last.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      must(batch.points[i][axis] == last[i][axis] || batch.points[i][axis] != batch.points[i][axis]);
+}
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+// The fuzz corpus and all that fuzzing has found, through the readers in every build, also with sanitizers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/read_stranger.h"
+
+namespace tessera {
+namespace {
+
+std::vector<std::filesystem::path> files_below(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  if (!std::filesystem::exists(folder)) return files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+TEST(FuzzReplay, EveryKnownInputIsReadOrRefusedWithASentence) {
+  auto files = files_below(TESSERA_FUZZ_CORPUS);
+  ASSERT_GT(files.size(), 10u);
+  for (auto& found : files_below(TESSERA_TEST_DATA "/fuzz")) files.push_back(found);
+  for (const auto& file : files) {
+    SCOPED_TRACE(file);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    for (const char* name : {"stranger.las", "stranger.ply", "stranger.npy", "stranger.xyz"})
+      read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), name);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
