@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Draws a 3D result of Tessera: its tiles in distinct colours, moved apart, cut open by a plane.
 
-    draw_tiles.py OUT_FOLDER PICTURE.png [--size 1400x900] [--apart 0.12] [--longest METRES]
+    draw_tiles.py OUT_FOLDER PICTURE.png [--size 1400x840] [--apart 0.12] [--longest METRES]
 
 Cells with an edge above --longest are left out: they span the air between the last echoes and the convex hull, and would
 hide everything. Default: 2 % of the cloud's diagonal; 0 keeps all.
@@ -63,7 +63,7 @@ def surface(points, cells):
 
 def colour(tile, tiles):
     """Hues in steps of the golden ratio: neighbours in number differ most."""
-    return colorsys.hsv_to_rgb((0.58 + tile * 0.61803) % 1, 0.50 + 0.12 * (tile % 3), 0.93 - 0.10 * (tile % 2))
+    return colorsys.hsv_to_rgb((0.58 + tile * 0.61803) % 1, 0.42 + 0.10 * (tile % 3), 0.98 - 0.08 * (tile % 2))
 
 
 def draw(folder, picture, size, apart, longest):
@@ -89,20 +89,23 @@ def draw(folder, picture, size, apart, longest):
         looks = actor.GetProperty()
         looks.SetColor(colour(int(tile), len(numbers)))
         looks.SetInterpolationToFlat()
-        looks.SetAmbient(0.25)
-        looks.SetDiffuse(0.8)
+        looks.SetAmbient(0.42)
+        looks.SetDiffuse(0.68)
         looks.EdgeVisibilityOn()
-        looks.SetEdgeColor(*[0.55 * c for c in looks.GetColor()])
+        looks.SetEdgeColor(*[0.72 * c for c in looks.GetColor()])
         looks.SetLineWidth(0.4)
         actor.SetPosition(*(apart * points[own].mean(axis=(0, 1)) * (1, 1, 0)))
         renderer.AddActor(actor)
 
     camera = renderer.GetActiveCamera()
-    camera.SetPosition(-0.45, -1.0, 0.62)
+    camera.SetPosition(-0.5, -1.0, 0.85)
     camera.SetFocalPoint(0, 0, 0)
     camera.SetViewUp(0, 0, 1)
     renderer.ResetCamera()
-    camera.Zoom(1.45)
+    camera.SetViewAngle(18)
+    renderer.ResetCamera()
+    camera.Zoom(1.42)
+    camera.SetWindowCenter(-0.03, -0.12)
     renderer.ResetCameraClippingRange()
     window = vtk.vtkRenderWindow()
     window.SetOffScreenRendering(1)
@@ -125,7 +128,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("picture", type=pathlib.Path)
-    parser.add_argument("--size", default="1400x900")
+    parser.add_argument("--size", default="1400x840")
     parser.add_argument("--apart", type=float, default=0.12)
     parser.add_argument("--longest", type=float)
     options = parser.parse_args()

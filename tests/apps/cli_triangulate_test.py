@@ -132,7 +132,7 @@ class Others(CliTest):
             self.assertGreater((self.folder / name).stat().st_size, 10_000)
         self.refused(USAGE, "export", self.out, "-o", "mesh.ply", says=["mesh.ply", "--overwrite"])
         self.ok("export", self.out, "-o", "mesh.ply", "--overwrite")
-        self.refused(USAGE, "export", self.out, "-o", "mesh.geojson", says="2D")
+        self.refused(USAGE, "export", self.out, "-o", "mesh.geojson", says="GeoJSON")
         self.refused(IO, "export", self.folder / "nothing", "-o", "x.ply", says="nothing")
 
     def test_generated_clouds_depend_on_kind_and_seed_alone(self):
