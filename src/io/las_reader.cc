@@ -32,8 +32,9 @@ class LasReader : public PointReader {
     BOOST_OUTCOME_TRY(block, records_.next(most));
     const std::size_t n = block.size() / records_.record_bytes();
     batch.points.resize(n);
-    decode_points(block.data(), batch.points);
     batch.rows.assign(n * row_bytes_, std::byte{0});
+    if (n == 0) return success();
+    decode_points(block.data(), batch.points);
     for (const auto& column : columns_) decode_column(column, block.data(), n, batch.rows);
     return success();
   }

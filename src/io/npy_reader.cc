@@ -119,6 +119,7 @@ class NpyReader : public PointReader {
     const std::size_t n = block.size() / records_.record_bytes();
     batch.points.assign(n, Point{});
     batch.rows.assign(n * row_bytes_, std::byte{0});
+    if (n == 0) return success();
     auto* to = reinterpret_cast<std::byte*>(batch.points.data());
     for (std::size_t axis = 0; axis < static_cast<std::size_t>(info_.dimension); ++axis)
       copy_(block.data() + axis * bytes_, records_.record_bytes(), to + axis * sizeof(double), sizeof(Point), n);

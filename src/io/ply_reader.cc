@@ -65,6 +65,7 @@ class PlyReader : public PointReader {
     const std::size_t n = block.size() / stride;
     batch.points.assign(n, Point{});
     batch.rows.assign(n * row_bytes_, std::byte{0});
+    if (n == 0) return success();
     auto* points = reinterpret_cast<std::byte*>(batch.points.data());
     for (const auto& c : coordinates_) c.copy(block.data() + c.from, stride, points + c.to, sizeof(Point), n);
     for (const auto& c : cells_) c.copy(block.data() + c.from, stride, batch.rows.data() + c.to, row_bytes_, n);
