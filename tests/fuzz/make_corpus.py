@@ -13,7 +13,7 @@ import sys
 LAS = ['ign_77050_627755.las', 'autzen_trim.las', 'pdal_epsg_4326.las', 'pdal_hexbin_crop.las', 'liblas_certainty3d.las',
        'lone_star.las', 'lion_takanawa.copc.las', 'laspy_grid.las', 'laz_conformance/pdrf6-1.4.las',
        'laz_conformance/pdrf7-v4-1.4.las']
-TEXT = ['velodyne_400.csv', 'cities.csv', 'kitten.xyz', 'sphere_20k.xyz']
+TEXT = ['velodyne_400.csv', 'cities.csv']
 POINTS = 3
 
 
@@ -70,6 +70,7 @@ def main():
     for name in TEXT:
         write('text', name, b'\n'.join((data / name).read_bytes().split(b'\n')[:5]) + b'\n')
     write('text', 'semicolons.txt', b'# comment\n"x" ; "y" ; "z" ; "a, b"\n1;2;3;nan\n-1e300;+2.5;inf;\n')
+    write('text', 'normals.xyz', b'-0.72189 -0.1597 -0.1084 0.34047 0.93771 -0.069\n0.14523 -0.16346 0.1071 0.82 0.3 0.48\n')
     write('text', 'tabs.tsv', b'\xef\xbb\xbfE\tN\theight\tname\r\n1\t2\t3\tfour\r\n\r\n5\t6\t7\t\r\n')
     write('ply', 'csf_sample.ply', small_ply((data / 'csf_sample.ply').read_bytes(), 24))
     write('ply', 'isprs_CSite2.ply', small_ply((data / 'isprs_CSite2.ply').read_bytes(), 12))
