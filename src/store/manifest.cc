@@ -22,6 +22,7 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using nlohmann::ordered_json;
 
 fs::path tile_file(const fs::path& out, TileId tile) {
   char name[32];
@@ -41,7 +42,7 @@ namespace {
 constexpr const char* type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
 
 // JSON has no infinity; finite doubles are written with as many digits as it takes to read the same double back.
-json number(double value) {
+ordered_json number(double value) {
   if (value == std::numeric_limits<double>::infinity()) return "inf";
   if (value == -std::numeric_limits<double>::infinity()) return "-inf";
   return value;
@@ -56,11 +57,11 @@ double to_double(const json& value) {
   return value.get<double>();
 }
 
-json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
+ordered_json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
 Point to_point(const json& value) { return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))}; }
 
 template <class B>
-json corners(const B& box) {
+ordered_json corners(const B& box) {
   return {{"lo", triple(box.lo)}, {"hi", triple(box.hi)}};
 }
 template <class B>
@@ -84,7 +85,7 @@ std::uint64_t to_sum(const json& value) {
   return std::stoull(text, nullptr, 16);
 }
 
-json entry_to_json(const TileEntry& entry) {
+ordered_json entry_to_json(const TileEntry& entry) {
   return {{"tile", entry.tile},
           {"points", entry.points},
           {"own_points", entry.own_points},
@@ -163,7 +164,7 @@ Status write_done(const fs::path& out, const TileEntry& entry) {
 }
 
 std::string manifest_to_text(const Manifest& manifest) {
-  nlohmann::ordered_json value;
+  ordered_json value;
   value["format"] = "tessera";
   value["format_version"] = manifest.format_version;
   value["software_version"] = manifest.software_version;
@@ -185,13 +186,23 @@ std::string manifest_to_text(const Manifest& manifest) {
   if (manifest.duplicates_xxh3 != 0) value["checksums"]["duplicates.bin"] = checksum_text(manifest.duplicates_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
-  value["partition"]["kind"] = manifest.partition_kind;
-  value["partition"]["boxes"] = json::array();
-  for (const auto& box : manifest.boxes) value["partition"]["boxes"].push_back(nlohmann::ordered_json(corners(box)));
-  value["tiles"] = json::array();
-  for (const auto& entry : manifest.tiles) value["tiles"].push_back(nlohmann::ordered_json(entry_to_json(entry)));
   // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
-  return value.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
+  const auto text = [](const ordered_json& part, int indent) {
+    return part.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+  };
+  // A box and a tile are a line each, also among thousands.
+  const auto lines = [&](const auto& list, const std::string& indent, const auto& to_json) {
+    std::string result = "[";
+    for (const auto& element : list)
+      result += (result.size() == 1 ? "\n  " : ",\n  ") + indent + text(to_json(element), -1);
+    return result + "\n" + indent + "]";
+  };
+  std::string result = text(value, 2);
+  result.erase(result.rfind('\n'));  // the closing brace: two members follow
+  result += ",\n  \"partition\": {\n    \"kind\": " + text(manifest.partition_kind, -1) + ",\n    \"boxes\": ";
+  result += lines(manifest.boxes, "    ", [](const Box& box) { return corners(box); }) + "\n  },\n  \"tiles\": ";
+  result += lines(manifest.tiles, "  ", [](const TileEntry& entry) { return entry_to_json(entry); }) + "\n}\n";
+  return result;
 }
 
 }  // namespace store

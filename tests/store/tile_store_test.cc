@@ -228,8 +228,8 @@ TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {
   for (const auto& [from, to] :
        std::vector<std::pair<std::string, std::string>>{{"\"dimension\": 3", "\"dimension\": 4"},
                                                         {"\"cells\": ", "\"cells\": -"},
-                                                        {"\"tile\": 1", "\"tile\": 0"},
-                                                        {"\"xxh3\": \"", "\"xxh3\": \"g"},
+                                                        {"\"tile\":1", "\"tile\":0"},
+                                                        {"\"xxh3\":\"", "\"xxh3\":\"g"},
                                                         {"\"-inf\"", "\"minus\""},
                                                         {"\"vertices\": ", "\"vertixes\": "}}) {
     std::string bad = good;
