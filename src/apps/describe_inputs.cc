@@ -20,7 +20,7 @@ Json to_json(const Bounds& bounds) {
 
 std::string to_text(const Bounds& bounds) {
   if (bounds.empty()) return "unknown";
-  const auto side = [](double lo, double hi) { return Json(lo).dump() + " .. " + Json(hi).dump(); };
+  const auto side = [](double lo, double hi) { return coordinate(lo) + " .. " + coordinate(hi); };
   return side(bounds.lo.x, bounds.hi.x) + "   " + side(bounds.lo.y, bounds.hi.y) + "   " +
          side(bounds.lo.z, bounds.hi.z);
 }

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "src/apps/info.h"
@@ -45,10 +47,18 @@ std::string as_json(const std::string& folder, const Manifest& manifest) {
          "\n";
 }
 
+// Figures carry their unit at the end of their name.
+std::string figure(const std::string& name, double value) {
+  if (name.ends_with("_s")) return human_seconds(value);
+  const bool count = value >= 0 && value < 1e18;
+  if (count && name.ends_with("_bytes")) return human_bytes(static_cast<std::uint64_t>(value));
+  return count && value == std::floor(value) ? grouped(static_cast<std::uint64_t>(value)) : coordinate(value);
+}
+
 std::string as_text(const std::string& folder, const Manifest& manifest) {
   std::string text = folder + "\n";
   const auto line = [&](std::string name, const std::string& value) {
-    name.resize(12, ' ');
+    name.resize(20, ' ');
     text += "  " + name + value + "\n";
   };
   std::uint64_t bytes = 0, least = ~std::uint64_t{0}, most = 0;
@@ -57,7 +67,7 @@ std::string as_text(const std::string& folder, const Manifest& manifest) {
     least = std::min(least, tile.own_points);
     most = std::max(most, tile.own_points);
   }
-  const auto side = [](double lo, double hi) { return Json(lo).dump() + " .. " + Json(hi).dump(); };
+  const auto side = [](double lo, double hi) { return coordinate(lo) + " .. " + coordinate(hi); };
   const auto& box = manifest.bounds;
   line("made by", "Tessera " + manifest.software_version + " from " + grouped(manifest.inputs.size()) +
                       (manifest.inputs.size() == 1 ? " file" : " files"));
@@ -75,7 +85,7 @@ std::string as_text(const std::string& folder, const Manifest& manifest) {
   line("attributes", names.empty() ? "none" : names);
   if (!manifest.crs.empty()) line("CRS", crs_name(manifest.crs));
   for (const auto& [name, seconds] : manifest.seconds) line(name, human_seconds(seconds));
-  for (const auto& [name, value] : manifest.figures) text += "  " + name + " " + Json(value).dump() + "\n";
+  for (const auto& [name, value] : manifest.figures) line(name, figure(name, value));
   return text;
 }
 

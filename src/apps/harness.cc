@@ -101,8 +101,9 @@ Status run_harness_command(Settings& settings) {
                                          "; replay it with --seed " + std::to_string(*report.failed_seed) + " --trace");
   }
   if (output.json) {
-    const nlohmann::ordered_json object{{"event", "harness"},        {"seeds", report.seeds}, {"steps", report.steps},
-                                        {"batches", report.batches}, {"waves", report.waves}, {"sleeps", report.sleeps}};
+    const nlohmann::ordered_json object{{"event", "harness"},    {"seeds", report.seeds},
+                                        {"steps", report.steps}, {"batches", report.batches},
+                                        {"waves", report.waves}, {"sleeps", report.sleeps}};
     std::printf("%s\n", object.dump().c_str());
   } else if (!output.quiet) {
     std::printf("%s seeds passed: %s messages handled, %s batches of points, %s collections of counters, %s sleeps\n",

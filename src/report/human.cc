@@ -19,6 +19,13 @@ std::string fixed(double value, int digits) {
   return std::string(buffer.data(), end);
 }
 
+std::string coordinate(double value) {
+  std::array<char, 32> buffer;
+  const auto end =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::general, 10).ptr;
+  return std::string(buffer.data(), end);
+}
+
 std::string human_count(std::uint64_t n) {
   if (n < 1000) return std::to_string(n);
   double value = static_cast<double>(n) / 1000;

@@ -29,6 +29,12 @@ TEST(Human, SecondsChangeTheirUnit) {
   EXPECT_EQ(human_seconds(-1), "?");
 }
 
+TEST(Human, CoordinatesHaveTenDigits) {
+  EXPECT_EQ(coordinate(6277500), "6277500");
+  EXPECT_EQ(coordinate(0.1 + 0.2), "0.3");
+  EXPECT_EQ(coordinate(-770500.25), "-770500.25");
+}
+
 TEST(Human, DigitsAreGrouped) {
   EXPECT_EQ(grouped(1), "1");
   EXPECT_EQ(grouped(123), "123");
