@@ -21,6 +21,7 @@ class IndexedFace : public Base {
   struct Rebind_TDS {
     using Other = IndexedFace<Gt, typename Base::template Rebind_TDS<Tds>::Other>;
   };
+  std::uint8_t mark = 0;
   std::uint32_t number = 0;
 };
 

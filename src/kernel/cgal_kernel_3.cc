@@ -14,7 +14,7 @@ namespace {
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-// The number fits into the padding behind CGAL's conflict mark: a cell stays at 72 bytes.
+// Number and mark fit into the padding behind CGAL's conflict mark: a cell stays at 72 bytes.
 template <class Gt, class Base = CGAL::Delaunay_triangulation_cell_base_3<Gt>>
 class IndexedCell : public Base {
  public:
@@ -23,6 +23,7 @@ class IndexedCell : public Base {
   struct Rebind_TDS {
     using Other = IndexedCell<Gt, typename Base::template Rebind_TDS<Tds>::Other>;
   };
+  std::uint8_t mark = 0;
   std::uint32_t number = 0;
 };
 

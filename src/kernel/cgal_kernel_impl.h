@@ -103,6 +103,40 @@ class CgalKernel final : public Kernel {
     return list;
   }
 
+  std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
+                              std::vector<std::uint8_t>* open) override {
+    enum : std::uint8_t { unseen, is_open, is_settled };
+    std::vector<Cell> seen;  // open ones and settled ones, to be unmarked
+    std::vector<Vertex> found;
+    std::array<Vertex, d + 1> corner;
+    const auto visit = [&](Cell c) {
+      if (c->mark != unseen) return;
+      bool all_local = true;
+      for (int i = 0; i <= d; ++i) {
+        corner[i] = c->vertex(i)->info();
+        all_local &= local_[corner[i]] != 0;
+      }
+      c->mark = all_local && settled(corner.data()) ? is_settled : is_open;
+      seen.push_back(c);
+      if (c->mark == is_open) found.insert(found.end(), corner.begin(), corner.end());
+    };
+    for (Vertex v = 0; v < handles_.size(); ++v) {
+      if (!local_[v] && alive(v)) Traits::for_each_incident_cell(t_, handles_[v], visit);
+    }
+    for (std::size_t next = 0; next < seen.size(); ++next) {
+      const Cell c = seen[next];
+      if (c->mark != is_open) continue;
+      for (int i = 0; i <= d; ++i) visit(c->neighbor(i));
+    }
+    if (all) {
+      *all = cells();
+      open->clear();
+      Traits::for_each_cell(t_, [&](Cell c) { open->push_back(c->mark == is_open); });
+    }
+    for (const Cell c : seen) c->mark = unseen;
+    return found;
+  }
+
   KernelImage save() const override {
     KernelImage image;
     const Vertex n = vertices();

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -76,6 +77,14 @@ class Kernel {
 
   // All cells, infinite ones included, with neighbours. REQUIRES: dimension() == max_dimension().
   virtual CellList cells() const = 0;
+
+  // The cells that may still change. Goes from the infinite vertex and the vertices that are not local through every
+  // cell that is not settled; a cell with a vertex that is infinite or not local never is, the others are asked. What
+  // lies behind settled cells is not visited: work follows the number of open cells, not the size of the tile. Returns
+  // d+1 vertices a cell. When `all` is given it becomes cells(), and `open` tells for each whether it was returned.
+  // REQUIRES: dimension() == max_dimension().
+  virtual std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all = nullptr,
+                                      std::vector<std::uint8_t>* open = nullptr) = 0;
 
   virtual KernelImage save() const = 0;
   // Replaces the content. The image must come from save(): it is checked for range, not for geometry; false if it

@@ -1,9 +1,11 @@
 #include "src/tile/collect.h"
 
+#include <tsl/robin_map.h>
+
 #include <algorithm>
 #include <array>
-
-#include <tsl/robin_map.h>
+#include <numeric>
+#include <utility>
 
 #include "src/base/check.h"
 
@@ -12,214 +14,225 @@ namespace {
 
 constexpr std::int32_t outside = -1, elsewhere = -2;
 
-struct Cell {
-  std::array<std::int32_t, 4> vertices, neighbors;
-};
-
-CellKey facet_key(const std::int32_t* vertices, int opposite, int dimension) {
-  CellKey key{~0u, ~0u, ~0u, ~0u};
-  int n = 0;
-  for (int i = 0; i <= dimension; ++i) {
-    if (i != opposite) key[n++] = static_cast<std::uint32_t>(vertices[i]);
-  }
-  std::sort(key.begin(), key.end());
-  return key;
-}
-
-// Brings the least vertex to the front and the least of the rest behind it, by even permutations. In 2D: a rotation.
-void make_canonical(Cell& cell, int dimension) {
-  auto& v = cell.vertices;
-  auto& n = cell.neighbors;
-  const int corners = dimension + 1;
-  const int least = static_cast<int>(std::min_element(v.begin(), v.begin() + corners) - v.begin());
-  if (dimension == 2) {
-    std::rotate(v.begin(), v.begin() + least, v.begin() + 3);
-    std::rotate(n.begin(), n.begin() + least, n.begin() + 3);
-    return;
-  }
-  if (least != 0) {  // swap two pairs: even
-    const int a = least == 1 ? 2 : 1, b = least == 3 ? 2 : 3;
-    std::swap(v[0], v[least]);
-    std::swap(n[0], n[least]);
-    std::swap(v[a], v[b]);
-    std::swap(n[a], n[b]);
-  }
-  const int second = static_cast<int>(std::min_element(v.begin() + 1, v.end()) - v.begin());
-  std::rotate(v.begin() + 1, v.begin() + second, v.end());
-  std::rotate(n.begin() + 1, n.begin() + second, n.end());
-}
-
-// Sorts cells by their vertices; returns where each went. Buckets by the first vertex hold a handful of cells each.
-std::vector<std::int32_t> sort_cells(std::vector<Cell>& cells, std::size_t vertices, int corners) {
-  std::vector<std::uint32_t> begin(vertices + 1, 0);
-  for (const Cell& c : cells) ++begin[c.vertices[0] + 1];
-  for (std::size_t v = 0; v < vertices; ++v) begin[v + 1] += begin[v];
-  std::vector<std::uint32_t> order(cells.size()), next(begin.begin(), begin.end() - 1);
-  for (std::size_t c = 0; c < cells.size(); ++c) order[next[cells[c].vertices[0]]++] = static_cast<std::uint32_t>(c);
-  const auto less = [&](std::uint32_t a, std::uint32_t b) {
-    const auto &p = cells[a].vertices, &q = cells[b].vertices;
-    return std::lexicographical_compare(p.begin() + 1, p.begin() + corners, q.begin() + 1, q.begin() + corners);
-  };
-  for (std::size_t v = 0; v < vertices; ++v) std::sort(order.begin() + begin[v], order.begin() + begin[v + 1], less);
-  std::vector<std::int32_t> place(cells.size());
-  std::vector<Cell> sorted(cells.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    sorted[i] = cells[order[i]];
-    place[order[i]] = static_cast<std::int32_t>(i);
-  }
-  cells = std::move(sorted);
-  return place;
-}
-
+template <int d>
 class MeshMaker {
  public:
-  explicit MeshMaker(CollectInput input)
-      : in_(std::move(input)), d_(in_.dimension), corners_(in_.dimension + 1) {}
+  explicit MeshMaker(CollectInput input) : in_(std::move(input)) {}
 
   TileMesh make() {
+    mesh_.dimension = d;
     number_vertices();
-    add_kernel_cells();
-    in_.cells = {};
-    add_final_cells();
-    in_.final_cells = {};
-    for (Cell& c : cells_) make_canonical(c, d_);
-    const std::vector<std::int32_t> place = sort_cells(cells_, mesh_.points.size(), corners_);
-    write(place);
+    link_kernel_cells();
+    append_final_cells();
+    sort_cells();
+    write();
     return std::move(mesh_);
   }
 
  private:
-  // Own points by rank, then the foreign vertices of held cells by id.
+  static constexpr int corners = d + 1;
+  // Vertices and neighbours of a cell in canonical order: the least vertex first, then the least of the rest, by even
+  // permutations.
+  struct Cell {
+    std::array<std::uint32_t, corners> vertices;
+    std::array<std::uint8_t, corners> from;
+  };
+
+  static Cell canonical(const std::uint32_t* v) {
+    Cell out;
+    int least = 0;
+    for (int i = 1; i < corners; ++i) least = v[i] < v[least] ? i : least;
+    if constexpr (d == 2) {
+      for (int i = 0; i < 3; ++i) out.from[i] = static_cast<std::uint8_t>((least + i) % 3);
+    } else {
+      constexpr std::uint8_t pairs[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};  // two swaps each
+      const std::uint8_t* p = pairs[least];
+      int second = 1;
+      for (int i = 2; i < 4; ++i) second = v[p[i]] < v[p[second]] ? i : second;
+      out.from = {p[0], p[second], p[second % 3 + 1], p[(second + 1) % 3 + 1]};
+    }
+    for (int i = 0; i < corners; ++i) out.vertices[i] = v[out.from[i]];
+    return out;
+  }
+
+  static CellKey facet_key(const std::uint32_t* vertices, int opposite) {
+    CellKey key{~0u, ~0u, ~0u, ~0u};
+    int n = 0;
+    for (int i = 0; i < corners; ++i) {
+      if (i != opposite) key[n++] = vertices[i];
+    }
+    std::sort(key.begin(), key.end());
+    return key;
+  }
+
+  // Own points by rank, then the foreign vertices of held cells by id. in_.place becomes each vertex's index.
   void number_vertices() {
-    mesh_.dimension = d_;
-    mesh_.points.assign(in_.points.begin(), in_.points.end());
-    mesh_.ids.assign(in_.ids.begin(), in_.ids.end());
-    index_.assign(in_.vertices.size(), -1);
-    std::vector<Vertex> foreign;
+    const std::size_t own = in_.points.size();
+    std::vector<std::uint8_t> used(in_.foreign.size(), 0);
     for (std::size_t c = 0; c < in_.held.size(); ++c) {
       if (in_.held[c] != CollectInput::kept) continue;
-      for (int i = 0; i < corners_; ++i) {
-        const Vertex v = in_.cells.vertices[c * corners_ + i];
-        if (in_.vertices[v].owner == in_.self.value || index_[v] == 0) continue;
-        index_[v] = 0;
-        foreign.push_back(v);
+      for (int i = 0; i < corners; ++i) {
+        const std::int32_t place = in_.place[in_.cells.vertices[c * corners + i]];
+        if (place < 0) used[~place] = 1;
       }
     }
-    std::sort(foreign.begin(), foreign.end(),
-              [&](Vertex a, Vertex b) { return in_.vertices[a].id < in_.vertices[b].id; });
-    for (Vertex v = 1; v < in_.vertices.size(); ++v) {
-      if (in_.vertices[v].owner == in_.self.value) index_[v] = static_cast<std::int32_t>(in_.vertices[v].rank);
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t k = 0; k < used.size(); ++k) {
+      if (used[k]) order.push_back(k);
     }
-    mesh_.owners.assign(mesh_.points.size(), in_.self.value);
-    for (const Vertex v : foreign) {
-      index_[v] = static_cast<std::int32_t>(mesh_.points.size());
-      mesh_.points.push_back(in_.vertices[v].at);
-      mesh_.ids.push_back(in_.vertices[v].id);
-      mesh_.owners.push_back(in_.vertices[v].owner);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return in_.foreign[a].id < in_.foreign[b].id; });
+    const std::size_t n = own + order.size();
+    mesh_.points.reserve(n);
+    mesh_.ids.reserve(n);
+    mesh_.points.assign(in_.points.begin(), in_.points.end());
+    mesh_.ids.assign(in_.ids.begin(), in_.ids.end());
+    mesh_.owners.assign(own, in_.self.value);
+    std::vector<std::int32_t> index(in_.foreign.size(), -1);
+    for (const std::uint32_t k : order) {
+      const SharedPoint& p = in_.foreign[k];
+      index[k] = static_cast<std::int32_t>(mesh_.points.size());
+      mesh_.points.push_back(p.at);
+      mesh_.ids.push_back(p.id);
+      mesh_.owners.push_back(p.tile);
     }
-    mesh_.point_ghost.assign(in_.points.size(), 0);
-    mesh_.point_ghost.resize(mesh_.points.size(), 1);
+    for (std::int32_t& place : in_.place) {
+      if (place < 0) place = index[~place];
+    }
+    mesh_.point_ghost.assign(own, 0);
+    mesh_.point_ghost.resize(n, 1);
   }
 
-  void add_kernel_cells() {
-    std::vector<std::int32_t> number(in_.held.size(), elsewhere);
-    std::int32_t kept = 0;
+  bool is_own(std::uint32_t vertex_index) const { return vertex_index < in_.points.size(); }
+
+  // In place: vertices become indices into the mesh; neighbours stay places in this list, or say outside or elsewhere.
+  void link_kernel_cells() {
+    auto& cells = in_.cells;
+    infinite_.resize(in_.held.size(), 0);
     for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      if (in_.held[c] == CollectInput::kept) number[c] = kept++;
-    }
-    cells_.reserve(kept + in_.final_cells.vertices.size() / corners_);
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      const Vertex* v = &in_.cells.vertices[c * corners_];
-      if (in_.held[c] != CollectInput::kept) {
-        note_hull_facet(c);
-        continue;
+      for (int i = 0; i < corners; ++i) {
+        std::uint32_t& v = cells.vertices[c * corners + i];
+        if (v == infinite_vertex) infinite_[c] = static_cast<std::uint8_t>(i + 1);
+        v = static_cast<std::uint32_t>(in_.place[v]);
       }
-      Cell cell{};
-      for (int i = 0; i < corners_; ++i) cell.vertices[i] = index_[v[i]];
-      for (int i = 0; i < corners_; ++i) {
-        const std::uint32_t across = in_.cells.neighbors[c * corners_ + i];
-        cell.neighbors[i] = number[across];
-        if (in_.held[across] == CollectInput::fill) {
-          borders_[facet_key(cell.vertices.data(), i, d_)] = {static_cast<std::int32_t>(cells_.size()), i};
-        } else if (cell.neighbors[i] == elsewhere && is_outside(across) && facet_is_certain(v, i)) {
-          cell.neighbors[i] = outside;
+    }
+    for (std::size_t c = 0; c < in_.held.size(); ++c) {
+      const std::uint32_t* v = &cells.vertices[c * corners];
+      std::uint32_t* n = &cells.neighbors[c * corners];
+      if (infinite_[c]) {  // a final cell may border the outside: its facet is then one of an infinite cell
+        const int i = infinite_[c] - 1;
+        if (in_.held[n[i]] == CollectInput::fill) borders_[facet_key(v, i)] = {outside, 0};
+      }
+      if (in_.held[c] != CollectInput::kept) continue;
+      for (int i = 0; i < corners; ++i) {
+        switch (in_.held[n[i]]) {
+          case CollectInput::kept:
+            break;
+          case CollectInput::fill:
+            borders_[facet_key(v, i)] = {static_cast<std::int32_t>(c), i};
+            break;
+          default:
+            n[i] = static_cast<std::uint32_t>(infinite_[n[i]] && facet_has_own_vertex(v, i) ? outside : elsewhere);
         }
       }
-      cells_.push_back(cell);
     }
-  }
-
-  // A final cell may border the outside: its facet is then one of an infinite cell.
-  void note_hull_facet(std::size_t c) {
-    const Vertex* v = &in_.cells.vertices[c * corners_];
-    const auto infinite = std::find(v, v + corners_, infinite_vertex) - v;
-    if (infinite == corners_ || in_.held[in_.cells.neighbors[c * corners_ + infinite]] != CollectInput::fill) return;
-    std::array<std::int32_t, 4> corner{};
-    for (int i = 0; i < corners_; ++i) corner[i] = index_[v[i]];
-    borders_[facet_key(corner.data(), static_cast<int>(infinite), d_)] = {outside, 0};
-  }
-
-  bool is_outside(std::uint32_t c) const {
-    const Vertex* v = &in_.cells.vertices[c * static_cast<std::size_t>(corners_)];
-    return std::find(v, v + corners_, infinite_vertex) != v + corners_;
   }
 
   // What lies across a facet of foreign vertices alone is known to their tiles, not here.
-  bool facet_is_certain(const Vertex* v, int opposite) const {
-    for (int i = 0; i < corners_; ++i) {
-      if (i != opposite && in_.vertices[v[i]].owner == in_.self.value) return true;
+  bool facet_has_own_vertex(const std::uint32_t* v, int opposite) const {
+    for (int i = 0; i < corners; ++i) {
+      if (i != opposite && is_own(v[i])) return true;
     }
     return false;
   }
 
   // Final cells know each other; where one borders a cell of the kernel, their common facet is in borders_.
-  void add_final_cells() {
-    const auto& finals = in_.final_cells;
-    const auto shift = static_cast<std::int32_t>(cells_.size());
-    for (std::size_t c = 0; c < finals.vertices.size() / corners_; ++c) {
-      Cell cell{};
-      for (int i = 0; i < corners_; ++i) cell.vertices[i] = static_cast<std::int32_t>(finals.vertices[c * corners_ + i]);
-      for (int i = 0; i < corners_; ++i) {
-        const std::int32_t n = finals.neighbors[c * corners_ + i];
+  void append_final_cells() {
+    FinalCells finals = std::exchange(in_.final_cells, {});
+    if (finals.vertices.empty()) return;
+    auto& cells = in_.cells;
+    const auto shift = static_cast<std::uint32_t>(in_.held.size());
+    const std::size_t count = finals.vertices.size() / corners;
+    cells.vertices.insert(cells.vertices.end(), finals.vertices.begin(), finals.vertices.end());
+    finals.vertices = {};
+    cells.neighbors.reserve(cells.vertices.size());
+    for (std::size_t c = 0; c < count; ++c) {
+      for (int i = 0; i < corners; ++i) {
+        const std::int32_t n = finals.neighbors[c * corners + i];
         if (n != FinalCells::open) {
-          cell.neighbors[i] = shift + n;
+          cells.neighbors.push_back(shift + static_cast<std::uint32_t>(n));
           continue;
         }
-        const auto border = borders_.find(facet_key(cell.vertices.data(), i, d_));
+        const auto border = borders_.find(facet_key(&cells.vertices[(shift + c) * corners], i));
         check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
-        cell.neighbors[i] = border->second.first;
-        if (border->second.first == outside) continue;
-        cells_[border->second.first].neighbors[border->second.second] = shift + static_cast<std::int32_t>(c);
+        const auto [cell, opposite] = border->second;
+        cells.neighbors.push_back(static_cast<std::uint32_t>(cell));
+        if (cell != outside) cells.neighbors[cell * corners + opposite] = shift + static_cast<std::uint32_t>(c);
       }
-      cells_.push_back(cell);
+    }
+    in_.held.resize(shift + count, CollectInput::kept);
+  }
+
+  // order_: the cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells each.
+  void sort_cells() {
+    std::vector<std::uint32_t> begin(mesh_.points.size() + 1, 0);
+    const auto least = [&](std::size_t c) {
+      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      return *std::min_element(v, v + corners);
+    };
+    for (std::size_t c = 0; c < in_.held.size(); ++c) {
+      if (in_.held[c] == CollectInput::kept) ++begin[least(c) + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    order_.resize(begin.back());
+    for (std::size_t c = 0; c < in_.held.size(); ++c) {
+      if (in_.held[c] == CollectInput::kept) order_[begin[least(c)]++] = static_cast<std::uint32_t>(c);
+    }
+    // begin[v] is now the end of bucket v.
+    std::vector<std::pair<Cell, std::uint32_t>> bucket;
+    std::uint32_t first = 0;
+    for (std::size_t v = 0; v + 1 < begin.size(); first = begin[v++]) {
+      if (begin[v] - first < 2) continue;
+      bucket.clear();
+      for (std::uint32_t i = first; i < begin[v]; ++i) {
+        bucket.emplace_back(canonical(&in_.cells.vertices[order_[i] * std::size_t{corners}]), order_[i]);
+      }
+      std::sort(bucket.begin(), bucket.end(), [](const auto& a, const auto& b) { return a.first.vertices < b.first.vertices; });
+      for (std::uint32_t i = first; i < begin[v]; ++i) order_[i] = bucket[i - first].second;
     }
   }
 
-  void write(const std::vector<std::int32_t>& place) {
-    mesh_.cells.reserve(cells_.size() * corners_);
-    mesh_.neighbors.reserve(cells_.size() * corners_);
-    mesh_.cell_ghost.reserve(cells_.size());
-    for (const Cell& c : cells_) {
+  void write() {
+    std::vector<std::int32_t> place(in_.held.size(), elsewhere);
+    for (std::size_t i = 0; i < order_.size(); ++i) place[order_[i]] = static_cast<std::int32_t>(i);
+    mesh_.cells.resize(order_.size() * corners);
+    mesh_.neighbors.resize(order_.size() * corners);
+    mesh_.cell_ghost.resize(order_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const std::uint32_t c = order_[k];
+      const Cell cell = canonical(&in_.cells.vertices[c * std::size_t{corners}]);
       bool main = true;  // this tile is the lowest of the tiles that own a vertex
-      for (int i = 0; i < corners_; ++i) {
-        mesh_.cells.push_back(c.vertices[i]);
-        mesh_.neighbors.push_back(c.neighbors[i] < 0 ? c.neighbors[i] : place[c.neighbors[i]]);
-        main &= mesh_.owners[c.vertices[i]] >= in_.self.value;
+      for (int i = 0; i < corners; ++i) {
+        const std::uint32_t v = cell.vertices[i];
+        const auto n = static_cast<std::int32_t>(in_.cells.neighbors[c * std::size_t{corners} + cell.from[i]]);
+        mesh_.cells[k * corners + i] = static_cast<std::int32_t>(v);
+        mesh_.neighbors[k * corners + i] = n < 0 ? n : place[n];
+        main &= is_own(v) || mesh_.owners[v] > in_.self.value;
       }
-      mesh_.cell_ghost.push_back(main ? 0 : 1);
+      mesh_.cell_ghost[k] = main ? 0 : 1;
     }
   }
 
   CollectInput in_;
-  const int d_, corners_;
   TileMesh mesh_;
-  std::vector<std::int32_t> index_;  // by vertex: its place in the mesh
-  std::vector<Cell> cells_;
-  tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite vertex)
+  std::vector<std::uint8_t> infinite_;  // by kernel cell: 1 + the place of the infinite vertex, or 0
+  tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite)
+  std::vector<std::uint32_t> order_;
 };
 
 }  // namespace
 
-TileMesh make_mesh(CollectInput input) { return MeshMaker(std::move(input)).make(); }
+TileMesh make_mesh(CollectInput input) {
+  return input.dimension == 3 ? MeshMaker<3>(std::move(input)).make() : MeshMaker<2>(std::move(input)).make();
+}
 
 }  // namespace tessera

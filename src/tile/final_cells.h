@@ -4,11 +4,8 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
-#include <span>
 #include <vector>
 
-#include "src/base/point.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {
@@ -20,13 +17,8 @@ struct FinalCells {
   std::vector<std::int32_t> neighbors;      // m x (d+1): index in this list, or open
 };
 
-// 1 for every cell of `list` that is surely final: all of its vertices are among the `points` (vertex v is points[v-1],
-// v <= points.size()), and circumsphere() proves it inside `box`.
-std::vector<std::uint8_t> find_final(const CellList& list, std::span<const Point> points, const Box& box,
-                                     int dimension);
-
-// The cells marked by `is_final`, with ranks v-1.
-FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& is_final, int dimension);
+// The cells of `list` that are not `open`. They have vertices of the tile's own alone: vertex v has rank v-1.
+FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& open, int dimension);
 
 // An unordered simplex as a key: its members sorted, padded by 0xffffffff in 2D.
 using CellKey = std::array<std::uint32_t, 4>;

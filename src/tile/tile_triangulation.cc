@@ -32,13 +32,24 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   }
 }
 
+bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const {
+  const auto at = [&](int i) -> const Point& { return points[cell[i] - 1]; };
+  const Ball ball = options_.dimension == 3 ? circumsphere(at(0), at(1), at(2), at(3)) : circumcircle(at(0), at(1), at(2));
+  return surely_inside(ball, box, options_.dimension);
+}
+
+// Why exploring from the outside finds every cell that is not final: let a foreign point q be in conflict with cell c.
+// The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one of
+// them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
   check(!reduced_, "a tile is reduced once");
   if (kernel_->dimension() < options_.dimension) return {};
   const int corners = options_.dimension + 1;
-  const CellList list = kernel_->cells();
-  const std::vector<std::uint8_t> is_final = find_final(list, points, box, options_.dimension);
-  if (std::find(is_final.begin(), is_final.end(), 1) == is_final.end()) return {};
+  CellList list;
+  std::vector<std::uint8_t> open;
+  const std::vector<Vertex> open_cells =
+      kernel_->explore([&](const Vertex* cell) { return surely_final(cell, points, box); }, &list, &open);
+  if (open_cells.size() == list.vertices.size()) return {};
 
   // Vertices of the cells that stay, in the old order: that is Hilbert order for the local ones.
   const Vertex before = kernel_->vertices();
@@ -46,9 +57,7 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
   for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) foreign.push_back(kernel_->point(v));
   kernel_.reset();  // nine tenths of the tile's memory, before more is needed
   std::vector<Vertex> renumbered(before + 1, 0);
-  for (std::size_t i = 0; i < list.vertices.size(); ++i) {
-    if (!is_final[i / corners]) renumbered[list.vertices[i]] = 1;
-  }
+  for (const Vertex v : open_cells) renumbered[v] = 1;
   renumbered[infinite_vertex] = 0;
   std::vector<Point> kept;
   std::vector<std::uint64_t> ids(1, 0);
@@ -75,13 +84,11 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
     foreign_[ids_[v]] = renumbered[v];
   }
   std::array<Vertex, 4> cell{};
-  for (std::size_t c = 0; c < is_final.size(); ++c) {
-    if (is_final[c]) continue;
+  for (std::size_t c = 0; c < open_cells.size(); c += corners) {
     bool all_local = true;
     for (int i = 0; i < corners; ++i) {
-      const Vertex v = list.vertices[c * corners + i];
-      all_local &= is_local(v);
-      cell[i] = renumbered[v];
+      all_local &= is_local(open_cells[c + i]);
+      cell[i] = renumbered[open_cells[c + i]];
     }
     if (all_local) open_cells_.insert(cell_key(cell.data(), options_.dimension));
   }
@@ -92,7 +99,7 @@ FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& b
     sent.insert(std::uint64_t{v} << 32 | (key & 0xffffffffu));
   }
   sent_ = std::move(sent);
-  FinalCells finals = extract_final(list, is_final, options_.dimension);
+  FinalCells finals = extract_final(list, open, options_.dimension);
   kernel_ = std::move(kernel);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
@@ -104,21 +111,23 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
                                  std::span<const TileNeighbour> neighbours) {
   if (neighbours.empty() || kernel_->dimension() < options_.dimension) return;
   const int d = options_.dimension, corners = d + 1;
-  const CellList list = kernel_->cells();
   const auto at = [&](Vertex v) {
     if (!is_local(v)) return kernel_->point(v);
     return points[reduced_ ? ranks_[v] : v - 1];
   };
+  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
+    return reduced_ ? !open_cells_.contains(cell_key(cell, d)) : surely_final(cell, points, box);
+  });
   std::array<Point, 4> p;
-  for (std::size_t c = 0; c < list.vertices.size() / corners; ++c) {
-    const Vertex* v = &list.vertices[c * corners];
-    int infinite = -1, local = 0;
+  for (std::size_t c = 0; c < cells.size(); c += corners) {
+    const Vertex* v = &cells[c];
+    int infinite = -1;
+    bool touches_local = false;
     for (int i = 0; i < corners; ++i) {
       if (v[i] == infinite_vertex) infinite = i;
-      local += is_local(v[i]);
+      touches_local |= is_local(v[i]);
     }
-    if (local == 0) continue;
-    if (reduced_ && local == corners && !open_cells_.contains(cell_key(v, d))) continue;  // fill
+    if (!touches_local) continue;
     const auto tell = [&](TileId tile) {
       for (int i = 0; i < corners; ++i) {
         if (v[i] != infinite_vertex) share(v[i], tile.value);
@@ -127,7 +136,6 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     if (infinite < 0) {
       for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
       const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
-      if (surely_inside(ball, box, d)) continue;
       for (const TileNeighbour& n : neighbours) {
         if (may_meet(ball, n.bounds, d)) tell(n.tile);
       }
@@ -258,10 +266,20 @@ std::map<std::uint32_t, std::vector<SharedPoint>> TileTriangulation::take_update
 
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const std::uint64_t> ids,
                                     FinalCells final_cells) {
-  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
+  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, {}, std::move(final_cells)};
   const int corners = options_.dimension + 1;
+  input.place.resize(ids_.size(), 0);
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (is_local(v)) {
+      input.place[v] = static_cast<std::int32_t>(reduced_ ? ranks_[v] : v - 1);
+    } else {
+      input.place[v] = ~static_cast<std::int32_t>(input.foreign.size());
+      input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
+    }
+  }
   input.cells = kernel_->cells();
-  input.held.assign(input.cells.vertices.size() / corners, 0);
+  kernel_.reset();
+  input.held.resize(input.cells.vertices.size() / corners, CollectInput::other);
   for (std::size_t c = 0; c < input.held.size(); ++c) {
     const Vertex* v = &input.cells.vertices[c * corners];
     int local = 0;
@@ -271,23 +289,9 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
       finite &= v[i] != infinite_vertex;
     }
     if (!finite || local == 0) continue;
-    if (reduced_ && local == corners && !open_cells_.contains(cell_key(v, options_.dimension))) {
-      input.held[c] = CollectInput::fill;
-      continue;
-    }
-    input.held[c] = CollectInput::kept;
+    const bool fill = reduced_ && local == corners && !open_cells_.contains(cell_key(v, options_.dimension));
+    input.held[c] = fill ? CollectInput::fill : CollectInput::kept;
   }
-  input.vertices.resize(ids_.size());
-  for (Vertex v = 1; v < ids_.size(); ++v) {
-    input.vertices[v].id = ids_[v];
-    input.vertices[v].owner = owners_[v];
-    if (is_local(v)) {
-      input.vertices[v].rank = reduced_ ? ranks_[v] : v - 1;
-    } else if (kernel_->alive(v)) {
-      input.vertices[v].at = kernel_->point(v);
-    }
-  }
-  kernel_.reset();
   TileMesh mesh = make_mesh(std::move(input));
   counts_.kept = mesh.points.size() - points.size();
   return mesh;

@@ -103,6 +103,7 @@ class TileTriangulation {
   void share_with_all();
   void share(Vertex v, std::uint32_t tile);
   void receive_published(TileId from, std::span<const SharedPoint> batch);
+  bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
   bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value; }
 
   TileOptions options_;

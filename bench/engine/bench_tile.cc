@@ -1,0 +1,66 @@
+// Where one tile's time and memory go: ordering, triangulating, finding final cells, reducing, collecting.
+//
+//   bench_tile --kind uniform -n 1000000
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <string>
+
+#include "src/io/generate.h"
+#include "src/tile/tile_triangulation.h"
+#include "src/tiling/routed_run.h"
+
+int main(int argc, char** argv) {
+  using namespace tessera;
+  std::string kind = "uniform";
+  std::uint64_t n = 1'000'000, seed = 7;
+  int dimension = 3;
+  CLI::App app("Where one tile's time and memory go");
+  app.add_option("--kind", kind, "uniform, normal, sphere, grid, terrain");
+  app.add_option("-n,--points", n, "points");
+  app.add_option("--seed", seed, "seed");
+  app.add_option("--dim", dimension, "2 or 3");
+  CLI11_PARSE(app, argc, argv);
+  const auto shape = shape_named(kind);
+  if (!shape) return 2;
+  std::vector<LocalPoint> points;
+  std::vector<Point> batch;
+  std::vector<std::uint8_t> classes;
+  Bounds bounds;
+  for (PointGenerator generator({*shape, n, seed, dimension}); points.size() < n;) {
+    generator.next(batch, classes);
+    for (const Point& p : batch) {
+      bounds.add(p);
+      points.push_back({p, points.size()});
+    }
+  }
+  auto begin = std::chrono::steady_clock::now();
+  const auto lap = [&](const char* what, std::size_t bytes) {
+    const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    std::printf("%-14s %7.3f s  %6.2f us a point  %5.0f bytes a point\n", what, s, s * 1e6 / static_cast<double>(n),
+                static_cast<double>(bytes) / static_cast<double>(n));
+    begin = std::chrono::steady_clock::now();
+  };
+  std::printf("%s, %llu points, seed %llu, %dD, one thread\n", kind.c_str(), static_cast<unsigned long long>(n),
+              static_cast<unsigned long long>(seed), dimension);
+  LoadedTile tile = order_points(std::move(points), dimension);
+  lap("order", tile.points.size() * 32);
+  TileTriangulation t({TileId{0}, dimension, KernelKind::cgal, ExchangeRule::share_certify});
+  const std::vector<SharedPoint> seeds;
+  t.triangulate(tile.points, tile.ids, seeds);
+  lap("triangulate", t.memory());
+  const Box box{bounds.lo, bounds.hi};
+  const std::vector<TileNeighbour> beside{{TileId{1}, {{bounds.hi.x, bounds.lo.y, bounds.lo.z},
+                                                       {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}}}};
+  t.announce(tile.points, box, beside);
+  lap("announce", t.memory());
+  FinalCells finals = t.reduce(tile.points, box);
+  lap("reduce", t.memory());
+  std::printf("  %zu final cells\n", finals.vertices.size() / (static_cast<std::size_t>(dimension) + 1));
+  const auto bytes = t.save();
+  lap("save", bytes.size());
+  t.load(bytes);
+  lap("load", t.memory());
+  const TileMesh mesh = t.collect(tile.points, tile.ids, std::move(finals));
+  lap("collect", mesh.cells.size() * 8 + mesh.points.size() * 32);
+}
