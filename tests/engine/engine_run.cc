@@ -1,0 +1,71 @@
+#include "tests/engine/engine_run.h"
+
+#include <cstdlib>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "src/base/check.h"
+#include "src/io/cloud.h"
+
+namespace tessera::testing {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const EngineOptions& o) {
+  const char* keep = o.keep == Keep::whole ? " whole" : o.keep == Keep::reduced ? " reduced" : " by_budget";
+  return std::to_string(o.dimension) + "D " + name_of(o.partition) + " tiles " + std::to_string(o.tiles) + " threads " +
+         std::to_string(o.threads) + keep + " memory " + std::to_string(o.memory_bytes) +
+         (o.skip_invalid ? " skip_invalid" : "");
+}
+
+Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const EngineOptions& options) {
+  Progress progress;
+  CloudOptions cloud_options;
+  cloud_options.dimension = options.dimension;
+  cloud_options.skip_invalid = options.skip_invalid;
+  BOOST_OUTCOME_TRY(cloud, Cloud::open({input.string()}, cloud_options));
+  const fs::path run_folder = out / ".run";
+  const RouteOptions route_options{.kind = options.partition, .tiles = options.tiles};
+  BOOST_OUTCOME_TRY(routed, route(cloud, run_folder, route_options, progress, std::stop_token{}));
+
+  EngineRun run;
+  run.routed = std::move(routed);
+  RunOptions run_options;
+  run_options.threads = options.threads;
+  run_options.memory_bytes = options.memory_bytes;
+  run_options.keep = options.keep;
+  BOOST_OUTCOME_TRY(summary, run_tiles(run.routed, out, run_options, progress, std::stop_token{}));
+  run.summary = std::move(summary);
+
+  Manifest& manifest = run.manifest;
+  manifest.software_version = "test";
+  for (const auto& file : run.routed.inputs) manifest.inputs.push_back({file.path, file.bytes, file.modified_ns});
+  manifest.dimension = options.dimension;
+  manifest.partition_kind = name_of(options.partition);
+  manifest.boxes = run.routed.partition.boxes();
+  manifest.bounds = run.routed.bounds;
+  manifest.tiles = run.summary.tiles;
+  manifest.points_read = run.routed.counts.read;
+  manifest.invalid = run.routed.counts.invalid;
+  manifest.filtered = run.routed.counts.filtered;
+  manifest.duplicates = run.summary.duplicates.size();
+  manifest.vertices = run.summary.vertices;
+  manifest.cells = run.summary.cells;
+  BOOST_OUTCOME_TRYV(finish_store(out, manifest, run.summary.duplicates));
+  fs::remove_all(run_folder);
+  return run;
+}
+
+ScratchFolder::ScratchFolder() {
+  std::string name = (fs::temp_directory_path() / "tessera-engine-XXXXXX").string();
+  check(mkdtemp(name.data()) != nullptr, "no temporary folder");
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code left;  // nobody to tell
+  fs::remove_all(path_, left);
+}
+
+}  // namespace tessera::testing

@@ -1,0 +1,51 @@
+// The whole engine in this process, as `tessera triangulate` runs it: read, route, triangulate, exchange, store.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "actors/local_run.h"
+#include "src/base/result.h"
+#include "src/store/tile_store.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera::testing {
+
+struct EngineOptions {
+  int dimension = 3;
+  PartitionKind partition = PartitionKind::kdtree;
+  std::uint32_t tiles = 1;
+  std::uint32_t threads = 1;
+  Keep keep = Keep::whole;
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  // of the tiles; one byte makes every tile sleep when it may
+  bool skip_invalid = false;
+};
+
+// "3D kdtree tiles 7 threads 2 reduced memory 1": enough to repeat it.
+std::string text_of(const EngineOptions& options);
+
+struct EngineRun {
+  RoutedRun routed;
+  RunSummary summary;
+  Manifest manifest;
+};
+
+// Leaves the result in `out`, which must not exist, and no run folder.
+Result<EngineRun> run_engine(const std::filesystem::path& input, const std::filesystem::path& out,
+                             const EngineOptions& options);
+
+// A folder of its own under the system's temporary one, removed with all that is in it.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace tessera::testing
