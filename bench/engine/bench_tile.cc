@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <string>
 
 #include "src/io/generate.h"
@@ -35,11 +36,19 @@ int main(int argc, char** argv) {
     }
   }
   auto begin = std::chrono::steady_clock::now();
+  timespec cpu{};
+  const auto cpu_now = [&] {
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &cpu);
+    return static_cast<double>(cpu.tv_sec) + 1e-9 * static_cast<double>(cpu.tv_nsec);
+  };
+  double cpu_begin = cpu_now();
   const auto lap = [&](const char* what, std::size_t bytes) {
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    std::printf("%-14s %7.3f s  %6.2f us a point  %5.0f bytes a point\n", what, s, s * 1e6 / static_cast<double>(n),
+    const double used = cpu_now() - cpu_begin;
+    std::printf("%-14s %7.3f s  %7.3f s of cpu  %6.2f us a point  %5.0f bytes a point\n", what, s, used, used * 1e6 / static_cast<double>(n),
                 static_cast<double>(bytes) / static_cast<double>(n));
     begin = std::chrono::steady_clock::now();
+    cpu_begin = cpu_now();
   };
   std::printf("%s, %llu points, seed %llu, %dD, one thread\n", kind.c_str(), static_cast<unsigned long long>(n),
               static_cast<unsigned long long>(seed), dimension);

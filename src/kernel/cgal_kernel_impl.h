@@ -92,12 +92,14 @@ class CgalKernel final : public Kernel {
     CellList list;
     std::uint32_t n = 0;
     Traits::for_each_cell(t_, [&](Cell c) { c->number = n++; });
-    list.vertices.reserve(std::size_t{n} * (d + 1));
-    list.neighbors.reserve(std::size_t{n} * (d + 1));
+    list.vertices.resize(std::size_t{n} * (d + 1));
+    list.neighbors.resize(std::size_t{n} * (d + 1));
+    Vertex* vertex = list.vertices.data();
+    std::uint32_t* neighbor = list.neighbors.data();
     Traits::for_each_cell(t_, [&](Cell c) {
       for (int i = 0; i <= d; ++i) {
-        list.vertices.push_back(c->vertex(i)->info());
-        list.neighbors.push_back(c->neighbor(i)->number);
+        *vertex++ = c->vertex(i)->info();
+        *neighbor++ = c->neighbor(i)->number;
       }
     });
     return list;

@@ -21,8 +21,9 @@ class MeshMaker {
 
   TileMesh make() {
     mesh_.dimension = d;
+    classify();
     number_vertices();
-    link_kernel_cells();
+    link_to_others();
     append_final_cells();
     sort_cells();
     write();
@@ -31,31 +32,37 @@ class MeshMaker {
 
  private:
   static constexpr int corners = d + 1;
-  // Vertices and neighbours of a cell in canonical order: the least vertex first, then the least of the rest, by even
-  // permutations.
-  struct Cell {
-    std::array<std::uint32_t, corners> vertices;
-    std::array<std::uint8_t, corners> from;
-  };
+  enum : std::uint8_t { other, kept, fill };
 
-  static Cell canonical(const std::uint32_t* v) {
-    Cell out;
+  // Where the vertices of a cell go in canonical order: the least first, then the least of the rest, by even
+  // permutations. `v`: indices into the mesh.
+  static std::array<std::uint8_t, corners> canonical(const std::array<std::uint32_t, corners>& v) {
     int least = 0;
     for (int i = 1; i < corners; ++i) least = v[i] < v[least] ? i : least;
     if constexpr (d == 2) {
-      for (int i = 0; i < 3; ++i) out.from[i] = static_cast<std::uint8_t>((least + i) % 3);
+      constexpr std::uint8_t turns[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
+      return {turns[least][0], turns[least][1], turns[least][2]};
     } else {
       constexpr std::uint8_t pairs[4][4] = {{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}};  // two swaps each
       const std::uint8_t* p = pairs[least];
       int second = 1;
       for (int i = 2; i < 4; ++i) second = v[p[i]] < v[p[second]] ? i : second;
-      out.from = {p[0], p[second], p[second % 3 + 1], p[(second + 1) % 3 + 1]};
+      constexpr std::uint8_t turns[4][3] = {{}, {1, 2, 3}, {2, 3, 1}, {3, 1, 2}};
+      return {p[0], p[turns[second][0]], p[turns[second][1]], p[turns[second][2]]};
     }
-    for (int i = 0; i < corners; ++i) out.vertices[i] = v[out.from[i]];
-    return out;
   }
 
-  static CellKey facet_key(const std::uint32_t* vertices, int opposite) {
+  // The mesh indices of cell c.
+  std::array<std::uint32_t, corners> indices(std::size_t c) const {
+    std::array<std::uint32_t, corners> v;
+    for (int i = 0; i < corners; ++i) {
+      const std::uint32_t w = in_.cells.vertices[c * corners + i];
+      v[i] = w <= own_ ? w - 1 : index_[w - own_ - 1];
+    }
+    return v;
+  }
+
+  static CellKey facet_key(const std::array<std::uint32_t, corners>& vertices, int opposite) {
     CellKey key{~0u, ~0u, ~0u, ~0u};
     int n = 0;
     for (int i = 0; i < corners; ++i) {
@@ -65,82 +72,90 @@ class MeshMaker {
     return key;
   }
 
-  // Own points by rank, then the foreign vertices of held cells by id. in_.place becomes each vertex's index.
-  void number_vertices() {
-    const std::size_t own = in_.points.size();
-    std::vector<std::uint8_t> used(in_.foreign.size(), 0);
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      if (in_.held[c] != CollectInput::kept) continue;
+  // Cells with a vertex of the tile's own are kept; foreign vertices are used if they are in one.
+  void classify() {
+    const std::size_t count = in_.cells.vertices.size() / corners;
+    held_.resize(count);
+    index_.assign(in_.foreign.size(), unused);
+    for (std::size_t c = 0; c < count; ++c) {
+      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      int own = 0;
+      bool finite = true;
       for (int i = 0; i < corners; ++i) {
-        const std::int32_t place = in_.place[in_.cells.vertices[c * corners + i]];
-        if (place < 0) used[~place] = 1;
+        own += v[i] - 1 < own_;  // 0 wraps around
+        finite &= v[i] != infinite_vertex;
+      }
+      held_[c] = !finite || own == 0 ? other : !in_.fill.empty() && in_.fill[c] ? fill : kept;
+      if (held_[c] != kept || own == corners) continue;
+      for (int i = 0; i < corners; ++i) {
+        if (v[i] > own_) index_[v[i] - own_ - 1] = 0;
       }
     }
+  }
+
+  // Own points by rank, then the used foreign ones by id.
+  void number_vertices() {
     std::vector<std::uint32_t> order;
-    for (std::uint32_t k = 0; k < used.size(); ++k) {
-      if (used[k]) order.push_back(k);
+    for (std::uint32_t k = 0; k < index_.size(); ++k) {
+      if (index_[k] != unused) order.push_back(k);
     }
     std::sort(order.begin(), order.end(), [&](auto a, auto b) { return in_.foreign[a].id < in_.foreign[b].id; });
-    const std::size_t n = own + order.size();
+    const std::size_t n = own_ + order.size();
     mesh_.points.reserve(n);
     mesh_.ids.reserve(n);
     mesh_.points.assign(in_.points.begin(), in_.points.end());
     mesh_.ids.assign(in_.ids.begin(), in_.ids.end());
-    mesh_.owners.assign(own, in_.self.value);
-    std::vector<std::int32_t> index(in_.foreign.size(), -1);
+    mesh_.owners.assign(own_, in_.self.value);
     for (const std::uint32_t k : order) {
       const SharedPoint& p = in_.foreign[k];
-      index[k] = static_cast<std::int32_t>(mesh_.points.size());
+      index_[k] = static_cast<std::uint32_t>(mesh_.points.size());
       mesh_.points.push_back(p.at);
       mesh_.ids.push_back(p.id);
       mesh_.owners.push_back(p.tile);
     }
-    for (std::int32_t& place : in_.place) {
-      if (place < 0) place = index[~place];
-    }
-    mesh_.point_ghost.assign(own, 0);
+    mesh_.point_ghost.assign(own_, 0);
     mesh_.point_ghost.resize(n, 1);
   }
 
-  bool is_own(std::uint32_t vertex_index) const { return vertex_index < in_.points.size(); }
-
-  // In place: vertices become indices into the mesh; neighbours stay places in this list, or say outside or elsewhere.
-  void link_kernel_cells() {
-    auto& cells = in_.cells;
-    infinite_.resize(in_.held.size(), 0);
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
+  // Kept cells know their kept neighbours already. The others, few, tell those of their neighbours that are kept.
+  void link_to_others() {
+    for (std::size_t c = 0; c < held_.size(); ++c) {
+      if (held_[c] == kept) continue;
+      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      const bool infinite = std::find(v, v + corners, infinite_vertex) != v + corners;
       for (int i = 0; i < corners; ++i) {
-        std::uint32_t& v = cells.vertices[c * corners + i];
-        if (v == infinite_vertex) infinite_[c] = static_cast<std::uint8_t>(i + 1);
-        v = static_cast<std::uint32_t>(in_.place[v]);
-      }
-    }
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      const std::uint32_t* v = &cells.vertices[c * corners];
-      std::uint32_t* n = &cells.neighbors[c * corners];
-      if (infinite_[c]) {  // a final cell may border the outside: its facet is then one of an infinite cell
-        const int i = infinite_[c] - 1;
-        if (in_.held[n[i]] == CollectInput::fill) borders_[facet_key(v, i)] = {outside, 0};
-      }
-      if (in_.held[c] != CollectInput::kept) continue;
-      for (int i = 0; i < corners; ++i) {
-        switch (in_.held[n[i]]) {
-          case CollectInput::kept:
-            break;
-          case CollectInput::fill:
-            borders_[facet_key(v, i)] = {static_cast<std::int32_t>(c), i};
-            break;
-          default:
-            n[i] = static_cast<std::uint32_t>(infinite_[n[i]] && facet_has_own_vertex(v, i) ? outside : elsewhere);
+        const std::uint32_t n = in_.cells.neighbors[c * corners + i];
+        if (infinite && v[i] == infinite_vertex && held_[n] == fill) {
+          // A final cell borders the outside: its facet is one of an infinite cell.
+          borders_[facet_key(indices_but(c, i), i)] = {outside, 0};
+        }
+        if (held_[n] != kept) continue;
+        std::uint32_t* back = &in_.cells.neighbors[n * std::size_t{corners}];
+        const int k = static_cast<int>(std::find(back, back + corners, c) - back);
+        const auto facet = indices_but(n, -1);
+        if (held_[c] == fill) {
+          borders_[facet_key(facet, k)] = {static_cast<std::int32_t>(n), k};
+        } else {
+          back[k] = static_cast<std::uint32_t>(infinite && facet_has_own_vertex(facet, k) ? outside : elsewhere);
         }
       }
     }
   }
 
-  // What lies across a facet of foreign vertices alone is known to their tiles, not here.
-  bool facet_has_own_vertex(const std::uint32_t* v, int opposite) const {
+  // indices(c) for a cell whose vertex `but` may be infinite.
+  std::array<std::uint32_t, corners> indices_but(std::size_t c, int but) const {
+    std::array<std::uint32_t, corners> v{};
     for (int i = 0; i < corners; ++i) {
-      if (i != opposite && is_own(v[i])) return true;
+      const std::uint32_t w = in_.cells.vertices[c * corners + i];
+      if (i != but) v[i] = w <= own_ ? w - 1 : index_[w - own_ - 1];
+    }
+    return v;
+  }
+
+  // What lies across a facet of foreign vertices alone is known to their tiles, not here.
+  bool facet_has_own_vertex(const std::array<std::uint32_t, corners>& v, int opposite) const {
+    for (int i = 0; i < corners; ++i) {
+      if (i != opposite && v[i] < own_) return true;
     }
     return false;
   }
@@ -149,10 +164,11 @@ class MeshMaker {
   void append_final_cells() {
     FinalCells finals = std::exchange(in_.final_cells, {});
     if (finals.vertices.empty()) return;
-    auto& cells = in_.cells;
-    const auto shift = static_cast<std::uint32_t>(in_.held.size());
+    const auto shift = static_cast<std::uint32_t>(held_.size());
     const std::size_t count = finals.vertices.size() / corners;
-    cells.vertices.insert(cells.vertices.end(), finals.vertices.begin(), finals.vertices.end());
+    auto& cells = in_.cells;
+    cells.vertices.reserve(cells.vertices.size() + finals.vertices.size());
+    for (const std::uint32_t rank : finals.vertices) cells.vertices.push_back(rank + 1);
     finals.vertices = {};
     cells.neighbors.reserve(cells.vertices.size());
     for (std::size_t c = 0; c < count; ++c) {
@@ -162,69 +178,86 @@ class MeshMaker {
           cells.neighbors.push_back(shift + static_cast<std::uint32_t>(n));
           continue;
         }
-        const auto border = borders_.find(facet_key(&cells.vertices[(shift + c) * corners], i));
+        const auto border = borders_.find(facet_key(indices(shift + c), i));
         check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
         const auto [cell, opposite] = border->second;
         cells.neighbors.push_back(static_cast<std::uint32_t>(cell));
-        if (cell != outside) cells.neighbors[cell * corners + opposite] = shift + static_cast<std::uint32_t>(c);
+        if (cell == outside) continue;
+        cells.neighbors[static_cast<std::size_t>(cell) * corners + opposite] = shift + static_cast<std::uint32_t>(c);
       }
     }
-    in_.held.resize(shift + count, CollectInput::kept);
+    held_.resize(shift + count, kept);
   }
 
-  // order_: the cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells each.
+  // order_: the kept cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells each,
+  // and in a bucket the next two vertices tell all apart: a positively oriented cell is the only one on its side of the
+  // facet (least, second, third). In 2D, on its side of an edge.
   void sort_cells() {
-    std::vector<std::uint32_t> begin(mesh_.points.size() + 1, 0);
+    std::vector<std::uint32_t> end(mesh_.points.size() + 1, 0);
     const auto least = [&](std::size_t c) {
-      const std::uint32_t* v = &in_.cells.vertices[c * corners];
-      return *std::min_element(v, v + corners);
+      const auto v = indices(c);
+      return *std::min_element(v.begin(), v.end());
     };
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      if (in_.held[c] == CollectInput::kept) ++begin[least(c) + 1];
+    for (std::size_t c = 0; c < held_.size(); ++c) {
+      if (held_[c] == kept) ++end[least(c) + 1];
     }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    order_.resize(begin.back());
-    for (std::size_t c = 0; c < in_.held.size(); ++c) {
-      if (in_.held[c] == CollectInput::kept) order_[begin[least(c)]++] = static_cast<std::uint32_t>(c);
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    struct Entry {
+      std::uint32_t second, third, cell;
+      bool operator<(const Entry& e) const { return second != e.second ? second < e.second : third < e.third; }
+    };
+    std::vector<Entry> entries(end.back());
+    for (std::size_t c = 0; c < held_.size(); ++c) {
+      if (held_[c] != kept) continue;
+      const auto v = indices(c);
+      const auto at = canonical(v);
+      entries[end[v[at[0]]]++] = {v[at[1]], v[at[2]], static_cast<std::uint32_t>(c)};
     }
-    // begin[v] is now the end of bucket v.
-    std::vector<std::pair<Cell, std::uint32_t>> bucket;
+    order_.resize(entries.size());
     std::uint32_t first = 0;
-    for (std::size_t v = 0; v + 1 < begin.size(); first = begin[v++]) {
-      if (begin[v] - first < 2) continue;
-      bucket.clear();
-      for (std::uint32_t i = first; i < begin[v]; ++i) {
-        bucket.emplace_back(canonical(&in_.cells.vertices[order_[i] * std::size_t{corners}]), order_[i]);
+    for (std::size_t v = 0; v + 1 < end.size(); first = end[v++]) {
+      const auto begin = entries.begin() + first, stop = entries.begin() + end[v];
+      if (stop - begin > 32) {
+        std::sort(begin, stop);
+      } else {
+        for (auto i = begin; i < stop; ++i) {
+          const Entry moving = *i;
+          auto k = i;
+          for (; k > begin && moving < k[-1]; --k) *k = k[-1];
+          *k = moving;
+        }
       }
-      std::sort(bucket.begin(), bucket.end(), [](const auto& a, const auto& b) { return a.first.vertices < b.first.vertices; });
-      for (std::uint32_t i = first; i < begin[v]; ++i) order_[i] = bucket[i - first].second;
+      for (std::uint32_t i = first; i < end[v]; ++i) order_[i] = entries[i].cell;
     }
   }
 
   void write() {
-    std::vector<std::int32_t> place(in_.held.size(), elsewhere);
+    std::vector<std::int32_t> place(held_.size(), elsewhere);
     for (std::size_t i = 0; i < order_.size(); ++i) place[order_[i]] = static_cast<std::int32_t>(i);
     mesh_.cells.resize(order_.size() * corners);
     mesh_.neighbors.resize(order_.size() * corners);
     mesh_.cell_ghost.resize(order_.size());
     for (std::size_t k = 0; k < order_.size(); ++k) {
-      const std::uint32_t c = order_[k];
-      const Cell cell = canonical(&in_.cells.vertices[c * std::size_t{corners}]);
+      const std::size_t c = order_[k];
+      const auto v = indices(c);
+      const auto at = canonical(v);
       bool main = true;  // this tile is the lowest of the tiles that own a vertex
       for (int i = 0; i < corners; ++i) {
-        const std::uint32_t v = cell.vertices[i];
-        const auto n = static_cast<std::int32_t>(in_.cells.neighbors[c * std::size_t{corners} + cell.from[i]]);
-        mesh_.cells[k * corners + i] = static_cast<std::int32_t>(v);
+        const auto n = static_cast<std::int32_t>(in_.cells.neighbors[c * corners + at[i]]);
+        mesh_.cells[k * corners + i] = static_cast<std::int32_t>(v[at[i]]);
         mesh_.neighbors[k * corners + i] = n < 0 ? n : place[n];
-        main &= is_own(v) || mesh_.owners[v] > in_.self.value;
+        main &= v[i] < own_ || mesh_.owners[v[i]] > in_.self.value;
       }
       mesh_.cell_ghost[k] = main ? 0 : 1;
     }
   }
 
+  static constexpr std::uint32_t unused = ~0u;
   CollectInput in_;
+  const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
   TileMesh mesh_;
-  std::vector<std::uint8_t> infinite_;  // by kernel cell: 1 + the place of the infinite vertex, or 0
+  std::vector<std::uint8_t> held_;    // by cell
+  std::vector<std::uint32_t> index_;  // by k: where foreign vertex k is in the mesh, or unused
   tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite)
   std::vector<std::uint32_t> order_;
 };

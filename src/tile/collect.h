@@ -13,15 +13,12 @@
 namespace tessera {
 
 struct CollectInput {
-  enum : std::uint8_t { other = 0, kept = 1, fill = 2 };
-
   int dimension;
   TileId self;
-  std::span<const Point> points;       // the tile's own, by rank
+  std::span<const Point> points;       // the tile's own, by rank: n
   std::span<const std::uint64_t> ids;  // by rank
-  CellList cells;                      // of the kernel
-  std::vector<std::uint8_t> held;      // by cell: what it is to this tile
-  std::vector<std::int32_t> place;     // by vertex: the rank of a local one, ~k of a foreign one
+  CellList cells;                      // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
+  std::vector<std::uint8_t> fill;      // by cell: 1 for fill of a reduced tile; or empty
   std::vector<SharedPoint> foreign;    // by k
   FinalCells final_cells;              // handed out earlier: they border the fill
 };

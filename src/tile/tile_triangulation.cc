@@ -266,31 +266,27 @@ std::map<std::uint32_t, std::vector<SharedPoint>> TileTriangulation::take_update
 
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const std::uint64_t> ids,
                                     FinalCells final_cells) {
-  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, {}, std::move(final_cells)};
-  const int corners = options_.dimension + 1;
-  input.place.resize(ids_.size(), 0);
+  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
+  const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;
   for (Vertex v = 1; v < ids_.size(); ++v) {
-    if (is_local(v)) {
-      input.place[v] = static_cast<std::int32_t>(reduced_ ? ranks_[v] : v - 1);
-    } else {
-      input.place[v] = ~static_cast<std::int32_t>(input.foreign.size());
-      input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
-    }
+    if (is_local(v)) continue;
+    input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
   }
   input.cells = kernel_->cells();
   kernel_.reset();
-  input.held.resize(input.cells.vertices.size() / corners, CollectInput::other);
-  for (std::size_t c = 0; c < input.held.size(); ++c) {
-    const Vertex* v = &input.cells.vertices[c * corners];
-    int local = 0;
-    bool finite = true;
-    for (int i = 0; i < corners; ++i) {
-      local += is_local(v[i]);
-      finite &= v[i] != infinite_vertex;
+  if (reduced_) {  // the vertices that stayed are numbered anew: back to ranks, and foreign ones behind them
+    auto& vertices = input.cells.vertices;
+    const std::size_t stayed = ids_.size() - 1 - input.foreign.size();
+    input.fill.resize(vertices.size() / corners);
+    for (std::size_t c = 0; c < input.fill.size(); ++c) {
+      Vertex* v = &vertices[c * corners];
+      const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
+      input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
+      for (std::size_t i = 0; i < corners; ++i) {
+        if (v[i] == infinite_vertex) continue;
+        v[i] = is_local(v[i]) ? ranks_[v[i]] + 1 : static_cast<Vertex>(v[i] - stayed + points.size());
+      }
     }
-    if (!finite || local == 0) continue;
-    const bool fill = reduced_ && local == corners && !open_cells_.contains(cell_key(v, options_.dimension));
-    input.held[c] = fill ? CollectInput::fill : CollectInput::kept;
   }
   TileMesh mesh = make_mesh(std::move(input));
   counts_.kept = mesh.points.size() - points.size();
