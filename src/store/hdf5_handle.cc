@@ -52,7 +52,9 @@ VtkHdfFile create_vtkhdf(const std::string& path) {
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   // Big arrays start on a page, so that writing them touches no page twice.
   H5Pset_alignment(access, 65536, 4096);
-  result.file = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose};
+  const Hdf5Handle creation = property_list(H5P_FILE_CREATE);
+  H5Pset_obj_track_times(creation, false);  // of the root group: equal tiles are equal bytes
+  result.file = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose};
   if (!result.file.ok()) return result;
 
   // The order of creation is kept, so that attributes come back in the order of the schema.
