@@ -16,11 +16,13 @@ int main(int argc, char** argv) {
   std::string kind = "uniform";
   std::uint64_t n = 1'000'000, seed = 7;
   int dimension = 3;
+  bool whole = false;
   CLI::App app("Where one tile's time and memory go");
   app.add_option("--kind", kind, "uniform, normal, sphere, grid, terrain");
   app.add_option("-n,--points", n, "points");
   app.add_option("--seed", seed, "seed");
   app.add_option("--dim", dimension, "2 or 3");
+  app.add_flag("--whole", whole, "collect from the whole triangulation, without reducing it");
   CLI11_PARSE(app, argc, argv);
   const auto shape = shape_named(kind);
   if (!shape) return 2;
@@ -63,13 +65,16 @@ int main(int argc, char** argv) {
                                                        {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}}}};
   t.announce(tile.points, box, beside);
   lap("announce", t.memory());
-  FinalCells finals = t.reduce(tile.points, box);
-  lap("reduce", t.memory());
-  std::printf("  %zu final cells\n", finals.vertices.size() / (static_cast<std::size_t>(dimension) + 1));
-  const auto bytes = t.save();
-  lap("save", bytes.size());
-  t.load(bytes);
-  lap("load", t.memory());
+  FinalCells finals;
+  if (!whole) {
+    finals = t.reduce(tile.points, box);
+    lap("reduce", t.memory());
+    std::printf("  %zu final cells\n", finals.vertices.size() / (static_cast<std::size_t>(dimension) + 1));
+    const auto bytes = t.save();
+    lap("save", bytes.size());
+    t.load(bytes);
+    lap("load", t.memory());
+  }
   const TileMesh mesh = t.collect(tile.points, tile.ids, std::move(finals));
   lap("collect", mesh.cells.size() * 8 + mesh.points.size() * 32);
 }
