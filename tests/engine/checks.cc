@@ -125,7 +125,8 @@ std::string wrong_counts(const EngineRun& run, const Expected& expected) {
   if (wrong.empty()) wrong = differ("invalid points", expected.invalid, m.invalid);
   if (wrong.empty()) wrong = differ("vertices", expected.vertices, m.vertices);
   if (wrong.empty()) wrong = differ("cells", expected.cells.size(), m.cells);
-  if (wrong.empty()) wrong = differ("vertices + duplicates + rejects", m.points_read, m.vertices + m.duplicates + m.invalid);
+  if (wrong.empty())
+    wrong = differ("vertices + duplicates + rejects", m.points_read, m.vertices + m.duplicates + m.invalid);
   return wrong;
 }
 
@@ -138,9 +139,8 @@ Expected expected_of(std::vector<LocalPoint> points, int dimension) {
     if (is_finite(p.at)) finite.push_back(p);
   }
   expected.invalid = points.size() - finite.size();
-  std::sort(finite.begin(), finite.end(), [](const LocalPoint& a, const LocalPoint& b) {
-    return a.at != b.at ? a.at < b.at : a.id < b.id;
-  });
+  std::sort(finite.begin(), finite.end(),
+            [](const LocalPoint& a, const LocalPoint& b) { return a.at != b.at ? a.at < b.at : a.id < b.id; });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < finite.size(); ++i) {
     if (i > 0 && finite[i].at == finite[kept].at) {

@@ -155,19 +155,15 @@ TEST_P(Invariance, OnePartitionGivesTheSameBytesWhateverTheThreadsKeepAndMemory)
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Clouds, Invariance,
-                         ::testing::Values(Case{"uniform", 3, PartitionKind::kdtree},
-                                           Case{"lattice", 3, PartitionKind::octree},
-                                           Case{"slab", 3, PartitionKind::grid},
-                                           Case{"corners", 3, PartitionKind::random},
-                                           Case{"jitter", 3, PartitionKind::kdtree},
-                                           Case{"lattice", 2, PartitionKind::kdtree},
-                                           Case{"clusters", 2, PartitionKind::grid},
-                                           Case{"planes", 2, PartitionKind::random}),
-                         [](const auto& info) {
-                           return std::string(info.param.kind) + std::to_string(info.param.dimension) +
-                                  name_of(info.param.partition);
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Clouds, Invariance,
+    ::testing::Values(Case{"uniform", 3, PartitionKind::kdtree}, Case{"lattice", 3, PartitionKind::octree},
+                      Case{"slab", 3, PartitionKind::grid}, Case{"corners", 3, PartitionKind::random},
+                      Case{"jitter", 3, PartitionKind::kdtree}, Case{"lattice", 2, PartitionKind::kdtree},
+                      Case{"clusters", 2, PartitionKind::grid}, Case{"planes", 2, PartitionKind::random}),
+    [](const auto& info) {
+      return std::string(info.param.kind) + std::to_string(info.param.dimension) + name_of(info.param.partition);
+    });
 
 }  // namespace
 }  // namespace tessera::testing

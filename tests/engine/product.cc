@@ -152,7 +152,8 @@ int main(int argc, char** argv) {
     return arguments.size() >= least && arguments.size() <= most && arguments[2] == part;
   };
   if (!is("representative", 3, 5) && !is("nightly", 3, 5) && !is("only", 4, 5)) {
-    std::fputs("usage: engine_product SETS REAL representative|nightly [SHARD SHARDS] | only NAME [DIMENSION]\n", stderr);
+    std::fputs("usage: engine_product SETS REAL representative|nightly [SHARD SHARDS] | only NAME [DIMENSION]\n",
+               stderr);
     return EXIT_FAILURE;
   }
   return tessera::testing::run_product(arguments);

@@ -21,9 +21,7 @@ bool planar(const std::string& name) {
   return names.contains(name);
 }
 
-bool raw_doubles(const CloudSet& set) {
-  return set.source.extension() == ".bin" || set.source.extension() == ".bin2";
-}
+bool raw_doubles(const CloudSet& set) { return set.source.extension() == ".bin" || set.source.extension() == ".bin2"; }
 
 Result<std::vector<double>> read_doubles(const fs::path& path) {
   std::vector<double> values(fs::file_size(path) / sizeof(double));

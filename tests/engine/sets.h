@@ -14,10 +14,10 @@ namespace tessera::testing {
 struct CloudSet {
   std::string name;  // of the set or file
   std::filesystem::path source;
-  int stored_dimension = 3;      // of the file
-  std::uintmax_t weight = 0;     // bytes of coordinates: the order of the product
-  bool generated = false;        // by gen.py
-  std::vector<int> dimensions;   // to triangulate in
+  int stored_dimension = 3;     // of the file
+  std::uintmax_t weight = 0;    // bytes of coordinates: the order of the product
+  bool generated = false;       // by gen.py
+  std::vector<int> dimensions;  // to triangulate in
 };
 
 // The sets in `generated` (gen.py all) and the .las, .ply, .xyz, .csv, .bin and .bin2 files in `real`, smallest first.
