@@ -235,8 +235,6 @@ Status check_claim_group(std::span<const FacetClaim> group, const std::filesyste
       return wrong(claim, "and cell " + std::to_string(group[i - 1].cell) + " do not name each other across");
     if (claim.claim == Claim::said_outside && !on_hull)
       return wrong(claim, "has neighbour -1 (outside) across a facet inside the hull:");
-    if (claim.claim == Claim::said_elsewhere && on_hull)
-      return wrong(claim, "has neighbour -2 (another tile's) across a facet on the hull:");
   }
   return success();
 }
