@@ -1,5 +1,7 @@
 #include "actors/local_run.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <caf/all.hpp>
 #include <chrono>
@@ -22,6 +24,12 @@ struct Needs {
 };
 Needs needs(int dimension) { return dimension == 3 ? Needs{620, 900, 560} : Needs{240, 340, 160}; }
 
+// What is left for tiles: libraries, buffers and the allocator's slack take the rest.
+std::uint64_t tile_budget(std::uint64_t memory) {
+  const std::uint64_t rest = memory / 10 + (std::uint64_t{64} << 20);
+  return memory > 2 * rest ? memory - rest : memory / 2;
+}
+
 // All tiles whole in memory, and every thread collecting one.
 bool fits_whole(const RoutedRun& run, const RunOptions& options) {
   const Needs need = needs(run.dimension);
@@ -30,7 +38,7 @@ bool fits_whole(const RoutedRun& run, const RunOptions& options) {
     points += n;
     largest = std::max(largest, n);
   }
-  return points * need.whole + options.threads * largest * need.collect <= options.memory_bytes / 10 * 9;
+  return points * need.whole + options.threads * largest * need.collect <= tile_budget(options.memory_bytes);
 }
 
 class LocalConfig : public caf::actor_system_config {
@@ -52,6 +60,8 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
   context.dimension = run.dimension;
   context.kernel = options.kernel;
   context.reduce = options.keep == Keep::reduced || (options.keep == Keep::by_budget && !fits_whole(run, options));
+  // When memory is short, large blocks go straight back to the system instead of into the allocator's pools.
+  if (context.reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
   context.boxes = final_boxes(run.partition);
   context.neighbours = touching_tiles(run.partition, run.tile_bounds);
   context.seeds = run.seeds;
@@ -63,7 +73,7 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
   const Needs need = needs(run.dimension);
   NodeOptions node_options;
   node_options.threads = options.threads;
-  node_options.memory_bytes = options.memory_bytes;
+  node_options.memory_bytes = tile_budget(options.memory_bytes);
   node_options.triangulate_bytes = need.triangulate;
   node_options.collect_bytes = need.collect;
   node_options.points = run.tile_points;
