@@ -34,7 +34,8 @@ code { font:13px/1.5 ui-monospace,monospace; overflow-wrap:anywhere }
 .phases div { min-width:1px }
 .key { display:flex; flex-wrap:wrap; gap:4px 18px; font-size:13px; color:var(--soft); margin-bottom:10px }
 .key i { display:inline-block; width:11px; height:11px; border-radius:3px; margin-right:6px }
-.pictures { display:flex; flex-wrap:wrap; gap:16px } .pictures figure { margin:0; flex:1 1 300px }
+.pictures { display:grid; grid-template-columns:repeat(auto-fill,minmax(min(100%,420px),1fr)); gap:16px }
+.pictures figure { margin:0 }
 figcaption { font-size:13px; color:var(--soft); margin-bottom:8px }
 svg { display:block; width:100%; height:auto }
 svg text.axis { font:11px system-ui,sans-serif; fill:var(--soft) }
