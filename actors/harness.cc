@@ -139,8 +139,8 @@ Outcome run_seed(const HarnessOptions& options, std::uint64_t seed) {
     caf::actor_system system(config);
     auto& scheduler = dynamic_cast<caf::scheduler::test_coordinator&>(system.scheduler());
     caf::scoped_actor self(system, true);
-    const auto coordinator =
-        self->spawn<Coordinator>(caf::actor_cast<caf::actor>(self.ptr()), 1u, std::function<void()>([&] {
+    const auto coordinator = self->spawn<Coordinator>(
+        caf::actor_cast<caf::actor>(self.ptr()), 1u, std::function<void()>([&] {
           quiet = true;
           directory.tell([] { return std::string("coordinator: quiet"); });
           if (network.held > 0 || progress.batches_sent != progress.batches_processed) {
@@ -152,14 +152,13 @@ Outcome run_seed(const HarnessOptions& options, std::uint64_t seed) {
     directory.tiles.resize(setting.tiles.size());
     for (std::uint32_t t = 0; t < setting.tiles.size(); ++t) {
       if (setting.tiles[t].empty()) continue;
-      directory.tiles[t] =
-          self->spawn<TileActor>(Peer{TileId{t}, 0}, std::cref(setting.context), std::cref(directory));
+      directory.tiles[t] = self->spawn<TileActor>(Peer{TileId{t}, 0}, std::cref(setting.context), std::cref(directory));
     }
     // Some networks are so slow that whole waves pass while a batch is on its way.
     const auto patience = static_cast<std::uint32_t>(seed % 7 == 0 ? 400 : seed % 7);
     directory.network = self->spawn<Network>(std::cref(directory), std::ref(network), rng(), patience);
-    directory.node = self->spawn<NodeActor>(std::cref(setting.node), std::cref(directory), std::ref(log), coordinator,
-                                            &progress);
+    directory.node =
+        self->spawn<NodeActor>(std::cref(setting.node), std::cref(directory), std::ref(log), coordinator, &progress);
     self->send(coordinator, std::vector<caf::actor>{directory.node});
     while (outcome.failure.empty() && outcome.steps < steps_max && step(scheduler, rng)) ++outcome.steps;
     while (self->has_next_message()) {

@@ -17,7 +17,7 @@ struct HarnessOptions {
   std::size_t points = 40;
   std::uint32_t tiles = 7;
   PartitionKind partition = PartitionKind::kdtree;
-  std::uint64_t first_seed = 1, last_seed = 1;  // inclusive
+  std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
   std::function<void(const std::string&)> trace;  // hears of every step
 };
 

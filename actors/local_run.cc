@@ -68,8 +68,8 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
   context.storage = &storage;
   context.progress = &progress;
 
-  progress.tiles_total =
-      static_cast<std::uint32_t>(std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
+  progress.tiles_total = static_cast<std::uint32_t>(
+      std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
   const Needs need = needs(run.dimension);
   NodeOptions node_options;
   node_options.threads = options.threads;
@@ -96,16 +96,15 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
       if (run.tile_points[t] == 0) continue;
       directory.tiles[t] = self->spawn<TileActor>(Peer{TileId{t}, 0}, std::cref(context), std::cref(directory));
     }
-    directory.node = self->spawn<NodeActor>(std::cref(node_options), std::cref(directory), std::ref(log), coordinator,
-                                            &progress);
+    directory.node =
+        self->spawn<NodeActor>(std::cref(node_options), std::cref(directory), std::ref(log), coordinator, &progress);
     self->send(coordinator, std::vector<caf::actor>{directory.node});
     bool running = true;
-    self->receive_while(running)(
-        [&](const RunQuiet&) { quiet_s = elapsed(); },
-        [&](RunEnded& message) {
-          ended = std::move(message);
-          running = false;
-        });
+    self->receive_while(running)([&](const RunQuiet&) { quiet_s = elapsed(); },
+                                 [&](RunEnded& message) {
+                                   ended = std::move(message);
+                                   running = false;
+                                 });
     for (const auto& tile : directory.tiles) {
       if (tile) caf::anon_send_exit(tile, caf::exit_reason::user_shutdown);
     }

@@ -34,8 +34,8 @@ struct RunSummary {
   std::uint64_t rounds = 0;  // the longest chain of messages that caused one another: rounds equivalent
   std::uint64_t waves = 0;   // collections of counters by the coordinator
   std::uint64_t sleeps = 0;
-  std::vector<double> tile_seconds;  // by tile: time worked on it
-  double triangulate_s = 0, splay_s = 0, collect_s = 0;  // wall clock of the phases
+  std::vector<double> tile_seconds;                                  // by tile: time worked on it
+  double triangulate_s = 0, splay_s = 0, collect_s = 0;              // wall clock of the phases
   double triangulate_cpu_s = 0, splay_cpu_s = 0, collect_cpu_s = 0;  // summed over threads
 };
 

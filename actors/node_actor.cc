@@ -63,9 +63,9 @@ caf::behavior NodeActor::make_behavior() {
 }
 
 bool NodeActor::idle() const {
-  return started_ && !collecting_ && working_ == 0 &&
-         std::all_of(tiles_.begin(), tiles_.end(),
-                     [](const Tile& t) { return t.stage != Stage::fresh && t.mail == 0; });
+  return started_ && !collecting_ && working_ == 0 && std::all_of(tiles_.begin(), tiles_.end(), [](const Tile& t) {
+           return t.stage != Stage::fresh && t.mail == 0;
+         });
 }
 
 void NodeActor::finish(const TileReport& report) {
@@ -160,7 +160,8 @@ bool NodeActor::grant_one() {
   while (next_fresh_ < tiles_.size() && (tiles_[next_fresh_].stage != Stage::fresh || tiles_[next_fresh_].working)) {
     ++next_fresh_;
   }
-  if (next_fresh_ < tiles_.size()) return try_grant(next_fresh_, Work::triangulate, options_.triangulate_bytes * options_.points[next_fresh_]);
+  if (next_fresh_ < tiles_.size())
+    return try_grant(next_fresh_, Work::triangulate, options_.triangulate_bytes * options_.points[next_fresh_]);
   if (collecting_) {
     while (next_collect_ < tiles_.size() &&
            (tiles_[next_collect_].stage == Stage::stored || tiles_[next_collect_].working)) {
@@ -224,7 +225,8 @@ void NodeActor::grant(std::uint32_t tile, Work work, std::uint64_t needed) {
   memory_ += needed - tiles_[tile].memory;
   tiles_[tile].memory = needed;
   if (progress_ && !collecting_) {
-    progress_->phase = work == Work::triangulate || next_fresh_ < tiles_.size() ? Phase::triangulating : Phase::splaying;
+    progress_->phase =
+        work == Work::triangulate || next_fresh_ < tiles_.size() ? Phase::triangulating : Phase::splaying;
   }
   send(directory_.tiles[tile], Grant{work});
 }

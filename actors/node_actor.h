@@ -34,7 +34,7 @@ struct NodeOptions {
   // What a tile needs, in bytes a point: while it is triangulated, and on top of what it holds while it is collected.
   std::uint64_t triangulate_bytes = 0, collect_bytes = 0;
   std::vector<std::uint64_t> points;  // by tile; 0 = no such tile
-  std::vector<TileEntry> stored;      // tiles whose result a resumed run has already: they exchange, but are not written
+  std::vector<TileEntry> stored;  // tiles whose result a resumed run has already: they exchange, but are not written
   std::stop_token stop;
 };
 

@@ -141,12 +141,14 @@ typename Inspector::result_type inspect(Inspector& f, RunEnded& x) {
 inline constexpr std::uint64_t batch_points_max = std::uint64_t{1} << 24;
 inline caf::error inspect(caf::serializer& f, Batch& x) {
   std::uint64_t n = x.points.size();
-  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n))
+    return failed;
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
 inline caf::error inspect(caf::deserializer& f, Batch& x) {
   std::uint64_t n = 0;
-  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n))
+    return failed;
   if (n > batch_points_max) return caf::sec::invalid_argument;
   x.points.resize(n);
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
@@ -162,17 +164,17 @@ TileEntry entry_from_numbers(const std::vector<std::uint64_t>& numbers);
 }  // namespace tessera
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera, first_custom_type_id)
-  CAF_ADD_TYPE_ID(tessera, (tessera::Batch))
-  CAF_ADD_TYPE_ID(tessera, (tessera::CollectAll))
-  CAF_ADD_TYPE_ID(tessera, (tessera::Grant))
-  CAF_ADD_TYPE_ID(tessera, (tessera::IdleNotice))
-  CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
-  CAF_ADD_TYPE_ID(tessera, (tessera::NodeFailed))
-  CAF_ADD_TYPE_ID(tessera, (tessera::NodeFinished))
-  CAF_ADD_TYPE_ID(tessera, (tessera::NodeTally))
-  CAF_ADD_TYPE_ID(tessera, (tessera::Probe))
-  CAF_ADD_TYPE_ID(tessera, (tessera::RunEnded))
-  CAF_ADD_TYPE_ID(tessera, (tessera::RunQuiet))
-  CAF_ADD_TYPE_ID(tessera, (tessera::Start))
-  CAF_ADD_TYPE_ID(tessera, (tessera::TileReport))
+CAF_ADD_TYPE_ID(tessera, (tessera::Batch))
+CAF_ADD_TYPE_ID(tessera, (tessera::CollectAll))
+CAF_ADD_TYPE_ID(tessera, (tessera::Grant))
+CAF_ADD_TYPE_ID(tessera, (tessera::IdleNotice))
+CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
+CAF_ADD_TYPE_ID(tessera, (tessera::NodeFailed))
+CAF_ADD_TYPE_ID(tessera, (tessera::NodeFinished))
+CAF_ADD_TYPE_ID(tessera, (tessera::NodeTally))
+CAF_ADD_TYPE_ID(tessera, (tessera::Probe))
+CAF_ADD_TYPE_ID(tessera, (tessera::RunEnded))
+CAF_ADD_TYPE_ID(tessera, (tessera::RunQuiet))
+CAF_ADD_TYPE_ID(tessera, (tessera::Start))
+CAF_ADD_TYPE_ID(tessera, (tessera::TileReport))
 CAF_END_TYPE_ID_BLOCK(tessera)

@@ -26,7 +26,7 @@ struct TileContext {
   KernelKind kernel = KernelKind::cgal;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
-  std::vector<Box> boxes;                      // by tile; a tile with the empty box has no final cells
+  std::vector<Box> boxes;                              // by tile; a tile with the empty box has no final cells
   std::vector<std::vector<TileNeighbour>> neighbours;  // by tile: whom it tells first
   std::vector<SharedPoint> seeds;
   TileStorage* storage = nullptr;
@@ -85,11 +85,11 @@ class TileState {
   LoadedTile points_;  // kept while the context does not reduce
   std::uint64_t own_points_ = 0;
   std::vector<Waiting> mail_;
-  std::uint64_t mail_points_ = 0;       // in mail_
-  std::uint64_t waiting_points_ = 0;    // in mail_ and spilled
-  std::vector<Peer> waiting_peers_;     // one per waiting batch: counted as processed by splay()
-  std::uint32_t waiting_hops_ = 0;      // longest chain among them
-  std::uint32_t hops_ = 0;              // longest chain of messages that reached this tile
+  std::uint64_t mail_points_ = 0;     // in mail_
+  std::uint64_t waiting_points_ = 0;  // in mail_ and spilled
+  std::vector<Peer> waiting_peers_;   // one per waiting batch: counted as processed by splay()
+  std::uint32_t waiting_hops_ = 0;    // longest chain among them
+  std::uint32_t hops_ = 0;            // longest chain of messages that reached this tile
   PeerCounters counters_;
   ExchangeCounts counts_;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates_;

@@ -47,8 +47,8 @@ int main(int argc, char** argv) {
   const auto lap = [&](const char* what, std::size_t bytes) {
     const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const double used = cpu_now() - cpu_begin;
-    std::printf("%-14s %7.3f s  %7.3f s of cpu  %6.2f us a point  %5.0f bytes a point\n", what, s, used, used * 1e6 / static_cast<double>(n),
-                static_cast<double>(bytes) / static_cast<double>(n));
+    std::printf("%-14s %7.3f s  %7.3f s of cpu  %6.2f us a point  %5.0f bytes a point\n", what, s, used,
+                used * 1e6 / static_cast<double>(n), static_cast<double>(bytes) / static_cast<double>(n));
     begin = std::chrono::steady_clock::now();
     cpu_begin = cpu_now();
   };
@@ -61,8 +61,9 @@ int main(int argc, char** argv) {
   t.triangulate(tile.points, tile.ids, seeds);
   lap("triangulate", t.memory());
   const Box box{bounds.lo, bounds.hi};
-  const std::vector<TileNeighbour> beside{{TileId{1}, {{bounds.hi.x, bounds.lo.y, bounds.lo.z},
-                                                       {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}}}};
+  const std::vector<TileNeighbour> beside{
+      {TileId{1},
+       {{bounds.hi.x, bounds.lo.y, bounds.lo.z}, {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}}}};
   t.announce(tile.points, box, beside);
   lap("announce", t.memory());
   FinalCells finals;

@@ -66,17 +66,19 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   BOOST_OUTCOME_TRYV(finish_store(out, manifest, s.duplicates));
   const double total = seconds_since(begin);
   const double n = static_cast<double>(run.counts.read);
-  std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %zu tiles\n", total, n / total, o.threads, s.tiles.size());
+  std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %zu tiles\n", total, n / total, o.threads,
+              s.tiles.size());
   std::printf("  routing %.2f  triangulating %.2f  splaying %.2f  collecting %.2f  finishing %.2f s (wall)\n", routed,
               s.triangulate_s, s.splay_s, s.collect_s, total - collected);
   std::printf("  work summed over threads: triangulating %.2f  splaying %.2f  collecting %.2f s; %llu sleeps\n",
               s.triangulate_cpu_s, s.splay_cpu_s, s.collect_cpu_s, static_cast<unsigned long long>(s.sleeps));
-  std::printf("  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
-              "%llu messages, %llu rounds, %llu waves\n",
-              100 * s.splay_s / total, static_cast<unsigned long long>(s.points_sent),
-              static_cast<unsigned long long>(s.points_received), static_cast<unsigned long long>(s.points_inserted),
-              static_cast<unsigned long long>(s.points_kept), static_cast<unsigned long long>(s.batches),
-              static_cast<unsigned long long>(s.rounds), static_cast<unsigned long long>(s.waves));
+  std::printf(
+      "  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
+      "%llu messages, %llu rounds, %llu waves\n",
+      100 * s.splay_s / total, static_cast<unsigned long long>(s.points_sent),
+      static_cast<unsigned long long>(s.points_received), static_cast<unsigned long long>(s.points_inserted),
+      static_cast<unsigned long long>(s.points_kept), static_cast<unsigned long long>(s.batches),
+      static_cast<unsigned long long>(s.rounds), static_cast<unsigned long long>(s.waves));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
               static_cast<unsigned long long>(s.cells), peak_mb());
   return total;

@@ -7,7 +7,8 @@
 namespace tessera {
 
 inline void check(bool holds, const char* what) {
-  if (holds) [[likely]] return;
+  if (holds) [[likely]]
+    return;
   std::fprintf(stderr, "tessera: internal error: %s\n", what);
   std::abort();
 }

@@ -13,7 +13,7 @@ namespace tessera {
 enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
 
 constexpr const char* name_of(Phase phase) {
-  constexpr const char* names[] = {"planning", "routing",    "triangulating", "splaying",
+  constexpr const char* names[] = {"planning",   "routing",   "triangulating", "splaying",
                                    "collecting", "finishing", "done"};
   return names[static_cast<int>(phase)];
 }
@@ -22,24 +22,24 @@ constexpr const char* name_of(Phase phase) {
 struct Span {
   Phase phase;
   std::uint32_t tile;
-  std::uint32_t thread;    // 0..threads-1
-  double begin_s, end_s;   // since the job began
+  std::uint32_t thread;   // 0..threads-1
+  double begin_s, end_s;  // since the job began
 };
 
 struct Progress {
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::atomic<Phase> phase{Phase::planning};
-  std::atomic<std::uint64_t> points_total{0};        // 0 while unknown
+  std::atomic<std::uint64_t> points_total{0};  // 0 while unknown
   std::atomic<std::uint64_t> points_routed{0};
   std::atomic<std::uint64_t> points_triangulated{0};
   std::atomic<std::uint32_t> tiles_total{0};
   std::atomic<std::uint32_t> tiles_triangulated{0};
   std::atomic<std::uint32_t> tiles_stored{0};
   std::atomic<std::uint32_t> tiles_asleep{0};
-  std::atomic<std::uint64_t> batches_sent{0};        // batches_sent - batches_processed are in flight
+  std::atomic<std::uint64_t> batches_sent{0};  // batches_sent - batches_processed are in flight
   std::atomic<std::uint64_t> batches_processed{0};
   std::atomic<std::uint64_t> points_sent{0};
-  std::atomic<std::uint64_t> memory_bytes{0};        // what the node believes its tiles hold
+  std::atomic<std::uint64_t> memory_bytes{0};  // what the node believes its tiles hold
 
   void add_span(const Span& span) {
     const std::lock_guard lock(mutex_);

@@ -26,9 +26,8 @@ std::vector<LocalPoint> distinct(std::span<const LocalPoint> points, int dimensi
   if (dimension == 2) {
     for (LocalPoint& p : list) p.at.z = 0;
   }
-  std::sort(list.begin(), list.end(), [](const LocalPoint& a, const LocalPoint& b) {
-    return a.at != b.at ? a.at < b.at : a.id < b.id;
-  });
+  std::sort(list.begin(), list.end(),
+            [](const LocalPoint& a, const LocalPoint& b) { return a.at != b.at ? a.at < b.at : a.id < b.id; });
   list.erase(std::unique(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.at == b.at; }),
              list.end());
   return list;

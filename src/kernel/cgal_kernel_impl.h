@@ -198,7 +198,9 @@ class CgalKernel final : public Kernel {
     return true;
   }
 
-  std::size_t memory() const override { return Traits::memory(t_) + handles_.capacity() * sizeof(Handle) + local_.capacity(); }
+  std::size_t memory() const override {
+    return Traits::memory(t_) + handles_.capacity() * sizeof(Handle) + local_.capacity();
+  }
 
  private:
   void reset() {

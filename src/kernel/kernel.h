@@ -21,7 +21,8 @@ using Vertex = std::uint32_t;
 inline constexpr Vertex infinite_vertex = 0;
 
 // Cells as arrays of d+1 vertices. Finite cells are positively oriented; an infinite one is what it would be if the
-// infinite vertex stood outside the hull. neighbors[i] is the cell opposite vertices[i], as an index into the same list.
+// infinite vertex stood outside the hull. neighbors[i] is the cell opposite vertices[i], as an index into the same
+// list.
 struct CellList {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> neighbors;
@@ -29,10 +30,10 @@ struct CellList {
 
 // Flat arrays that restore a kernel ten times faster than building it.
 struct KernelImage {
-  std::vector<Point> points;         // by vertex, 1-based: points[0] belongs to vertex 1
-  std::vector<std::uint8_t> local;   // by vertex: the label
-  std::vector<std::uint8_t> alive;   // by vertex: 0 once removed
-  CellList cells;                    // of dimension() (maximal simplices), infinite ones included
+  std::vector<Point> points;        // by vertex, 1-based: points[0] belongs to vertex 1
+  std::vector<std::uint8_t> local;  // by vertex: the label
+  std::vector<std::uint8_t> alive;  // by vertex: 0 once removed
+  CellList cells;                   // of dimension() (maximal simplices), infinite ones included
   int dimension = -1;
 };
 
@@ -42,7 +43,7 @@ enum class InsertMode : std::uint8_t {
 };
 
 struct Insertion {
-  Vertex vertex = 0;      // the new vertex, or the old one with equal coordinates, or 0 when refused
+  Vertex vertex = 0;  // the new vertex, or the old one with equal coordinates, or 0 when refused
   bool inserted = false;
 };
 
@@ -53,7 +54,7 @@ class Kernel {
   virtual int max_dimension() const = 0;  // 2 or 3
   // -1: no vertex; 0: one; 1: all collinear; 2: all coplanar; 3.
   virtual int dimension() const = 0;
-  virtual Vertex vertices() const = 0;    // highest vertex number given so far
+  virtual Vertex vertices() const = 0;  // highest vertex number given so far
   virtual Point point(Vertex v) const = 0;
   virtual bool is_local(Vertex v) const = 0;
 

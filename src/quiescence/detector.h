@@ -1,8 +1,8 @@
 // Decides when nothing is left to say: Mattern's four-counter method over nodes.
-// A wave asks every node for its totals. One wave may lie: a node asked early may have been woken by a message sent by a
-// node asked late. Two successive waves in which every node is idle and all four sums agree cannot: between the end of
-// the first and the beginning of the second nothing was sent or processed, and nothing was on its way.
-// Source: Mattern, Algorithms for distributed termination detection, Distributed Computing 2, 1987.
+// A wave asks every node for its totals. One wave may lie: a node asked early may have been woken by a message sent by
+// a node asked late. Two successive waves in which every node is idle and all four sums agree cannot: between the end
+// of the first and the beginning of the second nothing was sent or processed, and nothing was on its way. Source:
+// Mattern, Algorithms for distributed termination detection, Distributed Computing 2, 1987.
 #pragma once
 
 #include <cstdint>

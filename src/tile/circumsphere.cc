@@ -49,8 +49,7 @@ Ball circumsphere(const Point& a, const Point& b, const Point& c, const Point& d
   const double vwxs = sum(vwx1, vwx2), vwys = sum(vwy1, vwy2), vwzs = sum(vwz1, vwz2);
 
   const double det = ux * (vwx1 - vwx2) + uy * (vwy1 - vwy2) + uz * (vwz1 - vwz2);
-  const double det_error =
-      bound * (std::abs(ux) * vwxs + std::abs(uy) * vwys + std::abs(uz) * vwzs) + underflow;
+  const double det_error = bound * (std::abs(ux) * vwxs + std::abs(uy) * vwys + std::abs(uz) * vwzs) + underflow;
   if (!(std::abs(det) > 2 * det_error)) return {};
 
   const double nx = uu * (vwx1 - vwx2) + vv * (wux1 - wux2) + ww * (uvx1 - uvx2);
@@ -66,8 +65,8 @@ Ball circumsphere(const Point& a, const Point& b, const Point& c, const Point& d
   // |o| + 2e of a + o. The last terms cover the roundings of |o|, of the sums below and of a + o.
   const double error = x.error + y.error + z.error;
   const double radius = std::sqrt(x.value * x.value + y.value * y.value + z.value * z.value);
-  const double reach = (radius + 2 * error) * (1 + 16 * eps) +
-                       4 * eps * (std::abs(a.x) + std::abs(a.y) + std::abs(a.z) + radius);
+  const double reach =
+      (radius + 2 * error) * (1 + 16 * eps) + 4 * eps * (std::abs(a.x) + std::abs(a.y) + std::abs(a.z) + radius);
   return {std::isfinite(reach), {a.x + x.value, a.y + y.value, a.z + z.value}, reach};
 }
 
@@ -85,8 +84,7 @@ Ball circumcircle(const Point& a, const Point& b, const Point& c) {
   const Offset y = quotient(y1 - y2, bound * (std::abs(y1) + std::abs(y2)) + underflow, det, det_error);
   const double error = x.error + y.error;
   const double radius = std::sqrt(x.value * x.value + y.value * y.value);
-  const double reach =
-      (radius + 2 * error) * (1 + 16 * eps) + 4 * eps * (std::abs(a.x) + std::abs(a.y) + radius);
+  const double reach = (radius + 2 * error) * (1 + 16 * eps) + 4 * eps * (std::abs(a.x) + std::abs(a.y) + radius);
   return {std::isfinite(reach), {a.x + x.value, a.y + y.value, 0}, reach};
 }
 
@@ -125,8 +123,9 @@ bool half_space_may_meet(const Point& a, const Point& b, const Point& c, const B
   const double far_x = std::max(std::abs(bounds.hi.x - a.x), std::abs(bounds.lo.x - a.x)),
                far_y = std::max(std::abs(bounds.hi.y - a.y), std::abs(bounds.lo.y - a.y)),
                far_z = std::max(std::abs(bounds.hi.z - a.z), std::abs(bounds.lo.z - a.z));
-  const double error = 2 * bound * (far_x * sum(uy * vz, uz * vy) + far_y * sum(uz * vx, ux * vz) +
-                                    far_z * sum(ux * vy, uy * vx)) + underflow;
+  const double error =
+      2 * bound * (far_x * sum(uy * vz, uz * vy) + far_y * sum(uz * vx, ux * vz) + far_z * sum(ux * vy, uy * vx)) +
+      underflow;
   return !(nx * dx + ny * dy + nz * dz < -error);
 }
 

@@ -189,9 +189,9 @@ class MeshMaker {
     held_.resize(shift + count, kept);
   }
 
-  // order_: the kept cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells each,
-  // and in a bucket the next two vertices tell all apart: a positively oriented cell is the only one on its side of the
-  // facet (least, second, third). In 2D, on its side of an edge.
+  // order_: the kept cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells
+  // each, and in a bucket the next two vertices tell all apart: a positively oriented cell is the only one on its side
+  // of the facet (least, second, third). In 2D, on its side of an edge.
   void sort_cells() {
     std::vector<std::uint32_t> end(mesh_.points.size() + 1, 0);
     const auto least = [&](std::size_t c) {

@@ -23,8 +23,8 @@ struct CollectInput {
   FinalCells final_cells;              // handed out earlier: they border the fill
 };
 
-// Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh pages
-// cost more than the work.
+// Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh
+// pages cost more than the work.
 TileMesh make_mesh(CollectInput input);
 
 }  // namespace tessera

@@ -34,13 +34,14 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
 
 bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const {
   const auto at = [&](int i) -> const Point& { return points[cell[i] - 1]; };
-  const Ball ball = options_.dimension == 3 ? circumsphere(at(0), at(1), at(2), at(3)) : circumcircle(at(0), at(1), at(2));
+  const Ball ball =
+      options_.dimension == 3 ? circumsphere(at(0), at(1), at(2), at(3)) : circumcircle(at(0), at(1), at(2));
   return surely_inside(ball, box, options_.dimension);
 }
 
 // Why exploring from the outside finds every cell that is not final: let a foreign point q be in conflict with cell c.
-// The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one of
-// them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
+// The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one
+// of them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
   check(!reduced_, "a tile is reduced once");
   if (kernel_->dimension() < options_.dimension) return {};
@@ -294,7 +295,8 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
 }
 
 std::size_t TileTriangulation::memory() const {
-  std::size_t bytes = (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
+  std::size_t bytes =
+      (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
   bytes += foreign_.bucket_count() * 24 + sent_.bucket_count() * 16 + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(SharedPoint);
   return bytes;

@@ -45,9 +45,9 @@ struct TileNeighbour {
 struct ExchangeCounts {
   std::uint64_t received = 0;  // foreign points, repeats included
   std::uint64_t inserted = 0;
-  std::uint64_t refused = 0;   // conflict with no local star (rule C)
-  std::uint64_t sent = 0;      // points put into updates
-  std::uint64_t kept = 0;      // foreign vertices of cells with a local vertex; set by collect()
+  std::uint64_t refused = 0;  // conflict with no local star (rule C)
+  std::uint64_t sent = 0;     // points put into updates
+  std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; set by collect()
 };
 
 // Keys differ in a few high or low bits only, and the tables are powers of two: mix them (splitmix64's finaliser).
@@ -104,7 +104,9 @@ class TileTriangulation {
   void share(Vertex v, std::uint32_t tile);
   void receive_published(TileId from, std::span<const SharedPoint> batch);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
-  bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value; }
+  bool is_local(Vertex v) const {
+    return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value;
+  }
 
   TileOptions options_;
   std::unique_ptr<Kernel> kernel_;

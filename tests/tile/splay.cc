@@ -20,7 +20,8 @@ std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const
   std::vector<std::size_t> chosen;
   const auto least = std::min_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.at < b.at; });
   chosen.push_back(static_cast<std::size_t>(least - points.begin()));
-  for (std::size_t i = 0; announced == Announced::spanning && i < points.size() && chosen.size() < static_cast<std::size_t>(d) + 1; ++i) {
+  for (std::size_t i = 0;
+       announced == Announced::spanning && i < points.size() && chosen.size() < static_cast<std::size_t>(d) + 1; ++i) {
     const Point &a = points[chosen[0]].at, p = points[i].at;
     bool independent = p != a;
     if (chosen.size() == 2) {

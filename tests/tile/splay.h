@@ -20,9 +20,9 @@ struct SplayOptions {
   int dimension = 3;
   std::uint64_t seed = 0;
   Announced announced = Announced::spanning;
-  bool reduce = false;         // hand out final cells first
+  bool reduce = false;  // hand out final cells first
   bool announce = true;
-  bool sleep = false;          // save and load tiles between deliveries
+  bool sleep = false;  // save and load tiles between deliveries
   ExchangeRule rule = ExchangeRule::share_certify;
   bool single_points = false;  // deliver one point at a time
 };
