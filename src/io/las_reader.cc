@@ -106,7 +106,8 @@ class LasReader : public PointReader {
 
 }  // namespace
 
-Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes) {
+Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes) {
   BOOST_OUTCOME_TRY(header, read_las_header(*source));
   FileInfo info;
   info.path = source->path();

@@ -145,7 +145,8 @@ class NpyReader : public PointReader {
 
 }  // namespace
 
-Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes) {
+Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes) {
   const auto bad = [&](const std::string& what) {
     return error(Errc::bad_input, source->path().string() + ": " + what);
   };

@@ -10,6 +10,7 @@
 
 namespace tessera {
 
-Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes);
+Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes);
 
 }  // namespace tessera

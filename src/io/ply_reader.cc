@@ -89,7 +89,8 @@ class PlyReader : public PointReader {
 
 }  // namespace
 
-Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes) {
+Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes) {
   BOOST_OUTCOME_TRY(header, read_ply_header(*source));
   const auto& vertex = header.elements[header.vertex];
   const PlyColumns columns = columns_of(vertex);

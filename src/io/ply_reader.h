@@ -11,6 +11,7 @@
 namespace tessera {
 
 // ASCII numbers are read as doubles also where the header says float: the text is what the file holds.
-Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes);
+Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source,
+                                              const std::vector<Attribute>& attributes);
 
 }  // namespace tessera

@@ -52,11 +52,11 @@ class PointReader {
 // Opens `path` by its content (magic), then by its extension. `attributes`: the schema of batch rows; an attribute that
 // this file lacks is zero, one of another type is converted.
 Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
-                                                 std::vector<Attribute> attributes = {});
+                                                 const std::vector<Attribute>& attributes = {});
 
 class ByteSource;
 // The same for bytes that are open already; the extension is that of source->path().
 Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
-                                                 std::vector<Attribute> attributes = {});
+                                                 const std::vector<Attribute>& attributes = {});
 
 }  // namespace tessera

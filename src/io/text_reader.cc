@@ -134,7 +134,8 @@ Status check_is_text(const ByteSource& source) {
 
 }  // namespace
 
-Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes) {
+Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
+                                               const std::vector<Attribute>& attributes) {
   BOOST_OUTCOME_TRYV(check_is_text(*source));
   FileInfo info;
   info.path = source->path();

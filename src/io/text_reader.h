@@ -13,6 +13,7 @@ namespace tessera {
 // x, y and z are then found by name (x y z, or lon lat, easting northing, ...; any case) or, if it names none of them,
 // are the first three columns, as they are without a header. With two numeric columns the dimension is 2. The other
 // numeric columns are attributes (f64), named by the header or "column_4"; an empty cell is NaN.
-Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source, std::vector<Attribute> attributes);
+Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
+                                               const std::vector<Attribute>& attributes);
 
 }  // namespace tessera
