@@ -1,6 +1,8 @@
 #include "src/store/files.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -32,6 +34,33 @@ bool FileHandle::close() {
 
 TemporaryFile::~TemporaryFile() {
   if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+Result<MemoryFile> MemoryFile::create(std::uint64_t bytes_max, const fs::path& path) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < bytes_max)
+    return io_error(path, "cannot write", EFBIG);
+  FileHandle file(::memfd_create("tessera", MFD_CLOEXEC));
+  if (file.get() < 0) return io_error(path, "cannot make a file in memory", errno);
+  return MemoryFile(std::move(file), path);
+}
+
+Result<std::uint64_t> MemoryFile::size() const {
+  struct stat status {};
+  if (::fstat(file_.get(), &status) != 0) return io_error(path_, "cannot read back", errno);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+Result<std::vector<std::byte>> MemoryFile::read(std::uint64_t begin, std::uint64_t end) const {
+  std::vector<std::byte> bytes(end - begin);
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const auto n = ::pread(file_.get(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(begin + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return io_error(path_, "cannot read back", n < 0 ? errno : EIO);
+    done += static_cast<std::size_t>(n);
+  }
+  return bytes;
 }
 
 fs::path temporary_name(const fs::path& final_name) {

@@ -48,6 +48,22 @@ class TemporaryFile {
   std::filesystem::path path_;
 };
 
+// A file in memory; holes take none.
+class MemoryFile {
+ public:
+  // `bytes_max`: how large it may become. Error io when the process may not write files of that size; `path` is for the
+  // message.
+  static Result<MemoryFile> create(std::uint64_t bytes_max, const std::filesystem::path& path);
+  int fd() const { return file_.get(); }
+  Result<std::uint64_t> size() const;
+  Result<std::vector<std::byte>> read(std::uint64_t begin, std::uint64_t end) const;
+
+ private:
+  MemoryFile(FileHandle file, std::filesystem::path path) : file_(std::move(file)), path_(std::move(path)) {}
+  FileHandle file_;
+  std::filesystem::path path_;
+};
+
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 
 Status make_directories(const std::filesystem::path& folder);

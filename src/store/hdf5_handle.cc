@@ -1,12 +1,15 @@
 #include "src/store/hdf5_handle.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace tessera::store {
 
 std::string hdf5_reason() {
   std::string reason = "HDF5 failed";
   const auto take = [](unsigned, const H5E_error2_t* entry, void* data) -> herr_t {
     if (entry->desc != nullptr) *static_cast<std::string*>(data) = std::string("HDF5: ") + entry->desc;
-    return 1;  // the first entry walking down is the innermost: stop
+    return 1;  // walking upward, the first entry is the innermost: stop
   };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take, &reason);
   return reason;
@@ -44,7 +47,7 @@ Hdf5Handle dataset_properties() {
   return properties;
 }
 
-VtkHdfFile create_vtkhdf(const std::string& path) {
+VtkHdfFile create_vtkhdf(const std::string& path, const MemoryFile& memory) {
   VtkHdfFile result;
   const Hdf5Handle access = property_list(H5P_FILE_ACCESS);
   // 1.10 is the oldest format with virtual datasets, and its metadata carry checksums; VTK 9.1 reads it.
@@ -54,8 +57,14 @@ VtkHdfFile create_vtkhdf(const std::string& path) {
   H5Pset_alignment(access, 65536, 4096);
   const Hdf5Handle creation = property_list(H5P_FILE_CREATE);
   H5Pset_obj_track_times(creation, false);  // of the root group: equal tiles are equal bytes
+  H5Pset_fapl_sec2(access);
   result.file = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose};
   if (!result.file.ok()) return result;
+  // Nothing is written before the first flush: from here on, HDF5's descriptor is the memory's.
+  void* descriptor = nullptr;
+  if (H5Fget_vfd_handle(result.file, access, &descriptor) < 0 ||
+      ::dup3(memory.fd(), *static_cast<int*>(descriptor), O_CLOEXEC) < 0)
+    return result;
 
   // The order of creation is kept, so that attributes come back in the order of the schema.
   const Hdf5Handle ordered = property_list(H5P_GROUP_CREATE);

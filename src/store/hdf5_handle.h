@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/store/files.h"
 
 namespace tessera::store {
 
@@ -56,7 +57,9 @@ struct VtkHdfFile {
   Hdf5Handle file, group, point_data, cell_data;
   bool ok() const { return file.ok() && group.ok() && point_data.ok() && cell_data.ok(); }
 };
-VtkHdfFile create_vtkhdf(const std::string& path);
+// `path` is created and stays empty: what HDF5 writes goes to `memory`. HDF5 1.10 leaves a file that it could not
+// close, because the disk is full, in its tables, and crashes on it when the process ends.
+VtkHdfFile create_vtkhdf(const std::string& path, const MemoryFile& memory);
 
 // A small array written at once.
 bool write_counts(hid_t group, const char* name, const std::vector<std::int64_t>& values);

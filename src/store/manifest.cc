@@ -297,14 +297,9 @@ Status finish_store(const fs::path& out, Manifest& manifest,
   manifest.schema = schema;
 
   const auto master = store::master_file(out);
-  {
-    store::TemporaryFile temporary(store::temporary_name(master));
-    BOOST_OUTCOME_TRYV(store::write_master(temporary.path(), manifest));
-    BOOST_OUTCOME_TRY(sum, checksum_file(temporary.path()));
-    manifest.master_xxh3 = sum;
-    BOOST_OUTCOME_TRYV(store::publish(temporary.path(), master));
-    temporary.keep();
-  }
+  BOOST_OUTCOME_TRY(master_bytes, store::make_master(master, manifest));
+  manifest.master_xxh3 = checksum(master_bytes);
+  BOOST_OUTCOME_TRYV(store::write_whole(master, master_bytes));
 
   manifest.duplicates_xxh3 = 0;
   if (duplicates.empty()) {

@@ -1,8 +1,10 @@
 // How the manifest and the tiles' side files are written down.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "src/base/result.h"
 #include "src/store/tile_store.h"
@@ -20,7 +22,7 @@ std::filesystem::path duplicates_file(const std::filesystem::path& out);
 Status write_done(const std::filesystem::path& out, const TileEntry& entry);
 std::string manifest_to_text(const Manifest& manifest);
 
-// Creates the master file under `path`, over the tile files that stand beside it in tiles/.
-Status write_master(const std::filesystem::path& path, const Manifest& manifest);
+// The bytes of the master file, to stand beside tiles/. `path` is for messages.
+Result<std::vector<std::byte>> make_master(const std::filesystem::path& path, const Manifest& manifest);
 
 }  // namespace tessera::store

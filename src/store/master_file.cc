@@ -1,4 +1,5 @@
 // The master file: virtual datasets over the tile files, one VTKHDF partition a tile. It holds no data of its own.
+#include "src/store/files.h"
 #include "src/store/hdf5_handle.h"
 #include "src/store/manifest.h"
 #include "src/store/tile_layout.h"
@@ -55,10 +56,14 @@ bool create_virtual(hid_t group, const ArrayInfo& array, const Manifest& manifes
 
 }  // namespace
 
-Status write_master(const std::filesystem::path& path, const Manifest& manifest) {
+Result<std::vector<std::byte>> make_master(const std::filesystem::path& path, const Manifest& manifest) {
   const QuietHdf5 quiet;
   const auto refused = [&] { return error(Errc::io, path.string() + ": cannot write: " + hdf5_reason()); };
-  VtkHdfFile out = create_vtkhdf(path.string());
+  // Names and places of the sources: about a hundred bytes a tile and array.
+  const std::uint64_t arrays = 8 + manifest.schema.size();
+  BOOST_OUTCOME_TRY(memory, MemoryFile::create((arrays * 512 * (manifest.tiles.size() + 16)) + (1 << 20), path));
+  const TemporaryFile temporary(temporary_name(path));
+  VtkHdfFile out = create_vtkhdf(temporary.path().string(), memory);
   if (!out.ok()) return refused();
   std::vector<std::int64_t> points, cells, connectivity;
   for (const auto& entry : manifest.tiles) {
@@ -75,7 +80,8 @@ Status write_master(const std::filesystem::path& path, const Manifest& manifest)
   out.point_data.close();
   out.group.close();
   if (!out.file.close()) return refused();
-  return success();
+  BOOST_OUTCOME_TRY(size, memory.size());
+  return memory.read(0, size);
 }
 
 }  // namespace tessera::store

@@ -1,20 +1,18 @@
-// Writes one tile. HDF5 lays the file out and writes what is small; the big arrays are then written straight to the
-// places HDF5 gave them (H5Dget_offset), outside its global lock, so that several threads write at the same time.
+// Writes one tile. HDF5 lays the file out in memory, where the places of the big arrays (H5Dget_offset) are holes; what
+// it wrote around them and the arrays themselves then go to disk without it, outside its global lock, so that several
+// threads write at the same time.
 #include <fcntl.h>
-#include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
 #include <algorithm>
-#include <cassert>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <memory>
 
+#include "src/base/check.h"
 #include "src/store/files.h"
 #include "src/store/hdf5_handle.h"
 #include "src/store/manifest.h"
@@ -132,22 +130,12 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
   return success();
 }
 
-// HDF5 copes badly with a disk that fills while it closes a file; it is asked for a few kilobytes only, so looking
-// first makes that a rarity. The big arrays report a full disk themselves.
-Status check_space(const fs::path& path, std::uint64_t bytes) {
-  struct statvfs status {};
-  if (::statvfs(path.parent_path().c_str(), &status) != 0) return success();  // then writing will tell
-  const std::uint64_t available = static_cast<std::uint64_t>(status.f_bavail) * status.f_frsize;
-  if (available < bytes) return io_error(path, "cannot write", ENOSPC);
-  return success();
-}
-
-Result<std::vector<Region>> lay_out(const fs::path& path, const fs::path& final_name, const TileMesh& mesh,
-                                    const std::vector<Attribute>& schema, bool neighbors,
+Result<std::vector<Region>> lay_out(const fs::path& temporary, const MemoryFile& layout, const fs::path& final_name,
+                                    const TileMesh& mesh, const std::vector<Attribute>& schema, bool neighbors,
                                     const std::vector<std::vector<std::byte>>& columns) {
   const std::uint64_t n = mesh.points.size(), m = mesh.cell_ghost.size();
   const auto refused = [&] { return error(Errc::io, final_name.string() + ": cannot write: " + hdf5_reason()); };
-  VtkHdfFile out = create_vtkhdf(path.string());
+  VtkHdfFile out = create_vtkhdf(temporary.string(), layout);
   if (!out.ok()) return refused();
   if (!write_counts(out.group, "NumberOfPoints", {static_cast<std::int64_t>(n)}) ||
       !write_counts(out.group, "NumberOfCells", {static_cast<std::int64_t>(m)}) ||
@@ -183,35 +171,47 @@ Result<std::vector<Region>> lay_out(const fs::path& path, const fs::path& final_
   return regions;
 }
 
-// The checksum of the file's bytes: the big arrays from memory, what HDF5 wrote between them from the file.
-Result<std::uint64_t> checksum_of(int fd, std::uint64_t size, const std::vector<Region>& regions,
-                                  const fs::path& path) {
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
-  XXH3_64bits_reset(state.get());
-  std::vector<std::byte> between;
+// What HDF5 wrote around the big arrays, and these: the whole file in order. `around` keeps HDF5's bytes alive.
+Result<std::vector<Region>> fill_gaps(const MemoryFile& layout, const std::vector<Region>& bulk,
+                                      std::vector<std::vector<std::byte>>& around) {
+  std::vector<Region> whole;
   std::uint64_t at = 0;
+  BOOST_OUTCOME_TRY(size, layout.size());
   const auto read_until = [&](std::uint64_t end) -> Status {
-    assert(end >= at);
-    between.resize(end - at);
-    std::size_t done = 0;
-    while (done < between.size()) {
-      const auto n = ::pread(fd, between.data() + done, between.size() - done, static_cast<off_t>(at + done));
-      if (n < 0 && errno == EINTR) continue;
-      if (n < 0) return io_error(path, "cannot read back", errno);
-      if (n == 0) return error(Errc::io, path.string() + ": cannot read back: the file is shorter than written");
-      done += static_cast<std::size_t>(n);
-    }
-    XXH3_64bits_update(state.get(), between.data(), between.size());
-    at = end;
+    check(end >= at, "HDF5 laid two arrays over each other");
+    if (end == at) return success();
+    BOOST_OUTCOME_TRY(bytes, layout.read(at, end));
+    around.push_back(std::move(bytes));
+    whole.push_back({at, around.back()});
     return success();
   };
-  for (const auto& region : regions) {
+  for (const auto& region : bulk) {
     BOOST_OUTCOME_TRYV(read_until(region.offset));
-    XXH3_64bits_update(state.get(), region.bytes.data(), region.bytes.size());
-    at += region.bytes.size();
+    whole.push_back(region);
+    at = region.offset + region.bytes.size();
   }
-  BOOST_OUTCOME_TRYV(read_until(size));
-  return XXH3_64bits_digest(state.get());
+  BOOST_OUTCOME_TRYV(read_until(std::max(size, at)));
+  return whole;
+}
+
+// Writes the file and tells its size and checksum.
+Status write_regions(const std::vector<Region>& regions, const fs::path& temporary, const fs::path& final_name,
+                     TileEntry& entry) {
+  FileHandle file(::open(temporary.c_str(), O_WRONLY | O_CLOEXEC));
+  if (file.get() < 0) return io_error(final_name, "cannot open", errno);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  for (const auto& region : regions) {
+    BOOST_OUTCOME_TRYV(write_at(file.get(), region.bytes, region.offset, final_name));
+    // The disk starts now, so that the sync at the end has little left to wait for. Only a hint: errors come then.
+    ::sync_file_range(file.get(), static_cast<off64_t>(region.offset), static_cast<off64_t>(region.bytes.size()),
+                      SYNC_FILE_RANGE_WRITE);
+    XXH3_64bits_update(state.get(), region.bytes.data(), region.bytes.size());
+    entry.bytes = region.offset + region.bytes.size();
+  }
+  entry.xxh3 = XXH3_64bits_digest(state.get());
+  if (!file.close()) return io_error(final_name, "cannot write", errno);
+  return success();
 }
 
 }  // namespace
@@ -232,20 +232,13 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
 
   const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
   const std::uint64_t bulk = n * (sizeof(Point) + 9 + stride) + mesh.cells.size() * (options.neighbors ? 8 : 4) + m;
-  BOOST_OUTCOME_TRYV(check_space(final_name, bulk + (std::uint64_t{64} << 10)));
-
   TemporaryFile temporary(temporary_name(final_name));
-  BOOST_OUTCOME_TRY(regions, lay_out(temporary.path(), final_name, mesh, schema, options.neighbors, columns));
-  FileHandle file(::open(temporary.path().c_str(), O_RDWR | O_CLOEXEC));
-  if (file.get() < 0) return io_error(final_name, "cannot open", errno);
-  for (const auto& region : regions) {
-    BOOST_OUTCOME_TRYV(write_at(file.get(), region.bytes, region.offset, final_name));
-    // The disk starts now, so that the sync at the end has little left to wait for. Only a hint: errors come then.
-    ::sync_file_range(file.get(), static_cast<off64_t>(region.offset), static_cast<off64_t>(region.bytes.size()),
-                      SYNC_FILE_RANGE_WRITE);
-  }
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) return io_error(final_name, "cannot write", errno);
+  BOOST_OUTCOME_TRY(layout, MemoryFile::create(bulk + (std::uint64_t{1} << 20), final_name));
+  BOOST_OUTCOME_TRY(bulk_regions,
+                    lay_out(temporary.path(), layout, final_name, mesh, schema, options.neighbors, columns));
+  std::vector<std::vector<std::byte>> around;
+  around.reserve(bulk_regions.size() + 1);
+  BOOST_OUTCOME_TRY(regions, fill_gaps(layout, bulk_regions, around));
 
   TileEntry entry;
   entry.tile = tile.value;
@@ -253,10 +246,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.own_points = static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
   entry.cells = m;
   entry.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-  entry.bytes = static_cast<std::uint64_t>(status.st_size);
-  BOOST_OUTCOME_TRY(sum, checksum_of(file.get(), entry.bytes, regions, final_name));
-  entry.xxh3 = sum;
-  if (!file.close()) return io_error(final_name, "cannot write", errno);
+  BOOST_OUTCOME_TRYV(write_regions(regions, temporary.path(), final_name, entry));
   SyncQueue::instance().push(out, std::move(temporary), entry);
   return entry;
 }
