@@ -11,6 +11,7 @@ usage() {
 ./tessera.sh build            build/release/src/apps/tessera
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
 ./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay)
+./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy             clang-tidy over the sources
 ./tessera.sh format           clang-format over the sources
 ./tessera.sh deps             install what is missing (Debian 12)
@@ -51,6 +52,7 @@ case "${1:-help}" in
   build) build all ;;
   demo) demo ;;
   test) shift; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
+  nightly) build engine_product; cmake --build $build_folder --target nightly ;;
   tidy) tidy ;;
   format) deploy/install-deps.sh --clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
   deps) deploy/install-deps.sh ;;

@@ -31,18 +31,27 @@ constexpr std::array<std::uint32_t, 4> tile_numbers{1, 2, 7, 64};
 constexpr std::array<std::uint32_t, 3> thread_numbers{1, 2, 4};
 constexpr std::size_t combinations = partitions.size() * tile_numbers.size() * thread_numbers.size();
 
+constexpr std::uint64_t plenty = std::uint64_t{4} << 30;
+
 // What the representative part leaves to the nightly one.
 constexpr std::uintmax_t small_generated = 50'000 * 24, small_real = 30'000 * 24;
 
+// A budget that makes tiles sleep: whenever they may with few points, two thirds of them with many. With a random
+// partition every tile knows a good part of all points, and many points would be written over and over for hours.
+std::uint64_t tight_memory(PartitionKind partition, std::uint64_t points) {
+  if (points <= 5'000) return 1;
+  return partition == PartitionKind::random ? plenty : points * 200;
+}
+
 // `round` alternates what is not part of the product: how tiles keep their triangulation, and their memory.
-EngineOptions combination(std::size_t index, int dimension, std::size_t round) {
+EngineOptions combination(std::size_t index, int dimension, std::size_t round, std::uint64_t points) {
   EngineOptions options;
   options.dimension = dimension;
   options.partition = partitions[index % 4];
   options.tiles = tile_numbers[index / 4 % 4];
   options.threads = thread_numbers[index / 16];
   options.keep = round % 2 == 0 ? Keep::whole : Keep::reduced;
-  options.memory_bytes = round / 2 % 2 == 0 ? std::uint64_t{4} << 30 : 1;
+  options.memory_bytes = round / 2 % 2 == 0 ? plenty : tight_memory(options.partition, points);
   return options;
 }
 
@@ -117,10 +126,11 @@ void run_set(Product& product, const CloudSet& set, int dimension, Choice choice
   if (!choice.all) {
     // 29 has no factor in common with 48: neighbouring sets differ in everything.
     return product.run(set, input.value(), expected,
-                       combination(choice.turn * 29 % combinations, dimension, choice.turn));
+                       combination(choice.turn * 29 % combinations, dimension, choice.turn, expected.points.size()));
   }
   for (std::size_t i = 0; i < combinations; ++i) {
-    product.run(set, input.value(), expected, combination(i, dimension, i + i / 4 + choice.turn));
+    product.run(set, input.value(), expected,
+                combination(i, dimension, i + i / 4 + choice.turn, expected.points.size()));
   }
 }
 
