@@ -112,12 +112,12 @@ std::string pictures(const ReportData& data) {
     sizes.push_back(static_cast<double>(tile.points));
     seconds.push_back(tile.seconds);
   }
-  const auto [small, large] = std::minmax_element(sizes.begin(), sizes.end());
-  const auto [fast, slow] = std::minmax_element(seconds.begin(), seconds.end());
+  const auto points_of = [](double value) { return grouped(static_cast<std::uint64_t>(value)); };
   const auto figure = [&](int across, int up, const std::string& caption, bool by_time) {
-    const auto svg = by_time ? tiles_svg(data, across, up, seconds, human_seconds(*fast), human_seconds(*slow))
-                             : tiles_svg(data, across, up, sizes, grouped(static_cast<std::uint64_t>(*small)),
-                                         grouped(static_cast<std::uint64_t>(*large)));
+    const auto& values = by_time ? seconds : sizes;
+    const auto [low, high] = std::minmax_element(values.begin(), values.end());
+    const auto svg = tiles_svg(data, across, up, values, by_time ? human_seconds(*low) : points_of(*low),
+                               by_time ? human_seconds(*high) : points_of(*high));
     return svg.empty() ? ""
                        : "<figure class=\"panel\"><figcaption>" + caption + "</figcaption>\n" + svg + "</figure>\n";
   };
