@@ -5,7 +5,7 @@ import resource
 import subprocess
 import unittest
 
-from cli import BAD_INPUT, CORRUPT, IO, MEMORY, USAGE, CliTest
+from cli import BAD_INPUT, CORRUPT, IO, MEMORY, USAGE, CliTest, heed_permissions
 
 
 class BadInput(CliTest):
@@ -24,11 +24,12 @@ class BadInput(CliTest):
         self.assertIn("folder.las", done.stderr)
         self.assertFalse(self.out.exists())
 
-    @unittest.skipIf(os.geteuid() == 0, "root may read everything")
     def test_unreadable_files(self):
         path = self.xyz()
         path.chmod(0)
-        self.refuse(IO, path, says="cloud.xyz")
+        before = self.files()
+        self.refused(IO, "triangulate", path, "-o", self.out, says="cloud.xyz", preexec_fn=heed_permissions)
+        self.assertEqual(self.files(), before, "nothing is left")
 
     def test_empty_and_unknown_files(self):
         self.refuse(BAD_INPUT, self.write("empty.las", b""), says="empty.las")
@@ -114,10 +115,10 @@ class ResultFolders(CliTest):
         self.refused(IO, "triangulate", self.cloud, "-o", self.cloud, says="is not a folder")
         self.refused(IO, "triangulate", self.cloud, "-o", "/proc/out", says="/proc/out")
 
-    @unittest.skipIf(os.geteuid() == 0, "root may write everywhere")
     def test_a_folder_without_write_permission(self):
         self.out.mkdir(mode=0o555)
-        self.refuse(IO, says="cannot be written")
+        self.refused(IO, "triangulate", self.cloud, "-o", self.out, says="cannot be written",
+                     preexec_fn=heed_permissions)
 
     def test_an_empty_folder_and_a_trailing_slash_will_do(self):
         self.out.mkdir()
