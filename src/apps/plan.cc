@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 // Bytes a point of a tile costs while the tile is worked on, its kernel, mesh and buffers included.
-constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 700 : 300; }
+constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 900 : 340; }
 constexpr std::uint64_t smallest_tile = 10'000;
 // Above this a tile gains nothing: its stars at the border are under 3 % of it already.
 constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'000'000 : 2'000'000; }
@@ -74,6 +74,9 @@ Estimate estimate(int dimension, std::uint64_t points, std::uint64_t tile_limit,
       std::min(machine.memory_bytes, static_cast<std::uint64_t>(working) + (std::uint64_t{64} << 20));
   estimate.result_bytes = static_cast<std::uint64_t>(n * (1 + shared) * (cells_a_point * cell_bytes + vertex_bytes));
   estimate.temporary_bytes = points * (sizeof(double) * 4 + attribute_row_bytes);
+  if (working > static_cast<double>(machine.memory_bytes)) {  // final cells wait on disk, with their neighbours
+    estimate.temporary_bytes += static_cast<std::uint64_t>(n * cells_a_point * 8 * (dimension + 1));
+  }
   estimate.seconds = n * (1 + shared) / (points_a_second * std::min<double>(machine.threads, tiles));
   return estimate;
 }
