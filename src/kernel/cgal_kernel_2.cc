@@ -61,16 +61,20 @@ struct Traits2 {
     } while (++w != begin);
   }
 
-  static Vertex_h conflicts(const Triangulation& t, const K::Point_2& p, Cell start, std::vector<Cell>& cells) {
+  struct Zone {
+    std::vector<Cell> cells;
+    void clear() { cells.clear(); }
+  };
+  static Vertex_h conflicts(const Triangulation& t, const K::Point_2& p, Cell start, Zone& zone) {
     Triangulation::Locate_type type;
     int i = 0;
     const Cell c = t.locate(p, type, i, start);
     if (type == Triangulation::VERTEX) return c->vertex(i);
-    t.get_conflicts(p, std::back_inserter(cells), c);
+    t.get_conflicts(p, std::back_inserter(zone.cells), c);
     return {};
   }
-  static Vertex_h insert_into(Triangulation& t, const K::Point_2& p, const std::vector<Cell>& cells) {
-    return t.insert(p, cells.front());
+  static Vertex_h insert_into(Triangulation& t, const K::Point_2& p, const Zone& zone) {
+    return t.insert(p, zone.cells.front());
   }
 
   template <class T>

@@ -61,23 +61,31 @@ struct Traits3 {
     for (const Vertex_h w : around) f(w);
   }
 
-  static Vertex_h conflicts(const Triangulation& t, const K::Point_3& p, Cell start, std::vector<Cell>& cells) {
+  struct Zone {
+    std::vector<Cell> cells;
+    std::vector<Triangulation::Facet> boundary;
+    void clear() {
+      cells.clear();
+      boundary.clear();
+    }
+  };
+  static Vertex_h conflicts(const Triangulation& t, const K::Point_3& p, Cell start, Zone& zone) {
     Triangulation::Locate_type type;
     int i = 0, j = 0;
     const Cell c = t.locate(p, type, i, j, start);
     if (type == Triangulation::VERTEX) return c->vertex(i);
-    t.find_conflicts(p, c, CGAL::Emptyset_iterator(), std::back_inserter(cells));
+    t.find_conflicts(p, c, std::back_inserter(zone.boundary), std::back_inserter(zone.cells));
     return {};
   }
-  static Vertex_h insert_into(Triangulation& t, const K::Point_3& p, const std::vector<Cell>& cells) {
-    for (const Cell c : cells) c->tds_data().mark_in_conflict();
-    for (const Cell c : cells) {  // any facet of the zone's boundary
-      for (int i = 0; i < 4; ++i) {
-        if (!c->neighbor(i)->tds_data().is_in_conflict()) return t.insert_in_hole(p, cells.begin(), cells.end(), c, i);
-      }
+  // As CGAL's own insertion: a small hole is filled through a table of its edges, a large one by turning around them.
+  static Vertex_h insert_into(Triangulation& t, const K::Point_3& p, const Zone& zone) {
+    if (!t.tds().is_small_hole(zone.boundary.size())) {
+      const auto& [cell, i] = zone.boundary.front();
+      return t.insert_in_hole(p, zone.cells.begin(), zone.cells.end(), cell, i);
     }
-    assert(false);
-    return {};
+    const Vertex_h v = t.tds()._insert_in_small_hole(zone.cells, zone.boundary);
+    v->set_point(p);
+    return v;
   }
 
   template <class T>

@@ -2,8 +2,9 @@
 //   Triangulation, Cell (handle), Vertex_h (handle), d
 //   to_cgal(Point), from_cgal(CGAL point)
 //   for_each_cell(t, f), for_each_incident_cell(t, v, f), for_each_neighbour(t, v, f)
-//   conflicts(t, p, start, cells): locates p and collects its conflict zone; the vertex there, or null
-//   insert_into(t, p, cells): inserts p, whose zone is `cells`
+//   Zone: the conflict zone of a point, with member `cells` and clear()
+//   conflicts(t, p, start, zone): locates p and collects its conflict zone; the vertex there, or null
+//   insert_into(t, p, zone): inserts p
 //   create_cell(t, vertices), set_neighbours(cell, neighbours)
 #pragma once
 
@@ -236,7 +237,7 @@ class CgalKernel final : public Kernel {
   // Every vertex of a conflict zone is on its boundary, so these are the neighbours of the point once it is inserted.
   void collect_zone_vertices(std::vector<Vertex>& around) {
     mark_.resize(handles_.size(), 0);
-    for (const Cell c : zone_) {
+    for (const Cell c : zone_.cells) {
       for (int i = 0; i <= d; ++i) {
         const Vertex v = c->vertex(i)->info();
         if (v == infinite_vertex || mark_[v]) continue;
@@ -265,7 +266,7 @@ class CgalKernel final : public Kernel {
   std::vector<Handle> handles_;      // by vertex number; [0] is the infinite vertex, null once removed
   std::vector<std::uint8_t> local_;  // by vertex number
   std::vector<std::uint8_t> mark_;   // scratch, all 0 between calls
-  std::vector<Cell> zone_;           // scratch
+  typename Traits::Zone zone_;       // scratch
   Handle hint_;                      // where the last insertion was
 };
 

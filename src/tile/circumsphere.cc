@@ -112,31 +112,4 @@ bool may_meet(const Ball& ball, const Bounds& bounds, int dimension) {
   return !(squared > reach * reach * (1 + 16 * eps));
 }
 
-bool half_space_may_meet(const Point& a, const Point& b, const Point& c, const Bounds& bounds) {
-  if (bounds.empty()) return false;
-  const double ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, vx = c.x - a.x, vy = c.y - a.y, vz = c.z - a.z;
-  const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-  // The corner furthest along the normal. With a rounded normal it may be the wrong one by as little as the bound.
-  const double dx = (nx > 0 ? bounds.hi.x : bounds.lo.x) - a.x, dy = (ny > 0 ? bounds.hi.y : bounds.lo.y) - a.y,
-               dz = (nz > 0 ? bounds.hi.z : bounds.lo.z) - a.z;
-  const auto sum = [](double p, double q) { return std::abs(p) + std::abs(q); };
-  const double far_x = std::max(std::abs(bounds.hi.x - a.x), std::abs(bounds.lo.x - a.x)),
-               far_y = std::max(std::abs(bounds.hi.y - a.y), std::abs(bounds.lo.y - a.y)),
-               far_z = std::max(std::abs(bounds.hi.z - a.z), std::abs(bounds.lo.z - a.z));
-  const double error =
-      2 * bound * (far_x * sum(uy * vz, uz * vy) + far_y * sum(uz * vx, ux * vz) + far_z * sum(ux * vy, uy * vx)) +
-      underflow;
-  return !(nx * dx + ny * dy + nz * dz < -error);
-}
-
-bool half_plane_may_meet(const Point& a, const Point& b, const Bounds& bounds) {
-  if (bounds.empty()) return false;
-  const double nx = a.y - b.y, ny = b.x - a.x;
-  const double dx = (nx > 0 ? bounds.hi.x : bounds.lo.x) - a.x, dy = (ny > 0 ? bounds.hi.y : bounds.lo.y) - a.y;
-  const double far_x = std::max(std::abs(bounds.hi.x - a.x), std::abs(bounds.lo.x - a.x)),
-               far_y = std::max(std::abs(bounds.hi.y - a.y), std::abs(bounds.lo.y - a.y));
-  const double error = 2 * bound * (far_x * std::abs(nx) + far_y * std::abs(ny)) + underflow;
-  return !(nx * dx + ny * dy < -error);
-}
-
 }  // namespace tessera

@@ -24,9 +24,4 @@ Ball circumcircle(const Point& a, const Point& b, const Point& c);
 bool surely_inside(const Ball& ball, const Box& box, int dimension);
 // False only if the circumsphere and its inside miss the closed bounds.
 bool may_meet(const Ball& ball, const Bounds& bounds, int dimension);
-// False only if no point of the bounds lies strictly on the positive side of the plane (line) through a hull facet: of
-// (a, b, c, x) positively oriented, or (a, b, x) in 2D.
-bool half_space_may_meet(const Point& a, const Point& b, const Point& c, const Bounds& bounds);
-bool half_plane_may_meet(const Point& a, const Point& b, const Bounds& bounds);
-
 }  // namespace tessera

@@ -74,8 +74,8 @@ class TileTriangulation {
   // ones are told apart by a list of the local cells that are not final.
   FinalCells reduce(std::span<const Point> points, const Box& box);
 
-  // Directed first exchange: each neighbour hears of the vertices of cells whose circumsphere may meet its bounds. Only
-  // speeds things up. `points` as in triangulate().
+  // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere may meet its bounds,
+  // but for cells much larger than most. Only speeds things up. `points` as in triangulate().
   void announce(std::span<const Point> points, const Box& box, std::span<const TileNeighbour> neighbours);
 
   // Processes points from another tile.

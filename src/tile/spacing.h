@@ -1,0 +1,18 @@
+// How far apart points are, roughly: for heuristics alone.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+#include "src/base/point.h"
+
+namespace tessera {
+
+// The distance between neighbours if n points filled their bounds evenly.
+inline double even_spacing(const Bounds& bounds, std::size_t n, int dimension) {
+  double volume = 1;
+  for (int i = 0; i < dimension; ++i) volume *= bounds.hi[i] - bounds.lo[i];
+  return std::pow(volume / static_cast<double>(n + 1), 1.0 / dimension);
+}
+
+}  // namespace tessera
