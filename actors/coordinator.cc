@@ -12,6 +12,12 @@ Coordinator::Coordinator(caf::actor_config& config, caf::actor owner, std::uint3
       detector_(nodes),
       expected_(nodes) {}
 
+// Coordinator and nodes know each other: one that has ended must not keep the others alive.
+void Coordinator::on_exit() {
+  nodes_.clear();
+  owner_ = nullptr;
+}
+
 caf::behavior Coordinator::make_behavior() {
   set_error_handler([](caf::scheduled_actor*, caf::error&) {});
   return {

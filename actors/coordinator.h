@@ -23,6 +23,7 @@ class Coordinator : public caf::event_based_actor {
   // `on_quiet`, when set, is called at the moment quiescence is believed: the harness checks there that it is true.
   Coordinator(caf::actor_config& config, caf::actor owner, std::uint32_t nodes, std::function<void()> on_quiet = {});
   caf::behavior make_behavior() override;
+  void on_exit() override;
 
  private:
   void act(QuiescenceDetector::Verdict verdict);

@@ -43,6 +43,7 @@ class NodeActor : public caf::event_based_actor {
   NodeActor(caf::actor_config& config, const NodeOptions& options, const Directory& directory, RunLog& log,
             caf::actor coordinator, Progress* progress);
   caf::behavior make_behavior() override;
+  void on_exit() override;
 
  private:
   enum class Stage : std::uint8_t { fresh, awake, asleep, stored };
