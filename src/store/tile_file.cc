@@ -1,18 +1,12 @@
 // Writes one tile. HDF5 lays the file out in memory, where the places of the big arrays (H5Dget_offset) are holes; what
 // it wrote around them and the arrays themselves then go to disk without it, outside its global lock, so that several
 // threads write at the same time.
-#include <fcntl.h>
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <limits>
-#include <memory>
 
 #include "src/base/check.h"
+#include "src/store/direct_writer.h"
 #include "src/store/files.h"
 #include "src/store/hdf5_handle.h"
 #include "src/store/manifest.h"
@@ -197,20 +191,13 @@ Result<std::vector<Region>> fill_gaps(const MemoryFile& layout, const std::vecto
 // Writes the file and tells its size and checksum.
 Status write_regions(const std::vector<Region>& regions, const fs::path& temporary, const fs::path& final_name,
                      TileEntry& entry) {
-  FileHandle file(::open(temporary.c_str(), O_WRONLY | O_CLOEXEC));
-  if (file.get() < 0) return io_error(final_name, "cannot open", errno);
-  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
-  XXH3_64bits_reset(state.get());
+  BOOST_OUTCOME_TRY(file, DirectWriter::open(temporary, final_name));
   for (const auto& region : regions) {
-    BOOST_OUTCOME_TRYV(write_at(file.get(), region.bytes, region.offset, final_name));
-    // The disk starts now, so that the sync at the end has little left to wait for. Only a hint: errors come then.
-    ::sync_file_range(file.get(), static_cast<off64_t>(region.offset), static_cast<off64_t>(region.bytes.size()),
-                      SYNC_FILE_RANGE_WRITE);
-    XXH3_64bits_update(state.get(), region.bytes.data(), region.bytes.size());
-    entry.bytes = region.offset + region.bytes.size();
+    BOOST_OUTCOME_TRYV(file.append(region.bytes));
   }
-  entry.xxh3 = XXH3_64bits_digest(state.get());
-  if (!file.close()) return io_error(final_name, "cannot write", errno);
+  BOOST_OUTCOME_TRY(written, file.finish());
+  entry.bytes = written.bytes;
+  entry.xxh3 = written.xxh3;
   return success();
 }
 

@@ -1,0 +1,52 @@
+// Writes one new file from its beginning to its end past the page cache: a result is written once and not read again
+// soon, and fresh pages for it cost more than the disk does (docs/benchmarks.md). Tells size and checksum on the way.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "src/base/result.h"
+#include "src/store/files.h"
+
+struct XXH3_state_s;
+
+namespace tessera::store {
+
+class DirectWriter {
+ public:
+  // Opens an existing file, `path`; error messages name `final_name`.
+  static Result<DirectWriter> open(const std::filesystem::path& path, const std::filesystem::path& final_name);
+
+  Status append(std::span<const std::byte> bytes);
+
+  struct Written {
+    std::uint64_t bytes = 0;
+    std::uint64_t xxh3 = 0;  // XXH3-64 of the whole file
+  };
+  // Writes what is left and closes the file.
+  Result<Written> finish();
+
+ private:
+  struct FreeState {
+    void operator()(XXH3_state_s* state) const;
+  };
+  struct FreeBlock {
+    void operator()(std::byte* block) const { std::free(block); }
+  };
+  DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct);
+  Status flush();
+  bool leave_direct();
+
+  FileHandle file_;
+  std::filesystem::path final_name_;
+  bool direct_;
+  std::unique_ptr<XXH3_state_s, FreeState> hash_;
+  std::unique_ptr<std::byte[], FreeBlock> block_;  // stays in the second-level cache while it is filled and hashed
+  std::size_t filled_ = 0;
+  std::uint64_t offset_ = 0;  // of block_ in the file
+};
+
+}  // namespace tessera::store
