@@ -17,8 +17,8 @@
 namespace tessera {
 namespace {
 
-// Bytes a point, measured on uniform and terrain points (bench/engine/bench_tile): the whole triangulation in memory; building it
-// and taking it apart; collecting a mesh on top of what is held.
+// Bytes a point, measured on uniform and terrain points (bench/engine/bench_tile): the whole triangulation in memory;
+// building it and taking it apart; collecting a mesh on top of what is held.
 struct Needs {
   std::uint64_t whole, triangulate, collect;
 };

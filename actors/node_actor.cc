@@ -22,9 +22,7 @@ NodeActor::NodeActor(caf::actor_config& config, const NodeOptions& options, cons
 }
 
 // Coordinator and nodes know each other: one that has ended must not keep the others alive.
-void NodeActor::on_exit() {
-  coordinator_ = nullptr;
-}
+void NodeActor::on_exit() { coordinator_ = nullptr; }
 
 caf::behavior NodeActor::make_behavior() {
   set_error_handler([](caf::scheduled_actor*, caf::error&) {});

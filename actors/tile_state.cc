@@ -19,14 +19,14 @@ namespace {
 // Mail of a tile that is not in memory goes to disk in pieces of this size.
 constexpr std::uint64_t spill_points = 16384;
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& list) {
+template <class List>
+std::span<const std::byte> bytes_of(const List& list) {
   return std::as_bytes(std::span(list));
 }
 
 // Appends a list of 32-bit numbers with its length.
-template <class T>
-void append(std::vector<std::byte>& out, const std::vector<T>& list) {
+template <class List>
+void append(std::vector<std::byte>& out, const List& list) {
   const std::uint64_t n = list.size();
   const auto length = std::as_bytes(std::span(&n, 1));
   out.insert(out.end(), length.begin(), length.end());
@@ -34,8 +34,9 @@ void append(std::vector<std::byte>& out, const std::vector<T>& list) {
   out.insert(out.end(), body.begin(), body.end());
 }
 
-template <class T>
-bool extract(std::span<const std::byte>& in, std::vector<T>& list) {
+template <class List>
+bool extract(std::span<const std::byte>& in, List& list) {
+  using T = typename List::value_type;
   std::uint64_t n = 0;
   if (in.size() < sizeof n) return false;
   std::memcpy(&n, in.data(), sizeof n);

@@ -16,13 +16,14 @@ int main(int argc, char** argv) {
   std::string kind = "uniform";
   std::uint64_t n = 1'000'000, seed = 7;
   int dimension = 3;
-  bool whole = false;
+  bool whole = false, cgal = false;
   CLI::App app("Where one tile's time and memory go");
   app.add_option("--kind", kind, "uniform, normal, sphere, grid, terrain");
   app.add_option("-n,--points", n, "points");
   app.add_option("--seed", seed, "seed");
   app.add_option("--dim", dimension, "2 or 3");
   app.add_flag("--whole", whole, "collect from the whole triangulation, without reducing it");
+  app.add_flag("--cgal", cgal, "with CGAL's kernel");
   CLI11_PARSE(app, argc, argv);
   const auto shape = shape_named(kind);
   if (!shape) return 2;
@@ -56,7 +57,7 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(seed), dimension);
   LoadedTile tile = order_points(std::move(points), dimension);
   lap("order", tile.points.size() * 32);
-  TileTriangulation t({TileId{0}, dimension, KernelKind::cgal, ExchangeRule::share_certify});
+  TileTriangulation t({TileId{0}, dimension, cgal ? KernelKind::cgal : KernelKind::flat, ExchangeRule::share_certify});
   const std::vector<SharedPoint> seeds;
   t.triangulate(tile.points, tile.ids, seeds);
   lap("triangulate", t.memory());

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/point.h"
 
 namespace tessera {
@@ -26,16 +27,16 @@ inline constexpr Vertex infinite_vertex = 0;
 // list; or, once cells have been frozen, `across_frozen | (d + 1) * f + k`: there lies frozen cell f, which has its
 // facet k (the one opposite its vertex k) in common with this cell.
 struct CellList {
-  std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> neighbors;
+  BigVector<Vertex> vertices;
+  BigVector<std::uint32_t> neighbors;
 };
 inline constexpr std::uint32_t across_frozen = std::uint32_t{1} << 31;
 
 // Cells that a kernel has handed out and forgotten. Frozen cell f has vertices[(d + 1) * f ...].
 struct FrozenCells {
   static constexpr std::uint32_t open = ~std::uint32_t{0};  // the cell across this facet stays in the kernel
-  std::vector<Vertex> vertices;
-  std::vector<std::uint32_t> neighbors;  // indices in this list, or open
+  BigVector<Vertex> vertices;
+  BigVector<std::uint32_t> neighbors;  // indices in this list, or open
 };
 
 // Flat arrays that restore a kernel ten times faster than building it.
@@ -111,8 +112,8 @@ class Kernel {
   // Whether freeze() is there.
   virtual bool can_freeze() const = 0;
   // Takes out the cells that explore() would not return, and forgets them: the kernel is then as small as what is left.
-  // From then on the caller sees to it that no point is in conflict with a frozen cell, no vertex of one is removed, and
-  // neither star() nor neighbours() is asked of a vertex that has frozen cells. cells() tells what lies across the
+  // From then on the caller sees to it that no point is in conflict with a frozen cell, no vertex of one is removed,
+  // and neither star() nor neighbours() is asked of a vertex that has frozen cells. cells() tells what lies across the
   // facets of the hole.
   // REQUIRES: can_freeze(), dimension() == max_dimension(), nothing was frozen since build() or load().
   virtual FrozenCells freeze(const std::function<bool(const Vertex*)>& settled) = 0;

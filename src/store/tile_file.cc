@@ -97,8 +97,8 @@ bool create_types(hid_t group, std::uint64_t cells, std::uint8_t type) {
   return dataset.ok();
 }
 
-template <class T>
-std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+template <class List>
+std::span<const std::byte> bytes_of(const List& values) {
   return std::as_bytes(std::span(values));
 }
 

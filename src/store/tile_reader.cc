@@ -118,9 +118,9 @@ class TileReader {
   }
 
   // `compressed`: the array may be larger than the file; the caller has bounded `wanted` by another array.
-  template <class T>
-  Status read_array(const std::string& name, AttributeType type, const std::vector<hsize_t>& wanted,
-                    std::vector<T>& values, bool compressed = false) const {
+  template <class List>
+  Status read_array(const std::string& name, AttributeType type, const std::vector<hsize_t>& wanted, List& values,
+                    bool compressed = false) const {
     BOOST_OUTCOME_TRY(dataset, open_array(name));
     BOOST_OUTCOME_TRY(dims, shape(dataset, name, type));
     if (dims != wanted) return corrupt(name, "has the wrong length");
@@ -131,7 +131,7 @@ class TileReader {
     }
     const std::uint64_t size = elements * size_of(type);
     if (!compressed && size > bytes_) return corrupt(name, "is larger than its file");
-    values.resize(size / sizeof(T));
+    values.resize(size / sizeof(typename List::value_type));
     if (size > 0 && H5Dread(dataset, hdf5_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
       return corrupt(name, "cannot be read (" + hdf5_reason() + ")");
     return success();

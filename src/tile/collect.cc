@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -25,8 +26,9 @@ class MeshMaker {
     number_vertices();
     link_to_others();
     append_final_cells();
-    sort_cells();
-    write();
+    bucket_cells();
+    write_cells();
+    finish_neighbors();
     return std::move(mesh_);
   }
 
@@ -125,6 +127,7 @@ class MeshMaker {
       const bool infinite = std::find(v, v + corners, infinite_vertex) != v + corners;
       for (int i = 0; i < corners; ++i) {
         const std::uint32_t n = in_.cells.neighbors[c * corners + i];
+        if (n & across_frozen) continue;
         if (infinite && v[i] == infinite_vertex && held_[n] == fill) {
           // A final cell borders the outside: its facet is one of an infinite cell.
           borders_[facet_key(indices_but(c, i), i)] = {outside, 0};
@@ -160,13 +163,25 @@ class MeshMaker {
     return false;
   }
 
-  // Final cells know each other; where one borders a cell of the kernel, their common facet is in borders_.
+  // Final cells know each other. What else they border is known to a kernel that froze them; where the kernel was built
+  // again, their common facets are in borders_.
   void append_final_cells() {
     FinalCells finals = std::exchange(in_.final_cells, {});
     if (finals.vertices.empty()) return;
     const auto shift = static_cast<std::uint32_t>(held_.size());
     const std::size_t count = finals.vertices.size() / corners;
     auto& cells = in_.cells;
+    for (std::size_t c = 0; c < held_.size(); ++c) {
+      for (int i = 0; i < corners; ++i) {
+        std::uint32_t& n = cells.neighbors[c * corners + i];
+        if (n >= first_code || !(n & across_frozen)) continue;
+        const std::uint32_t facet = n & ~across_frozen;
+        check(facet < finals.neighbors.size() && finals.neighbors[facet] == FinalCells::open,
+              "a facet of the hole is one of a final cell");
+        finals.neighbors[facet] = held_[c] == kept ? -static_cast<std::int32_t>(c) - 2 : bordering_outside;
+        n = shift + facet / corners;
+      }
+    }
     cells.vertices.reserve(cells.vertices.size() + finals.vertices.size());
     for (const std::uint32_t rank : finals.vertices) cells.vertices.push_back(rank + 1);
     finals.vertices = {};
@@ -174,8 +189,13 @@ class MeshMaker {
     for (std::size_t c = 0; c < count; ++c) {
       for (int i = 0; i < corners; ++i) {
         const std::int32_t n = finals.neighbors[c * corners + i];
-        if (n != FinalCells::open) {
+        if (n >= 0) {
           cells.neighbors.push_back(shift + static_cast<std::uint32_t>(n));
+          continue;
+        }
+        if (n != FinalCells::open) {
+          cells.neighbors.push_back(n == bordering_outside ? static_cast<std::uint32_t>(outside)
+                                                           : static_cast<std::uint32_t>(-(n + 2)));
           continue;
         }
         const auto border = borders_.find(facet_key(indices(shift + c), i));
@@ -189,77 +209,112 @@ class MeshMaker {
     held_.resize(shift + count, kept);
   }
 
-  // order_: the kept cells sorted by their canonical vertices. Buckets by the least vertex hold a handful of cells
-  // each, and in a bucket the next two vertices tell all apart: a positively oriented cell is the only one on its side
-  // of the facet (least, second, third). In 2D, on its side of an edge.
-  void sort_cells() {
-    std::vector<std::uint32_t> end(mesh_.points.size() + 1, 0);
+  // order_: the kept cells by their least vertex, which is one of the tile's own: these come first.
+  void bucket_cells() {
+    end_.assign(std::size_t{own_} + 1, 0);
     const auto least = [&](std::size_t c) {
-      const auto v = indices(c);
-      return *std::min_element(v.begin(), v.end());
+      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      return *std::min_element(v, v + corners) - 1;
     };
     for (std::size_t c = 0; c < held_.size(); ++c) {
-      if (held_[c] == kept) ++end[least(c) + 1];
+      if (held_[c] == kept) ++end_[least(c) + 1];
     }
-    std::partial_sum(end.begin(), end.end(), end.begin());
-    struct Entry {
-      std::uint32_t second, third, cell;
-      bool operator<(const Entry& e) const { return second != e.second ? second < e.second : third < e.third; }
-    };
-    std::vector<Entry> entries(end.back());
+    std::partial_sum(end_.begin(), end_.end(), end_.begin());
+    order_.resize(end_.back());
     for (std::size_t c = 0; c < held_.size(); ++c) {
-      if (held_[c] != kept) continue;
-      const auto v = indices(c);
-      const auto at = canonical(v);
-      entries[end[v[at[0]]]++] = {v[at[1]], v[at[2]], static_cast<std::uint32_t>(c)};
-    }
-    order_.resize(entries.size());
-    std::uint32_t first = 0;
-    for (std::size_t v = 0; v + 1 < end.size(); first = end[v++]) {
-      const auto begin = entries.begin() + first, stop = entries.begin() + end[v];
-      if (stop - begin > 32) {
-        std::sort(begin, stop);
-      } else {
-        for (auto i = begin; i < stop; ++i) {
-          const Entry moving = *i;
-          auto k = i;
-          for (; k > begin && moving < k[-1]; --k) *k = k[-1];
-          *k = moving;
-        }
-      }
-      for (std::uint32_t i = first; i < end[v]; ++i) order_[i] = entries[i].cell;
+      if (held_[c] == kept) order_[end_[least(c)]++] = static_cast<std::uint32_t>(c);
     }
   }
 
-  void write() {
-    std::vector<std::int32_t> place(held_.size(), elsewhere);
-    for (std::size_t i = 0; i < order_.size(); ++i) place[order_[i]] = static_cast<std::int32_t>(i);
+  struct Entry {
+    std::array<std::uint32_t, corners> v;  // canonical
+    std::array<std::uint32_t, corners> n;  // beside it
+    std::uint32_t cell;
+    bool operator<(const Entry& e) const { return v[1] != e.v[1] ? v[1] < e.v[1] : v[2] < e.v[2]; }
+  };
+
+  Entry entry(std::uint32_t c) const {
+    Entry e;
+    e.cell = c;
+    const auto v = indices(c);
+    const auto at = canonical(v);
+    for (int i = 0; i < corners; ++i) {
+      e.v[i] = v[at[i]];
+      e.n[i] = in_.cells.neighbors[std::size_t{c} * corners + at[i]];
+    }
+    return e;
+  }
+
+  // Buckets hold a handful of cells each, and in a bucket the next two vertices tell all apart: a positively oriented
+  // cell is the only one on its side of the facet (least, second, third). In 2D, on its side of an edge. Neighbours
+  // are written as they come, to be told their places at the end.
+  void write_cells() {
+    place_.assign(held_.size(), elsewhere);
     mesh_.cells.resize(order_.size() * corners);
     mesh_.neighbors.resize(order_.size() * corners);
     mesh_.cell_ghost.resize(order_.size());
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      const std::size_t c = order_[k];
-      const auto v = indices(c);
-      const auto at = canonical(v);
-      bool main = true;  // this tile is the lowest of the tiles that own a vertex
-      for (int i = 0; i < corners; ++i) {
-        const auto n = static_cast<std::int32_t>(in_.cells.neighbors[c * corners + at[i]]);
-        mesh_.cells[k * corners + i] = static_cast<std::int32_t>(v[at[i]]);
-        mesh_.neighbors[k * corners + i] = n < 0 ? n : place[n];
-        main &= v[i] < own_ || mesh_.owners[v[i]] > in_.self.value;
+    std::vector<Entry> bucket;
+    std::uint32_t k = 0;
+    for (std::uint32_t v = 0; v < own_; ++v) {
+      bucket.clear();
+      for (std::uint32_t i = k; i < end_[v]; ++i) {
+        prefetch_cell(i + 32);
+        bucket.push_back(entry(order_[i]));
       }
-      mesh_.cell_ghost[k] = main ? 0 : 1;
+      if (bucket.size() > 32) {
+        std::sort(bucket.begin(), bucket.end());
+      } else {
+        for (std::size_t i = 1; i < bucket.size(); ++i) {
+          const Entry moving = bucket[i];
+          std::size_t to = i;
+          for (; to > 0 && moving < bucket[to - 1]; --to) bucket[to] = bucket[to - 1];
+          bucket[to] = moving;
+        }
+      }
+      for (const Entry& e : bucket) write_cell(k++, e);
+    }
+  }
+
+  void write_cell(std::uint32_t k, const Entry& e) {
+    bool main = true;  // this tile is the lowest of the tiles that own a vertex
+    for (int i = 0; i < corners; ++i) {
+      mesh_.cells[std::size_t{k} * corners + i] = static_cast<std::int32_t>(e.v[i]);
+      mesh_.neighbors[std::size_t{k} * corners + i] = static_cast<std::int32_t>(e.n[i]);
+      main &= e.v[i] < own_ || mesh_.owners[e.v[i]] > in_.self.value;
+    }
+    mesh_.cell_ghost[k] = main ? 0 : 1;
+    place_[e.cell] = static_cast<std::int32_t>(k);
+  }
+
+  // Cells in canonical order are anywhere in the input: ask for those that come soon.
+  void prefetch_cell(std::uint32_t i) const {
+    if (i >= order_.size()) return;
+    __builtin_prefetch(&in_.cells.vertices[std::size_t{order_[i]} * corners]);
+    __builtin_prefetch(&in_.cells.neighbors[std::size_t{order_[i]} * corners]);
+  }
+
+  void finish_neighbors() {
+    const std::size_t count = mesh_.neighbors.size();
+    constexpr std::size_t ahead = 64;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (i + ahead < count && mesh_.neighbors[i + ahead] >= 0) __builtin_prefetch(&place_[mesh_.neighbors[i + ahead]]);
+      std::int32_t& n = mesh_.neighbors[i];
+      if (n >= 0) n = place_[n];
     }
   }
 
   static constexpr std::uint32_t unused = ~0u;
+  static constexpr std::uint32_t first_code = static_cast<std::uint32_t>(elsewhere);  // elsewhere and outside
+  static constexpr std::int32_t bordering_outside = std::numeric_limits<std::int32_t>::min();
   CollectInput in_;
   const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
   TileMesh mesh_;
   std::vector<std::uint8_t> held_;    // by cell
   std::vector<std::uint32_t> index_;  // by k: where foreign vertex k is in the mesh, or unused
   tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite)
-  std::vector<std::uint32_t> order_;
+  BigVector<std::uint32_t> order_;
+  std::vector<std::uint32_t> end_;  // by own vertex: where its bucket ends in order_
+  BigVector<std::int32_t> place_;   // by cell: where it is in the mesh
 };
 
 }  // namespace

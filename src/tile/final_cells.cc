@@ -1,6 +1,7 @@
 #include "src/tile/final_cells.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tessera {
 
@@ -21,6 +22,14 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
       out.neighbors.push_back(place[list.neighbors[c * corners + i]]);
     }
   }
+  return out;
+}
+
+FinalCells final_cells_of(FrozenCells frozen) {
+  FinalCells out;
+  out.neighbors.assign(frozen.neighbors.begin(), frozen.neighbors.end());  // FrozenCells::open becomes open
+  out.vertices = std::move(frozen.vertices);
+  for (std::uint32_t& v : out.vertices) --v;
   return out;
 }
 

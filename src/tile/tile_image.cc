@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t magic = 0x3165676d49454c54u;
+constexpr std::uint64_t magic = 0x3265676d49454c54u;
 
 class Writer {
  public:
@@ -18,8 +18,9 @@ class Writer {
     const auto* p = reinterpret_cast<const std::byte*>(&v);
     bytes_.insert(bytes_.end(), p, p + sizeof(T));
   }
-  template <class T>
-  void list(const std::vector<T>& v) {
+  template <class List>
+  void list(const List& v) {
+    using T = typename List::value_type;
     static_assert(std::is_trivially_copyable_v<T>);
     value(static_cast<std::uint64_t>(v.size()));
     const auto* p = reinterpret_cast<const std::byte*>(v.data());
@@ -42,8 +43,9 @@ class Reader {
     rest_ = rest_.subspan(sizeof(T));
     return true;
   }
-  template <class T>
-  bool list(std::vector<T>& v) {
+  template <class List>
+  bool list(List& v) {
+    using T = typename List::value_type;
     std::uint64_t n = 0;
     if (!value(n) || n > rest_.size() / sizeof(T)) return false;
     v.resize(n);
@@ -80,6 +82,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   out.list(image.alive);
   out.list(image.cells.vertices);
   out.list(image.cells.neighbors);
+  out.value(image.frozen);
   out.list(ids_);
   out.list(owners_);
   out.list(ranks_);
@@ -108,8 +111,8 @@ bool TileTriangulation::load(std::span<const std::byte> bytes) {
                     in.value(dimension) && dimension == options_.dimension && in.value(reduced) && in.value(counts) &&
                     in.value(image.dimension) && in.list(image.points) && in.list(image.local) &&
                     in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
-                    in.list(ids) && in.list(owners) && in.list(ranks) && in.list(foreign) && in.list(sent) &&
-                    in.list(open_cells) && in.at_end();
+                    in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(ranks) && in.list(foreign) &&
+                    in.list(sent) && in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || (reduced ? ranks.size() != n : !ranks.empty())) return false;

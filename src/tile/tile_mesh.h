@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/point.h"
 
 namespace tessera {
@@ -17,9 +18,9 @@ struct TileMesh {
   std::vector<std::uint64_t> ids;         // n source indices
   std::vector<std::uint32_t> owners;      // n: the tile that owns each vertex
   std::vector<std::uint8_t> point_ghost;  // n: 1 = foreign
-  std::vector<std::int32_t> cells;        // m x (d+1) indices into points
+  BigVector<std::int32_t> cells;          // m x (d+1) indices into points
   std::vector<std::uint8_t> cell_ghost;   // m: 1 = not main here
-  std::vector<std::int32_t> neighbors;    // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
+  BigVector<std::int32_t> neighbors;      // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
 };
 
 }  // namespace tessera

@@ -15,9 +15,9 @@ TileTriangulation::TileTriangulation(const TileOptions& options)
     : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
 
 void TileTriangulation::triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
-                                    std::span<const SharedPoint> seeds) {
+                                    std::span<const SharedPoint> seeds, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
-  kernel_->build(points);
+  kernel_->build(points, keep);
   ids_.assign(1, 0);
   ids_.insert(ids_.end(), ids.begin(), ids.end());
   owners_.assign(points.size() + 1, options_.self.value);
@@ -46,67 +46,91 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
   check(!reduced_, "a tile is reduced once");
   if (kernel_->dimension() < options_.dimension) return {};
+  const auto settled = [&](const Vertex* cell) { return surely_final(cell, points, box); };
+  return kernel_->can_freeze() ? freeze(points, settled) : build_reduced(points, settled);
+}
+
+// The kernel forgets the final cells. What is left is loaded into a kernel that knows its vertices alone.
+FinalCells TileTriangulation::freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled) {
+  FinalCells finals = final_cells_of(kernel_->freeze(settled));
+  KernelImage image = kernel_->save();
+  kernel_.reset();
+  const std::vector<Vertex> to = renumber(image.cells.vertices, points.size());
+  for (Vertex& v : image.cells.vertices) v = to[v];
+  for (Vertex v = 1; v < to.size(); ++v) {  // numbers only fall
+    if (to[v] == 0) continue;
+    image.points[to[v] - 1] = image.points[v - 1];
+    image.local[to[v] - 1] = image.local[v - 1];
+    image.alive[to[v] - 1] = image.alive[v - 1];
+  }
+  image.points.resize(ids_.size() - 1);
+  image.local.resize(ids_.size() - 1);
+  image.alive.resize(ids_.size() - 1);
+  kernel_ = make_kernel(options_.dimension, options_.kernel);
+  check(kernel_->load(image), "a kernel loads what it saved");
+  return finals;
+}
+
+// For a kernel that cannot forget cells: triangulates the vertices of the others again (Caraffa et al., section 2.3).
+FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
+                                            const std::function<bool(const Vertex*)>& settled) {
   const int corners = options_.dimension + 1;
   CellList list;
   std::vector<std::uint8_t> open;
-  const std::vector<Vertex> open_cells =
-      kernel_->explore([&](const Vertex* cell) { return surely_final(cell, points, box); }, &list, &open);
+  const std::vector<Vertex> open_cells = kernel_->explore(settled, &list, &open);
   if (open_cells.size() == list.vertices.size()) return {};
-
-  // Vertices of the cells that stay, in the old order: that is Hilbert order for the local ones.
   const Vertex before = kernel_->vertices();
   std::vector<Point> foreign;
   for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) foreign.push_back(kernel_->point(v));
   kernel_.reset();  // nine tenths of the tile's memory, before more is needed
-  std::vector<Vertex> renumbered(before + 1, 0);
-  for (const Vertex v : open_cells) renumbered[v] = 1;
-  renumbered[infinite_vertex] = 0;
+  const std::vector<Vertex> to = renumber(open_cells, points.size());
   std::vector<Point> kept;
-  std::vector<std::uint64_t> ids(1, 0);
-  std::vector<std::uint32_t> owners(1, options_.self.value);
-  ranks_.assign(1, 0);
-  for (Vertex v = 1; v <= points.size(); ++v) {
-    if (!renumbered[v]) continue;
-    kept.push_back(points[v - 1]);
-    ids.push_back(ids_[v]);
-    owners.push_back(owners_[v]);
-    ranks_.push_back(v - 1);
-    renumbered[v] = static_cast<Vertex>(kept.size());
-  }
-  auto kernel = make_kernel(options_.dimension, options_.kernel);
-  kernel->build(kept);
+  for (Vertex v = 1; v < ids_.size() && is_local(v); ++v) kept.push_back(points[ranks_[v]]);
+  kernel_ = make_kernel(options_.dimension, options_.kernel);
+  kernel_->build(kept);
   std::vector<Vertex> around;
-  for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= before; ++v) {
-    // Seeds are vertices of infinite or mixed cells, which are never final: they all stay.
-    kernel->insert(foreign[v - points.size() - 1], false, InsertMode::always, around);
-    renumbered[v] = kernel->vertices();
-    ids.push_back(ids_[v]);
-    owners.push_back(owners_[v]);
-    ranks_.push_back(0);
-    foreign_[ids_[v]] = renumbered[v];
-  }
+  for (const Point& p : foreign) kernel_->insert(p, false, InsertMode::always, around);
   std::array<Vertex, 4> cell{};
   for (std::size_t c = 0; c < open_cells.size(); c += corners) {
     bool all_local = true;
     for (int i = 0; i < corners; ++i) {
-      all_local &= is_local(open_cells[c + i]);
-      cell[i] = renumbered[open_cells[c + i]];
+      cell[i] = to[open_cells[c + i]];
+      all_local &= is_local(cell[i]);
     }
     if (all_local) open_cells_.insert(cell_key(cell.data(), options_.dimension));
   }
+  return extract_final(list, open, options_.dimension);
+}
+
+// Keeps the tile's own vertices that are in `used`, in the old order, which is Hilbert order, and the foreign ones:
+// these are vertices of infinite or mixed cells, which are never final. Returns the new number of each vertex, or 0.
+std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, std::size_t own) {
+  std::vector<Vertex> to(ids_.size(), 0);
+  for (const Vertex v : used) to[v] = 1;
+  to[infinite_vertex] = 0;
+  std::vector<std::uint64_t> ids(1, 0);
+  std::vector<std::uint32_t> owners(1, options_.self.value);
+  ranks_.assign(1, 0);
+  for (Vertex v = 1; v < to.size(); ++v) {
+    const bool local = v <= own;
+    if (local && to[v] == 0) continue;
+    to[v] = static_cast<Vertex>(ids.size());
+    ids.push_back(ids_[v]);
+    owners.push_back(owners_[v]);
+    ranks_.push_back(local ? v - 1 : 0);
+    if (!local) foreign_[ids_[v]] = to[v];
+  }
   tsl::robin_set<std::uint64_t, MixHash> sent;
   for (const std::uint64_t key : sent_) {
-    const Vertex v = renumbered[key >> 32];
+    const Vertex v = to[key >> 32];
     check(v != 0, "only vertices of cells that are not final have been shared");
     sent.insert(std::uint64_t{v} << 32 | (key & 0xffffffffu));
   }
   sent_ = std::move(sent);
-  FinalCells finals = extract_final(list, open, options_.dimension);
-  kernel_ = std::move(kernel);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
   reduced_ = true;
-  return finals;
+  return to;
 }
 
 void TileTriangulation::announce(std::span<const Point> points, const Box& box,
@@ -118,7 +142,8 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     return points[reduced_ ? ranks_[v] : v - 1];
   };
   const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
-    return reduced_ ? !open_cells_.contains(cell_key(cell, d)) : surely_final(cell, points, box);
+    if (!reduced_) return surely_final(cell, points, box);
+    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
   });
   // Slivers at the hull have huge spheres, which the neighbours' points will empty: telling everyone about their
   // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
@@ -258,15 +283,18 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
     input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
   }
   input.cells = kernel_->cells();
+  const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   if (reduced_) {  // the vertices that stayed are numbered anew: back to ranks, and foreign ones behind them
     auto& vertices = input.cells.vertices;
     const std::size_t stayed = ids_.size() - 1 - input.foreign.size();
-    input.fill.resize(vertices.size() / corners);
-    for (std::size_t c = 0; c < input.fill.size(); ++c) {
+    if (filled) input.fill.resize(vertices.size() / corners);
+    for (std::size_t c = 0; c < vertices.size() / corners; ++c) {
       Vertex* v = &vertices[c * corners];
-      const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
-      input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
+      if (filled) {
+        const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
+        input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
+      }
       for (std::size_t i = 0; i < corners; ++i) {
         if (v[i] == infinite_vertex) continue;
         v[i] = is_local(v[i]) ? ranks_[v[i]] + 1 : static_cast<Vertex>(v[i] - stayed + points.size());

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -66,12 +67,13 @@ class TileTriangulation {
   // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them) together with the seeds, which
   // every tile is given. REQUIRES for (1): the seeds contain the lexicographically least point of the cloud. If they
   // span the space (as they do in production) the tile is never flat and the exchange stays small.
+  // `keep`: borrowed points must stay where they are until collect().
   void triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
-                   std::span<const SharedPoint> seeds);
+                   std::span<const SharedPoint> seeds, KeepPoints keep = KeepPoints::copied);
 
-  // Takes the final cells out (those inside `box`) and keeps only what can still change: the others' vertices,
-  // triangulated again. Call right after triangulate(), with the same points. Cells that fill the room of the removed
-  // ones are told apart by a list of the local cells that are not final.
+  // Takes the final cells out (those inside `box`) and keeps only what can still change. Call right after
+  // triangulate(), with the same points. A kernel that cannot forget cells is built again from the others' vertices;
+  // cells that fill the room of the removed ones are then told apart by a list of the local cells that are not final.
   FinalCells reduce(std::span<const Point> points, const Box& box);
 
   // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere may meet its bounds,
@@ -98,6 +100,9 @@ class TileTriangulation {
   bool load(std::span<const std::byte> bytes);
 
  private:
+  FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
+  FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
+  std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
   void add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
   void share_star(Vertex v);
   void share_with_all();
@@ -117,7 +122,7 @@ class TileTriangulation {
   tsl::robin_map<std::uint64_t, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
   tsl::robin_set<std::uint64_t, MixHash> sent_;  // vertex << 32 | tile, for vertices that tile has been told of
   bool reduced_ = false;
-  tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // after reduce(): all-local cells that are not final, by vertices
+  tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<std::uint32_t, std::vector<SharedPoint>> updates_;
   ExchangeCounts counts_;
   std::vector<Vertex> star_;  // scratch

@@ -84,8 +84,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     }
   };
   const auto make = [&](std::uint32_t i) {
-    return std::make_unique<TileTriangulation>(
-        TileOptions{TileId{i}, options.dimension, KernelKind::cgal, options.rule});
+    return std::make_unique<TileTriangulation>(TileOptions{TileId{i}, options.dimension, options.kernel, options.rule});
   };
   std::vector<bool> started(tiles, false);
   std::vector<std::uint32_t> order;

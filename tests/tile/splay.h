@@ -25,6 +25,7 @@ struct SplayOptions {
   bool sleep = false;  // save and load tiles between deliveries
   ExchangeRule rule = ExchangeRule::share_certify;
   bool single_points = false;  // deliver one point at a time
+  KernelKind kernel = KernelKind::cgal;
 };
 
 // `tile_of[i]` owns points[i]; `boxes` by tile, all of space when empty (then no cell is final). Returns each tile's

@@ -51,17 +51,18 @@ void expect_global_delaunay(const std::vector<LocalPoint>& points, const Assignm
   for (const TileMesh& mesh : meshes) EXPECT_EQ(inconsistency(mesh, mesh.owners[0]), "");
 }
 
-class Splay : public ::testing::TestWithParam<std::tuple<std::string, int, std::string>> {};
+class Splay : public ::testing::TestWithParam<std::tuple<std::string, int, std::string, KernelKind>> {};
 
 // What the engine rests on. The seed shuffles delivery: the answer may not depend on who hears first.
 TEST_P(Splay, MainCellsEqualTheGlobalDelaunayTriangulationWhateverTheDeliveryOrder) {
-  const auto& [kind, dimension, how] = GetParam();
+  const auto& [kind, dimension, how, kernel] = GetParam();
   for (std::uint64_t seed = 0; seed < 48; ++seed) {
     // Small where every tile gets to know everything.
     const bool dense = how == "single" || kind == "curve";
     const auto points = make_cloud(kind, dimension, dense ? 8 + seed / 2 : 12 + seed * 3, seed);
     SplayOptions options;
     options.dimension = dimension;
+    options.kernel = kernel;
     options.seed = seed;
     options.announce = seed % 3 != 0;
     options.reduce = seed % 2 == 0;
@@ -74,17 +75,20 @@ TEST_P(Splay, MainCellsEqualTheGlobalDelaunayTriangulationWhateverTheDeliveryOrd
 }
 INSTANTIATE_TEST_SUITE_P(Clouds, Splay,
                          ::testing::Combine(::testing::ValuesIn(cloud_kinds()), ::testing::Values(2, 3),
-                                            ::testing::Values("random", "single", "stripes")),
+                                            ::testing::Values("random", "single", "stripes"),
+                                            ::testing::Values(KernelKind::cgal, KernelKind::flat)),
                          [](const auto& info) {
                            return std::get<0>(info.param) + std::to_string(std::get<1>(info.param)) +
-                                  std::get<2>(info.param);
+                                  std::get<2>(info.param) + (std::get<3>(info.param) == KernelKind::flat ? "flat" : "");
                          });
 
 TEST(SplayLarge, FinalCellsTakenOutEarlyComeBackInTheResult) {
-  for (const int dimension : {2, 3}) {
+  for (const auto& [dimension, kernel] : {std::pair(2, KernelKind::cgal), std::pair(3, KernelKind::cgal),
+                                          std::pair(2, KernelKind::flat), std::pair(3, KernelKind::flat)}) {
     for (const char* kind : {"uniform", "lattice", "slab"}) {
       const auto points = make_cloud(kind, dimension, 4000, 5);
       SplayOptions options;
+      options.kernel = kernel;
       options.dimension = dimension;
       options.reduce = true;
       SCOPED_TRACE(kind);
@@ -99,6 +103,7 @@ TEST(SplayLarge, ReducingChangesNoMesh) {
   SplayOptions options;
   const auto whole = splay(points, a.tile_of, a.boxes, options);
   options.reduce = true;
+  options.kernel = KernelKind::flat;  // the mesh does not tell what made it
   options.seed = 77;
   const auto reduced = splay(points, a.tile_of, a.boxes, options);
   ASSERT_EQ(whole.size(), reduced.size());
