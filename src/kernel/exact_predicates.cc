@@ -13,6 +13,7 @@ namespace {
 
 using Big = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<>, boost::multiprecision::et_off>;
 int sign_of(const Big& v) { return v.sign(); }
+int sign_of(double v) { return (v > 0) - (v < 0); }
 template <std::size_t N>
 int sign_of(const Integer<N>& v) {
   return v.sign();
@@ -81,10 +82,27 @@ double tail(double a, double b, double difference) {
   return (a - a_virtual) + (b_virtual - b);
 }
 
-// Calls sign(differences) with the differences of the points to the last one, as exact integers times a common power of
-// two: `P` points of `D` coordinates. The highest degree is 5, of 72 terms: with differences below 2^62 (limbs of 64
-// bits) or 2^126 (of 128) 5 times as many limbs hold every determinant.
-template <std::size_t P, std::size_t D, class Sign>
+// Whether the values are multiples of a power of two, at most 2^bits times as large, and none of their products of
+// degree 5 leaves the range of normal doubles.
+template <std::size_t N>
+bool on_lattice(const std::array<double, N>& values, int bits) {
+  double greatest = 0;
+  for (const double v : values) greatest = std::max(greatest, std::abs(v));
+  if (!(greatest < 0x1p190)) return false;
+  if (greatest < 0x1p-170) return greatest == 0;
+  // The power of two above the greatest value; adding it times 2^(52 - bits) leaves no bit below the lattice's step.
+  const double above = std::bit_cast<double>((std::bit_cast<std::uint64_t>(greatest) >> 52 << 52)) * 2;
+  const double round = above * std::ldexp(1.5, 52 - bits);
+  bool all = true;
+  for (const double v : values) all &= (v + round) - round == v;
+  return all;
+}
+
+// Calls sign(differences) with the differences of the points to the last one, exact, times a common power of two: `P`
+// points of `D` coordinates. The highest degree is 5, of 72 terms: with differences below 2^62 (limbs of 64 bits) or
+// 2^126 (of 128) 5 times as many limbs hold every determinant. Doubles hold it, as an integer below 2^53, when
+// differences are at most 2^`lattice_bits`.
+template <std::size_t P, std::size_t D, int lattice_bits, class Sign>
 Staged with_differences(const std::array<const Point*, P>& points, const std::array<int, D>& axes, Sign&& sign) {
   constexpr std::size_t n = (P - 1) * D;
   const Point& last = *points[P - 1];
@@ -96,6 +114,7 @@ Staged with_differences(const std::array<const Point*, P>& points, const std::ar
     all_exact &= tail(a, b, difference[i]) == 0;
   }
   if (all_exact) {
+    if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference)), Stage::lattice};
     if (const Span span(difference); span.bits() <= 62) {
       std::array<Integer<1>, n> scaled;
       for (std::size_t i = 0; i < n; ++i) scale(difference[i], span.low, scaled[i]);
@@ -135,11 +154,25 @@ auto determinant(const T& ax, const T& ay, const L& al, const T& bx, const T& by
   return al * minor(bx, by, cx, cy) + bl * minor(cx, cy, ax, ay) + cl * minor(ax, ay, bx, by);
 }
 
+// Whether all points have the same x, or y, or z.
+template <std::size_t P>
+bool axis_parallel(const std::array<const Point*, P>& points) {
+  const auto equal = [&](auto coordinate) {
+    return std::all_of(points.begin(), points.end(),
+                       [&](const Point* p) { return p->*coordinate == points[0]->*coordinate; });
+  };
+  return equal(&Point::x) || equal(&Point::y) || equal(&Point::z);
+}
+
+// Bits of differences so that the determinant stays below 2^53: 2 terms of degree 2, 6 of degree 3, 12 (in a plane in
+// space: 18) of degree 4, 72 of degree 5.
+constexpr int area_bits = 25, volume_bits = 16, circle_bits = 12, sphere_bits = 9;
 constexpr std::array<int, 2> xy{0, 1};
 constexpr std::array<int, 3> xyz{0, 1, 2};
 
 Staged projected_orient(const Point& a, const Point& b, const Point& c, const std::array<int, 2>& axes) {
-  return with_differences<3, 2>({&a, &b, &c}, axes, [](const auto& v) { return minor(v[0], v[1], v[2], v[3]); });
+  return with_differences<3, 2, area_bits>({&a, &b, &c}, axes,
+                                           [](const auto& v) { return minor(v[0], v[1], v[2], v[3]); });
 }
 
 }  // namespace
@@ -147,20 +180,22 @@ Staged projected_orient(const Point& a, const Point& b, const Point& c, const st
 Staged orient2_exact(const Point& a, const Point& b, const Point& c) { return projected_orient(a, b, c, xy); }
 
 Staged orient3_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
+  if (axis_parallel<4>({&a, &b, &c, &d})) return {0, Stage::lattice};
   // Rows b, a, c: differences to the last point instead of the first turn the sign.
-  return with_differences<4, 3>({&b, &a, &c, &d}, xyz, [](const auto& v) {
+  return with_differences<4, 3, volume_bits>({&b, &a, &c, &d}, xyz, [](const auto& v) {
     return determinant(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
   });
 }
 
 Staged incircle_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
-  return with_differences<4, 2>({&a, &b, &c, &d}, xy, [](const auto& v) {
+  return with_differences<4, 2, circle_bits>({&a, &b, &c, &d}, xy, [](const auto& v) {
     return determinant(v[0], v[1], lift(v[0], v[1]), v[2], v[3], lift(v[2], v[3]), v[4], v[5], lift(v[4], v[5]));
   });
 }
 
 Staged insphere_exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
-  return with_differences<5, 3>({&a, &b, &c, &d, &e}, xyz, [](const auto& v) {
+  if (axis_parallel<5>({&a, &b, &c, &d, &e})) return {0, Stage::lattice};
+  return with_differences<5, 3, sphere_bits>({&a, &b, &c, &d, &e}, xyz, [](const auto& v) {
     const auto ab = minor(v[0], v[1], v[3], v[4]), bc = minor(v[3], v[4], v[6], v[7]);
     const auto cd = minor(v[6], v[7], v[9], v[10]), da = minor(v[9], v[10], v[0], v[1]);
     const auto ac = minor(v[0], v[1], v[6], v[7]), bd = minor(v[3], v[4], v[9], v[10]);
@@ -184,7 +219,7 @@ int coplanar_orient(const Point& a, const Point& b, const Point& c) {
 // squared distance in space.
 int coplanar_incircle(const Point& a, const Point& b, const Point& c, const Point& d) {
   const auto lifted = [&]<std::size_t U, std::size_t W>() {
-    return with_differences<4, 3>({&a, &b, &c, &d}, xyz, [](const auto& v) {
+    return with_differences<4, 3, circle_bits>({&a, &b, &c, &d}, xyz, [](const auto& v) {
       return determinant(v[U], v[W], lift(v[0], v[1], v[2]), v[3 + U], v[3 + W], lift(v[3], v[4], v[5]), v[6 + U],
                          v[6 + W], lift(v[6], v[7], v[8]));
     });

@@ -2,8 +2,10 @@
 // Properties:
 //  (1) The answer is the sign of the exact determinant of the coordinates as given, never an estimate.
 //  (2) It depends on coordinates alone; -0 equals 0.
-// Three stages, each only when the one before cannot tell:
+// Five stages, each only when the one before cannot tell:
 //  filter   floating point on differences to the last point, with an error bound (here, inline);
+//  lattice  the differences are small multiples of a power of two, so that floating point does not round; or all points
+//           have one coordinate in common;
 //  integer  the differences are doubles without error, as among neighbours in quantised data: 64-bit integers times a
 //           common power of two, products in 128 to 320 bits;
 //  wide     the coordinates themselves as 128-bit integers;
@@ -20,7 +22,7 @@
 
 namespace tessera::exact {
 
-enum class Stage : std::uint8_t { filter, integer, wide, big };
+enum class Stage : std::uint8_t { filter, lattice, integer, wide, big };
 // Which stage told the sign: for tests and benchmarks.
 struct Staged {
   int sign = 0;
