@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "src/kernel/exact_predicates.h"
 #include "src/kernel/flat_mesh_3.h"
 #include "src/kernel/kernel.h"
 
@@ -26,7 +27,7 @@ bool find_simplex(const Points& points, const std::vector<Vertex>& around, std::
   Vertex c = 2;
   while (c < n && collinear_3(at(0), at(1), at(c))) ++c;
   for (Vertex d = c + 1; d < n; ++d) {
-    if (orientation_3(at(0), at(1), at(c), at(d)) == 0) continue;
+    if (exact::orient3(at(0), at(1), at(c), at(d)) == 0) continue;
     found = {0, 1, c, d};
     return true;
   }

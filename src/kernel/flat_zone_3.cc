@@ -94,8 +94,8 @@ struct ZoneCode {
       };
       const Lanes w = larger(larger(a.w, b.w), larger(c.w, d.w));
       const Lanes error =
-          in_sphere_error * largest(a.x, b.x, c.x, d.x) * largest(a.y, b.y, c.y, d.y) * largest(a.z, b.z, c.z, d.z) * w;
-      const Bits sure = (absolute(det) > error) & (error > in_sphere_least) & (w < in_sphere_most);
+          in_sphere_error * largest(a.x, b.x, c.x, d.x) * largest(a.y, b.y, c.y, d.y) * largest(a.z, b.z, c.z, d.z) * w + underflow;
+      const Bits sure = (absolute(det) > error) & (w < exact::filter::lift_max);
       const std::size_t used = left < 4 ? left : 4;
       for (std::size_t i = 0; i < used; ++i) {
         Cell& asked_cell = cells[batch[i]];
