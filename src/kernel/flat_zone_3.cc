@@ -39,6 +39,47 @@ struct Differences {
 }  // namespace
 
 struct ZoneCode {
+  struct Batch {
+    Word cell[4];
+    std::size_t size;
+    bool special;  // there is an infinite cell
+    Bits in, sure;
+  };
+
+  // Whether e is in the spheres of four cells. Says nothing for infinite ones.
+  template <class At>
+  [[gnu::always_inline]] static void ask(Batch& batch, const Cell* cells, const At& at, const Point& e) {
+    Word v[4][4];
+    bool special = false;
+    for (int i = 0; i < 4; ++i) {
+      const Cell& c = cells[batch.cell[i]];
+      v[i][0] = c.v[0] & vertex_mask;
+      v[i][1] = c.v[1];
+      v[i][2] = c.v[2];
+      v[i][3] = c.infinite() ? v[i][0] : c.v[3];  // any point: the lane is not used
+      special |= c.infinite();
+    }
+    batch.special = special;
+    const auto slot = [&](int k) __attribute__((always_inline)) {
+      return differences(at(v[0][k]), at(v[1][k]), at(v[2][k]), at(v[3][k]), e);
+    };
+    const Differences a = slot(0), b = slot(1), c = slot(2), d = slot(3);
+    const Lanes ab = a.x * b.y - b.x * a.y, bc = b.x * c.y - c.x * b.y, cd = c.x * d.y - d.x * c.y;
+    const Lanes da = d.x * a.y - a.x * d.y, ac = a.x * c.y - c.x * a.y, bd = b.x * d.y - d.x * b.y;
+    const Lanes abc = a.z * bc - b.z * ac + c.z * ab, bcd = b.z * cd - c.z * bd + d.z * bc;
+    const Lanes cda = c.z * da + d.z * ac + a.z * cd, dab = d.z * ab + a.z * bd + b.z * da;
+    const Lanes det = (a.w * bcd - b.w * cda) + (c.w * dab - d.w * abc);
+    const auto largest = [](Lanes p, Lanes q, Lanes r, Lanes s) __attribute__((always_inline)) {
+      return larger(larger(absolute(p), absolute(q)), larger(absolute(r), absolute(s)));
+    };
+    const Lanes w = larger(larger(a.w, b.w), larger(c.w, d.w));
+    const Lanes error =
+        in_sphere_error * largest(a.x, b.x, c.x, d.x) * largest(a.y, b.y, c.y, d.y) * largest(a.z, b.z, c.z, d.z) * w +
+        underflow;
+    batch.in = det > error;
+    batch.sure = (absolute(det) > error) & (w < exact::filter::lift_max);
+  }
+
   template <bool split, bool holes>
   [[gnu::always_inline]] static void collect(Mesh& m, const Point& e, Word start) {
     Cell* const cells = m.cells.data();
@@ -50,63 +91,65 @@ struct ZoneCode {
     if (m.zone_.size() < 1024) m.zone_.resize(1024), m.pending_.resize(4096);
     m.zone_[0] = start;
     cells[start].v[0] |= mark_in;
+    // Two batches at a time: while the numbers of one are worked out, the answers of the one before are acted upon.
+    // What is to be done next depends on answers and is often guessed wrong by the processor; in this way it finds out
+    // early.
+    Batch batches[2];
+    std::size_t turn = 0;
+    bool waiting = false;  // batches[turn] has not been acted upon
     while (true) {
-      if (found + 4 > m.zone_.size()) m.zone_.resize(2 * m.zone_.size());
-      if (met + 4 * (found - expanded) + 4 > m.pending_.size()) m.pending_.resize(2 * m.pending_.size() + 4 * found);
+      // Room for what one turn can add.
+      if (found + 8 > m.zone_.size()) m.zone_.resize(2 * m.zone_.size());
+      if (met + 32 > m.pending_.size()) m.pending_.resize(2 * m.pending_.size());
       Word* const zone = m.zone_.data();
       Word* const pending = m.pending_.data();
-      for (; expanded < found; ++expanded) {
-        const Cell& c = cells[zone[expanded]];
-        for (int i = 0; i < 4; ++i) {
-          const Word across = c.n[i];
-          if constexpr (holes) {
-            if (across & frozen_bit) continue;
+      const auto act = [&](Batch & batch) __attribute__((always_inline)) {
+        if (batch.special | ~(batch.sure[0] & batch.sure[1] & batch.sure[2] & batch.sure[3])) [[unlikely]] {
+          for (std::size_t i = 0; i < batch.size; ++i) {
+            if (!batch.sure[i] || cells[batch.cell[i]].infinite()) batch.in[i] = m.conflicts(e, batch.cell[i]) ? -1 : 0;
           }
-          Cell& next = cells[across >> 2];
-          const Word v0 = next.v[0];
-          const bool fresh = v0 <= vertex_mask;
-          next.v[0] = fresh ? v0 | mark_out : v0;
-          pending[met] = across >> 2;
-          met += fresh;
         }
-      }
-      if (asked == met) break;
-      Word batch[4];
-      const std::size_t left = met - asked;
-      for (std::size_t i = 0; i < 4; ++i) batch[i] = pending[asked + (i < left ? i : 0)];
-      Word v[4][4];
-      for (int i = 0; i < 4; ++i) {
-        const Cell& c = cells[batch[i]];
-        v[i][0] = c.v[0] & vertex_mask;
-        v[i][1] = c.v[1];
-        v[i][2] = c.v[2];
-        v[i][3] = c.infinite() ? v[i][0] : c.v[3];  // any point: the lane is not used
-      }
-      const auto slot = [&](int k) { return differences(at(v[0][k]), at(v[1][k]), at(v[2][k]), at(v[3][k]), e); };
-      const Differences a = slot(0), b = slot(1), c = slot(2), d = slot(3);
-      const Lanes ab = a.x * b.y - b.x * a.y, bc = b.x * c.y - c.x * b.y, cd = c.x * d.y - d.x * c.y;
-      const Lanes da = d.x * a.y - a.x * d.y, ac = a.x * c.y - c.x * a.y, bd = b.x * d.y - d.x * b.y;
-      const Lanes abc = a.z * bc - b.z * ac + c.z * ab, bcd = b.z * cd - c.z * bd + d.z * bc;
-      const Lanes cda = c.z * da + d.z * ac + a.z * cd, dab = d.z * ab + a.z * bd + b.z * da;
-      const Lanes det = (a.w * bcd - b.w * cda) + (c.w * dab - d.w * abc);
-      const auto largest = [](Lanes p, Lanes q, Lanes r, Lanes s) __attribute__((always_inline)) {
-        return larger(larger(absolute(p), absolute(q)), larger(absolute(r), absolute(s)));
+        for (std::size_t i = 0; i < 4; ++i) {
+          const Word in = i < batch.size ? static_cast<Word>(batch.in[i]) & 1 : 0;
+          zone[found] = batch.cell[i];
+          found += in;
+          cells[batch.cell[i]].v[0] ^= in * (mark_in | mark_out);
+        }
       };
-      const Lanes w = larger(larger(a.w, b.w), larger(c.w, d.w));
-      const Lanes error =
-          in_sphere_error * largest(a.x, b.x, c.x, d.x) * largest(a.y, b.y, c.y, d.y) * largest(a.z, b.z, c.z, d.z) * w + underflow;
-      const Bits sure = (absolute(det) > error) & (w < exact::filter::lift_max);
-      const std::size_t used = left < 4 ? left : 4;
-      for (std::size_t i = 0; i < used; ++i) {
-        Cell& asked_cell = cells[batch[i]];
-        bool in = det[i] > 0;
-        if (!sure[i] || asked_cell.infinite()) [[unlikely]]
-          in = m.conflicts(e, batch[i]);
-        zone[found] = batch[i];
-        found += in;
-        asked_cell.v[0] ^= in ? mark_in | mark_out : 0;
+      const auto expand = [&]() __attribute__((always_inline)) {
+        for (; expanded < found; ++expanded) {
+          const Cell& c = cells[zone[expanded]];
+          for (int i = 0; i < 4; ++i) {
+            const Word across = c.n[i];
+            if constexpr (holes) {
+              if (across & frozen_bit) continue;
+            }
+            Cell& next = cells[across >> 2];
+            const Word v0 = next.v[0];
+            const bool fresh = v0 <= vertex_mask;
+            next.v[0] = fresh ? v0 | mark_out : v0;
+            pending[met] = across >> 2;
+            met += fresh;
+            __builtin_prefetch(&at(next.v[across & 3] & vertex_mask));
+            for (int k = 0; k < 4; ++k) __builtin_prefetch(&cells[next.n[k] >> 2]);
+          }
+        }
+      };
+      if (waiting && met - asked < 4) {
+        act(batches[turn]);
+        waiting = false;
       }
-      asked += used;
+      expand();
+      if (asked == met) break;
+      Batch& batch = batches[turn ^ 1];
+      const std::size_t left = met - asked;
+      batch.size = left < 4 ? left : 4;
+      for (std::size_t i = 0; i < 4; ++i) batch.cell[i] = pending[asked + (i < left ? i : 0)];
+      asked += batch.size;
+      ask(batch, cells, at, e);
+      if (waiting) act(batches[turn]);
+      turn ^= 1;
+      waiting = true;
     }
     m.zone_size_ = found;
     // The boundary: facets of the zone across which a cell is not in it.
