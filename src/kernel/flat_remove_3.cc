@@ -81,7 +81,7 @@ bool Mesh::remove(Vertex v) {
     return (i & vertex_mask) == infinite_vertex ? infinite_vertex : near[(i & vertex_mask) - 1];
   };
   std::map<Word, Word> slot_of;
-  for (const Word z : small->zone()) slot_of[z] = new_slot();
+  for (std::size_t i = 0; i < small->zone_size(); ++i) slot_of[small->zone_cell(i)] = new_slot();
   for (const auto& [z, slot] : slot_of) {
     const Cell& from = small->cells[z];
     Cell& to = cells[slot];

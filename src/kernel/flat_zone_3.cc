@@ -15,6 +15,7 @@ namespace {
 
 using Lanes = double __attribute__((vector_size(32)));
 using Bits = std::int64_t __attribute__((vector_size(32)));
+using Quad = Word __attribute__((vector_size(16)));
 
 [[gnu::always_inline]] inline Lanes absolute(Lanes x) {
   const Bits mask = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
@@ -40,6 +41,7 @@ struct Differences {
 
 struct ZoneCode {
   struct Batch {
+    Word facet[4];  // cells with the facet they were reached through
     Word cell[4];
     std::size_t size;
     bool special;  // there is an infinite cell
@@ -89,7 +91,7 @@ struct ZoneCode {
     };
     std::size_t found = 1, expanded = 0, met = 0, asked = 0;
     if (m.zone_.size() < 1024) m.zone_.resize(1024), m.pending_.resize(4096);
-    m.zone_[0] = start;
+    m.zone_[0] = 4 * start;
     cells[start].v[0] |= mark_in;
     // Two batches at a time: while the numbers of one are worked out, the answers of the one before are acted upon.
     // What is to be done next depends on answers and is often guessed wrong by the processor; in this way it finds out
@@ -111,14 +113,14 @@ struct ZoneCode {
         }
         for (std::size_t i = 0; i < 4; ++i) {
           const Word in = i < batch.size ? static_cast<Word>(batch.in[i]) & 1 : 0;
-          zone[found] = batch.cell[i];
+          zone[found] = batch.facet[i];
           found += in;
           cells[batch.cell[i]].v[0] ^= in * (mark_in | mark_out);
         }
       };
       const auto expand = [&]() __attribute__((always_inline)) {
         for (; expanded < found; ++expanded) {
-          const Cell& c = cells[zone[expanded]];
+          const Cell& c = cells[zone[expanded] >> 2];
           for (int i = 0; i < 4; ++i) {
             const Word across = c.n[i];
             if constexpr (holes) {
@@ -128,7 +130,7 @@ struct ZoneCode {
             const Word v0 = next.v[0];
             const bool fresh = v0 <= vertex_mask;
             next.v[0] = fresh ? v0 | mark_out : v0;
-            pending[met] = across >> 2;
+            pending[met] = across;
             met += fresh;
             __builtin_prefetch(&at(next.v[across & 3] & vertex_mask));
             for (int k = 0; k < 4; ++k) __builtin_prefetch(&cells[next.n[k] >> 2]);
@@ -144,7 +146,10 @@ struct ZoneCode {
       Batch& batch = batches[turn ^ 1];
       const std::size_t left = met - asked;
       batch.size = left < 4 ? left : 4;
-      for (std::size_t i = 0; i < 4; ++i) batch.cell[i] = pending[asked + (i < left ? i : 0)];
+      for (std::size_t i = 0; i < 4; ++i) {
+        batch.facet[i] = pending[asked + (i < left ? i : 0)];
+        batch.cell[i] = batch.facet[i] >> 2;
+      }
       asked += batch.size;
       ask(batch, cells, at, e);
       if (waiting) act(batches[turn]);
@@ -152,13 +157,37 @@ struct ZoneCode {
       waiting = true;
     }
     m.zone_size_ = found;
-    // The boundary: facets of the zone across which a cell is not in it.
+    bound<holes>(m, cells);
+  }
+
+  // Numbers the zone's vertices and lists its boundary: the facets across which a cell is not in it.
+  template <bool holes>
+  [[gnu::always_inline]] static void bound(Mesh& m, const Cell* cells) {
+    const std::size_t found = m.zone_size_;
     if (4 * found + 4 > m.facets_.size()) m.facets_.resize(8 * found + 64);
+    if (found + 8 > m.zone_vertices_.size()) m.zone_vertices_.resize(2 * found + 64);
+    Vertex* const vertices = m.zone_vertices_.data();
+    std::uint8_t* const number = m.number_.data();
+    std::size_t numbered = 0;
+    const auto meet = [&](Vertex v) __attribute__((always_inline)) {
+      const std::uint8_t old = number[v];
+      vertices[numbered] = v;
+      numbered += old == 0;
+      number[v] = old != 0 ? old : static_cast<std::uint8_t>(numbered < 255 ? numbered : 255);
+    };
     Mesh::Facet* facet = m.facets_.data();
     for (std::size_t z = 0; z < found; ++z) {
-      const Cell& c = cells[m.zone_[z]];
-      const Word corner[4] = {c.v[0] & vertex_mask, c.v[1], c.v[2], c.v[3]};
-      for (int i = 0; i < 4; ++i) {
+      const Word slot = m.zone_[z] >> 2;
+      const Cell& c = cells[slot];
+      const Quad corner = Quad{c.v[0], c.v[1], c.v[2], c.v[3]} & Quad{vertex_mask, ~0u, ~0u, ~0u};
+      const Quad next = {c.n[0], c.n[1], c.n[2], c.n[3]};
+      if (z == 0) {
+        for (int i = 0; i < 4; ++i) meet(corner[i]);
+      } else {  // the three others are those of a cell before it
+        meet(c.v[m.zone_[z] & 3] & vertex_mask);
+      }
+      const Quad id = {number[corner[0]], number[corner[1]], number[corner[2]], number[corner[3]]};
+      const auto list = [&](int i, Quad order, Quad with_next) __attribute__((always_inline)) {
         const Word across = c.n[i];
         bool outside;
         if constexpr (holes) {
@@ -166,11 +195,19 @@ struct ZoneCode {
         } else {
           outside = (cells[across >> 2].v[0] & ~vertex_mask) == mark_out;
         }
-        *facet = {{corner[facet_of[i][0]], corner[facet_of[i][1]], corner[facet_of[i][2]]}, across};
+        const Quad v = __builtin_shuffle(__builtin_shuffle(corner, order), next, with_next),
+                   n = __builtin_shuffle(id, order);
+        std::memcpy(facet->v, &v, sizeof v);
+        std::memcpy(facet->number, &n, sizeof n);
         facet += outside;
-      }
+      };
+      list(0, Quad{1, 2, 3, 3}, Quad{0, 1, 2, 4});
+      list(1, Quad{2, 0, 3, 3}, Quad{0, 1, 2, 5});
+      list(2, Quad{0, 1, 3, 3}, Quad{0, 1, 2, 6});
+      list(3, Quad{2, 1, 0, 3}, Quad{0, 1, 2, 7});
     }
     m.facets_size_ = static_cast<std::size_t>(facet - m.facets_.data());
+    m.zone_vertices_size_ = numbered;
   }
 
   [[gnu::always_inline]] static void choose(Mesh& m, const Point& e, Word start) {
@@ -193,12 +230,12 @@ struct ZoneCode {
 };
 
 void Mesh::find_zone(const Point& p, Word start) {
+  if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
   if (vectors_) {
     ZoneCode::avx2(*this, p, start);
   } else {
     ZoneCode::plain(*this, p, start);
   }
-  number_vertices();
 }
 
 void Mesh::use_vectors(bool wanted) { vectors_ = wanted && ZoneCode::has_avx2(); }
