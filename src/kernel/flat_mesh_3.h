@@ -107,6 +107,12 @@ class Mesh {
     std::uint64_t key;  // from << 32 | to, or 0
     Word facet;
   };
+  struct Step {
+    Word slot;
+    Word from;  // the facet come through, 8 at the start
+    bool arrived;
+  };
+  Step walk_surely(const Point& p, Step step) const;
   bool walk(const Point& p, Word start, Located& found);
   Located search(const Point& p, Word start) const;
   Word near_by_chance(const Point& p);

@@ -210,6 +210,58 @@ struct ZoneCode {
     m.zone_vertices_size_ = numbered;
   }
 
+  // Goes on with a walk while all signs are sure and the cells finite and there: four facets at once, and the way on is
+  // data, not a branch. See Step for the start.
+  template <bool split>
+  [[gnu::always_inline]] static Mesh::Step walk(const Mesh& m, const Point& p, Mesh::Step step) {
+    const Cell* const cells = m.cells.data();
+    const auto at = [&](Word v) -> const Point& {
+      if constexpr (split) return m.points[v];
+      return m.points.first(v);
+    };
+    Word random = m.turn_;
+    while (true) {
+      const Cell& c = cells[step.slot];
+      if (c.infinite()) return {step.slot, step.from, true};
+      const Point &a = at(c.v[0]), &b = at(c.v[1]), &d = at(c.v[2]), &e = at(c.v[3]);
+      const Lanes x = Lanes{a.x, b.x, d.x, e.x} - p.x, y = Lanes{a.y, b.y, d.y, e.y} - p.y;
+      const Lanes z = Lanes{a.z, b.z, d.z, e.z} - p.z;
+      // As facet_of: lane i is facet i.
+      const Bits first = {1, 2, 0, 2}, second = {2, 0, 1, 1}, third = {3, 3, 3, 0};
+      const Lanes ax = __builtin_shuffle(x, first), bx = __builtin_shuffle(x, second), cx = __builtin_shuffle(x, third);
+      const Lanes ay = __builtin_shuffle(y, first), by = __builtin_shuffle(y, second), cy = __builtin_shuffle(y, third);
+      const Lanes az = __builtin_shuffle(z, first), bz = __builtin_shuffle(z, second), cz = __builtin_shuffle(z, third);
+      const Lanes det = ax * (by * cz - bz * cy) + bx * (cy * az - cz * ay) + cx * (ay * bz - az * by);
+      const auto most = [](Lanes q) __attribute__((always_inline)) {
+        q = absolute(q);
+        q = larger(q, __builtin_shuffle(q, Bits{2, 3, 0, 1}));
+        return larger(q, __builtin_shuffle(q, Bits{1, 0, 3, 2}));
+      };
+      const Lanes mx = most(x), my = most(y), mz = most(z);
+      const Lanes error = orientation_error * mx * my * mz + underflow;
+      const Lanes largest = larger(larger(mx, my), mz);
+      const Bits behind = det < -error, sure = (absolute(det) > error) & (largest < exact::filter::difference_max);
+      Bits flags = (behind & Bits{1, 2, 4, 8}) | (~sure & Bits{16, 32, 64, 128});
+      flags |= __builtin_shuffle(flags, Bits{2, 3, 0, 1});
+      flags |= __builtin_shuffle(flags, Bits{1, 0, 3, 2});
+      const Word seen = static_cast<Word>(flags[0]) & ~(0x11u << step.from);
+      if (seen >> 4) [[unlikely]]
+        return step;
+      if (seen == 0) return {step.slot, step.from, true};
+      // Starting anywhere, for a fixed order leads around in spirals.
+      random = random * 5 + 1;
+      const Word turn = random >> 16 & 3;
+      const Word i = (static_cast<Word>(__builtin_ctz((seen | seen << 4) >> turn)) + turn) & 3;
+      const Word across = c.n[i];
+      if (across & frozen_bit) [[unlikely]]
+        return step;
+      step = {across >> 2, across & 3, false};
+    }
+  }
+  [[gnu::always_inline]] static Mesh::Step choose_walk(const Mesh& m, const Point& p, Mesh::Step step) {
+    return m.points.in_one_piece() ? walk<false>(m, p, step) : walk<true>(m, p, step);
+  }
+
   [[gnu::always_inline]] static void choose(Mesh& m, const Point& e, Word start) {
     if (m.frozen_) {
       collect<true, true>(m, e, start);
@@ -220,11 +272,16 @@ struct ZoneCode {
     }
   }
   static void plain(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
+  static Mesh::Step walk_plain(const Mesh& m, const Point& p, Mesh::Step step) { return choose_walk(m, p, step); }
 #if defined(__x86_64__)
   [[gnu::target("avx2")]] static void avx2(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
+  [[gnu::target("avx2")]] static Mesh::Step walk_avx2(const Mesh& m, const Point& p, Mesh::Step step) {
+    return choose_walk(m, p, step);
+  }
   static bool has_avx2() { return __builtin_cpu_supports("avx2"); }
 #else
   static void avx2(Mesh& m, const Point& e, Word start) { choose(m, e, start); }
+  static Mesh::Step walk_avx2(const Mesh& m, const Point& p, Mesh::Step step) { return choose_walk(m, p, step); }
   static bool has_avx2() { return false; }
 #endif
 };
@@ -236,6 +293,10 @@ void Mesh::find_zone(const Point& p, Word start) {
   } else {
     ZoneCode::plain(*this, p, start);
   }
+}
+
+Mesh::Step Mesh::walk_surely(const Point& p, Step step) const {
+  return vectors_ ? ZoneCode::walk_avx2(*this, p, step) : ZoneCode::walk_plain(*this, p, step);
 }
 
 void Mesh::use_vectors(bool wanted) { vectors_ = wanted && ZoneCode::has_avx2(); }
