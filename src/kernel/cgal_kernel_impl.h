@@ -14,6 +14,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/check.h"
 #include "src/kernel/brio.h"
 #include "src/kernel/kernel.h"
 
@@ -36,7 +37,7 @@ class CgalKernel final : public Kernel {
   bool is_local(Vertex v) const override { return local_[v] != 0; }
   bool alive(Vertex v) const override { return handles_[v] != Handle(); }
 
-  void build(std::span<const Point> points) override {
+  void build(std::span<const Point> points, KeepPoints) override {
     reset();
     handles_.resize(points.size() + 1);
     local_.assign(points.size() + 1, 1);
@@ -138,6 +139,12 @@ class CgalKernel final : public Kernel {
     }
     for (const Cell c : seen) c->mark = unseen;
     return found;
+  }
+
+  bool can_freeze() const override { return false; }
+  FrozenCells freeze(const std::function<bool(const Vertex*)>&) override {
+    check(false, "this kernel cannot freeze cells");
+    return {};
   }
 
   KernelImage save() const override {
@@ -252,6 +259,7 @@ class CgalKernel final : public Kernel {
     const std::size_t n = image.points.size(), corners = image.cells.vertices.size();
     if (image.local.size() != n || image.alive.size() != n) return false;
     if (image.cells.neighbors.size() != corners || corners % (d + 1) != 0) return false;
+    if (image.frozen != 0) return false;
     if (image.dimension < -1 || image.dimension > d || (image.dimension < d) != (corners == 0)) return false;
     for (const Vertex v : image.cells.vertices) {
       if (v > n || (v > 0 && !image.alive[v - 1])) return false;

@@ -11,6 +11,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <vector>
 
 #include "src/base/point.h"
@@ -22,10 +23,19 @@ inline constexpr Vertex infinite_vertex = 0;
 
 // Cells as arrays of d+1 vertices. Finite cells are positively oriented; an infinite one is what it would be if the
 // infinite vertex stood outside the hull. neighbors[i] is the cell opposite vertices[i], as an index into the same
-// list.
+// list; or, once cells have been frozen, `across_frozen | (d + 1) * f + k`: there lies frozen cell f, which has its
+// facet k (the one opposite its vertex k) in common with this cell.
 struct CellList {
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> neighbors;
+};
+inline constexpr std::uint32_t across_frozen = std::uint32_t{1} << 31;
+
+// Cells that a kernel has handed out and forgotten. Frozen cell f has vertices[(d + 1) * f ...].
+struct FrozenCells {
+  static constexpr std::uint32_t open = ~std::uint32_t{0};  // the cell across this facet stays in the kernel
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> neighbors;  // indices in this list, or open
 };
 
 // Flat arrays that restore a kernel ten times faster than building it.
@@ -35,7 +45,18 @@ struct KernelImage {
   std::vector<std::uint8_t> alive;  // by vertex: 0 once removed
   CellList cells;                   // of dimension() (maximal simplices), infinite ones included
   int dimension = -1;
+  std::uint32_t frozen = 0;  // cells that were frozen, and are not here
 };
+
+// Thrown when a kernel would need more cells or vertices than its indices can number: the kernel can then only be
+// destroyed, built or loaded. The flat kernel holds 2^29 cells, some 79 million points in 3D.
+struct KernelFull : std::length_error {
+  KernelFull() : std::length_error("a tile has more points than a kernel can hold") {}
+};
+
+// Who keeps the points that build() is given. Borrowed ones are read where they are: they must neither move nor change
+// until the kernel is destroyed, built or loaded again. That saves 24 bytes a point.
+enum class KeepPoints : std::uint8_t { copied, borrowed };
 
 enum class InsertMode : std::uint8_t {
   always,
@@ -59,8 +80,8 @@ class Kernel {
   virtual bool is_local(Vertex v) const = 0;
 
   // Builds from scratch; all points are local. `points` are distinct and best in Hilbert order: they are inserted in
-  // BRIO rounds drawn from that order. Vertex i+1 is points[i].
-  virtual void build(std::span<const Point> points) = 0;
+  // BRIO rounds drawn from that order. Vertex i+1 is points[i]. A kernel is free to copy borrowed points.
+  virtual void build(std::span<const Point> points, KeepPoints keep = KeepPoints::copied) = 0;
 
   // Inserts a point labelled `local`. When it is inserted, or refused by `mode`, `around` becomes its neighbours (the
   // finite ones, unsorted, each once): with if_local_neighbour and a refusal, those it would have had.
@@ -87,6 +108,15 @@ class Kernel {
   virtual std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all = nullptr,
                                       std::vector<std::uint8_t>* open = nullptr) = 0;
 
+  // Whether freeze() is there.
+  virtual bool can_freeze() const = 0;
+  // Takes out the cells that explore() would not return, and forgets them: the kernel is then as small as what is left.
+  // From then on the caller sees to it that no point is in conflict with a frozen cell, no vertex of one is removed, and
+  // neither star() nor neighbours() is asked of a vertex that has frozen cells. cells() tells what lies across the
+  // facets of the hole.
+  // REQUIRES: can_freeze(), dimension() == max_dimension(), nothing was frozen since build() or load().
+  virtual FrozenCells freeze(const std::function<bool(const Vertex*)>& settled) = 0;
+
   virtual KernelImage save() const = 0;
   // Replaces the content. The image must come from save(): it is checked for range, not for geometry; false if it
   // cannot be a triangulation.
@@ -96,7 +126,7 @@ class Kernel {
   virtual std::size_t memory() const = 0;
 };
 
-enum class KernelKind : std::uint8_t { cgal };
+enum class KernelKind : std::uint8_t { cgal, flat };  // flat: in 3D
 
 std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind = KernelKind::cgal);
 
