@@ -44,7 +44,7 @@ TEST_P(Spanning, InsertionInAnyOrderEqualsBuilding) {
   std::iota(as_given.begin(), as_given.end(), 0);  // in some clouds flat for long
   std::vector<Vertex> around;
   for (const auto& order : {as_given, shuffled(cloud.points.size(), 1), shuffled(cloud.points.size(), 2)}) {
-    const auto kernel = make_kernel(cloud.dimension);
+    const auto kernel = make_kernel(cloud.dimension, cloud.kind);
     std::vector<std::uint64_t> ids;
     for (const std::size_t i : order) {
       const Insertion made = kernel->insert(cloud.points[i], i % 2 == 0, InsertMode::always, around);
@@ -64,7 +64,7 @@ TEST_P(Spanning, InsertionAfterBuildingEqualsBuildingAll) {
   for (const std::size_t first : {order.size() / 3, order.size() / 2, order.size() - 1}) {
     std::vector<Point> some;
     for (std::size_t k = 0; k < first; ++k) some.push_back(cloud.points[order[k]]);
-    const auto kernel = make_kernel(cloud.dimension);
+    const auto kernel = make_kernel(cloud.dimension, cloud.kind);
     kernel->build(some);
     std::vector<Vertex> around;
     for (std::size_t k = first; k < order.size(); ++k) {
@@ -77,7 +77,7 @@ TEST_P(Spanning, InsertionAfterBuildingEqualsBuildingAll) {
 
 TEST_P(Spanning, AroundAreTheNeighboursOfTheNewVertex) {
   const KernelCloud& cloud = GetParam();
-  const auto kernel = make_kernel(cloud.dimension);
+  const auto kernel = make_kernel(cloud.dimension, cloud.kind);
   std::vector<Vertex> around, neighbours;
   for (const std::size_t i : shuffled(cloud.points.size(), 4)) {
     const bool flat = kernel->dimension() < cloud.dimension;
@@ -100,7 +100,7 @@ TEST_P(Spanning, APointIsRefusedExactlyIfItWouldHaveNoLocalNeighbour) {
     (locals.size() < order.size() / 4 && cloud.points[i].x <= cloud.points[order[0]].x ? locals : others)
         .push_back(cloud.points[i]);
   }
-  const auto kernel = make_kernel(cloud.dimension);
+  const auto kernel = make_kernel(cloud.dimension, cloud.kind);
   kernel->build(locals);
   std::vector<Vertex> around, would_have;
   std::size_t refused = 0, inserted = 0;
@@ -110,7 +110,7 @@ TEST_P(Spanning, APointIsRefusedExactlyIfItWouldHaveNoLocalNeighbour) {
       continue;
     }
     // Every other foreign point goes in regardless, so that there are foreign neighbourhoods at all.
-    const auto copy = copy_of(*kernel, cloud.dimension);
+    const auto copy = copy_of(*kernel, cloud);
     ASSERT_TRUE(copy);
     const Insertion reference = copy->insert(others[i], false, InsertMode::always, would_have);
     copy->neighbours(reference.vertex, would_have);
@@ -184,7 +184,7 @@ TEST_P(Spanning, TheStarsOfAllVerticesAreTheCells) {
 TEST_P(Flat, BuildingAndInsertingTellTheDimension) {
   const KernelCloud& cloud = GetParam();
   const auto kernel = built(cloud);
-  const auto one_by_one = make_kernel(cloud.dimension);
+  const auto one_by_one = make_kernel(cloud.dimension, cloud.kind);
   std::vector<Vertex> around;
   for (const Point& p : cloud.points) {
     EXPECT_TRUE(one_by_one->insert(p, false, InsertMode::if_local_neighbour, around).inserted);

@@ -21,12 +21,12 @@ TEST_P(Image, LoadsAsWhatWasSavedAndGoesOnAlike) {
   const KernelCloud& cloud = GetParam();
   // Some vertices foreign, some removed, some still to come.
   const std::size_t first = cloud.points.size() * 3 / 4;
-  const auto kernel = make_kernel(cloud.dimension);
+  const auto kernel = make_kernel(cloud.dimension, cloud.kind);
   std::vector<Vertex> around, around_copy;
   for (std::size_t i = 0; i < first; ++i) kernel->insert(cloud.points[i], i % 3 != 0, InsertMode::always, around);
   for (Vertex v = 2; v <= kernel->vertices() && kernel->vertices() > 20; v += 9) kernel->remove(v);
 
-  const auto copy = make_kernel(cloud.dimension);
+  const auto copy = make_kernel(cloud.dimension, cloud.kind);
   copy->build(std::vector<Point>{{7, 7, 0}, {8, 9, 0}});  // is replaced
   ASSERT_TRUE(copy->load(kernel->save()));
   const auto expect_equal = [&] {
@@ -65,7 +65,7 @@ TEST_P(Image, LoadsAsWhatWasSavedAndGoesOnAlike) {
 TEST_P(Image, IsRefusedWhenDamaged) {
   const KernelCloud& cloud = GetParam();
   const KernelImage good = built(cloud)->save();
-  const auto kernel = make_kernel(cloud.dimension);
+  const auto kernel = make_kernel(cloud.dimension, cloud.kind);
   const auto refused = [&](auto&& damage) {
     KernelImage bad = good;
     damage(bad);

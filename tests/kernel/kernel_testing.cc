@@ -45,32 +45,41 @@ std::vector<Point> line(int n) {
   return list;
 }
 
+std::vector<KernelCloud> for_all_kernels(std::vector<KernelCloud> clouds) {
+  const std::size_t n = clouds.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    clouds.push_back(clouds[i]);
+    clouds.back().kind = KernelKind::flat;
+  }
+  return clouds;
+}
+
 std::vector<KernelCloud> make_spanning() {
   std::vector<KernelCloud> clouds;
   for (const int d : {2, 3}) {
     for (const auto& kind : cloud_kinds()) {
-      KernelCloud cloud{kind, d, {}};
+      KernelCloud cloud{kind, d, {}, KernelKind::cgal};
       for (const LocalPoint& p : make_cloud(kind, d, 250, 42)) cloud.points.push_back(p.at);
       clouds.push_back(std::move(cloud));
     }
-    clouds.push_back({"line_first", d, joined(line(20), lattice(5, 4, d == 3 ? 3 : 1, 3, [](const Point& p) {
-                                                return p != Point{0, 0, 0};
-                                              }))});
+    clouds.push_back(KernelCloud{"line_first", d, joined(line(20), lattice(5, 4, d == 3 ? 3 : 1, 3, [](const Point& p) {
+                                                           return p != Point{0, 0, 0};
+                                                         }))});
   }
-  clouds.push_back({"square", 2, lattice(2, 2, 1, 1)});
-  clouds.push_back({"grid", 2, lattice(15, 15, 1, 2)});
-  clouds.push_back({"cube", 3, lattice(2, 2, 2, 1)});
-  clouds.push_back({"grid", 3, lattice(6, 6, 6, 2)});
-  clouds.push_back({"sphere_int", 3, lattice(19, 19, 19, 4, [](const Point& p) {
-                      const double x = p.x - 9, y = p.y - 9, z = p.z - 9;
-                      return x * x + y * y + z * z == 81;
-                    })});
-  clouds.push_back(
-      {"plane_first", 3, joined(lattice(8, 8, 1, 6), lattice(4, 4, 3, 7, [](const Point& p) { return p.z > 0; }))});
-  clouds.push_back({"plane_and_one", 3, joined(lattice(9, 9, 1, 8), {{4.25, 4.25, 0x1p-60}})});
-  clouds.push_back({"denormal", 3, {}});
+  clouds.push_back(KernelCloud{"square", 2, lattice(2, 2, 1, 1)});
+  clouds.push_back(KernelCloud{"grid", 2, lattice(15, 15, 1, 2)});
+  clouds.push_back(KernelCloud{"cube", 3, lattice(2, 2, 2, 1)});
+  clouds.push_back(KernelCloud{"grid", 3, lattice(6, 6, 6, 2)});
+  clouds.push_back(KernelCloud{"sphere_int", 3, lattice(19, 19, 19, 4, [](const Point& p) {
+                                 const double x = p.x - 9, y = p.y - 9, z = p.z - 9;
+                                 return x * x + y * y + z * z == 81;
+                               })});
+  clouds.push_back(KernelCloud{
+      "plane_first", 3, joined(lattice(8, 8, 1, 6), lattice(4, 4, 3, 7, [](const Point& p) { return p.z > 0; }))});
+  clouds.push_back(KernelCloud{"plane_and_one", 3, joined(lattice(9, 9, 1, 8), {{4.25, 4.25, 0x1p-60}})});
+  clouds.push_back(KernelCloud{"denormal", 3, {}});
   for (const Point& p : lattice(5, 5, 5, 9)) clouds.back().points.push_back({p.x * 5e-324, p.y * 5e-324, p.z * 5e-324});
-  return clouds;
+  return for_all_kernels(std::move(clouds));
 }
 
 std::vector<KernelCloud> make_flat() {
@@ -78,15 +87,16 @@ std::vector<KernelCloud> make_flat() {
   const std::vector<Point> few{{1, 2, 0}, {4, 2, 0}, {3, 7, 0}};
   for (const int d : {2, 3}) {
     for (std::size_t n = 0; n <= static_cast<std::size_t>(d); ++n) {
-      clouds.push_back({"points" + std::to_string(n), d, {few.begin(), few.begin() + static_cast<std::ptrdiff_t>(n)}});
+      clouds.push_back(
+          KernelCloud{"points" + std::to_string(n), d, {few.begin(), few.begin() + static_cast<std::ptrdiff_t>(n)}});
     }
-    clouds.push_back({"line", d, line(50)});
+    clouds.push_back(KernelCloud{"line", d, line(50)});
   }
-  clouds.push_back({"plane", 3, lattice(7, 7, 1, 2)});
+  clouds.push_back(KernelCloud{"plane", 3, lattice(7, 7, 1, 2)});
   std::vector<Point> tilted;
   for (const Point& p : lattice(6, 6, 1, 2)) tilted.push_back({p.x, p.y, 3 * p.x - 5 * p.y + 7});
-  clouds.push_back({"tilted", 3, tilted});
-  return clouds;
+  clouds.push_back(KernelCloud{"tilted", 3, tilted});
+  return for_all_kernels(std::move(clouds));
 }
 
 }  // namespace
@@ -101,7 +111,9 @@ const std::vector<KernelCloud>& flat_clouds() {
   return clouds;
 }
 
-std::string name_of_cloud(const KernelCloud& cloud) { return cloud.name + std::to_string(cloud.dimension); }
+std::string name_of_cloud(const KernelCloud& cloud) {
+  return cloud.name + std::to_string(cloud.dimension) + (cloud.kind == KernelKind::flat ? "_flat" : "");
+}
 
 std::ostream& operator<<(std::ostream& out, const KernelCloud& cloud) {
   return out << cloud.points.size() << " points of " << name_of_cloud(cloud);
@@ -189,13 +201,13 @@ std::string wrong_with(const Kernel& kernel) {
 }
 
 std::unique_ptr<Kernel> built(const KernelCloud& cloud) {
-  auto kernel = make_kernel(cloud.dimension);
+  auto kernel = make_kernel(cloud.dimension, cloud.kind);
   kernel->build(cloud.points);
   return kernel;
 }
 
-std::unique_ptr<Kernel> copy_of(const Kernel& kernel, int dimension) {
-  auto copy = make_kernel(dimension);
+std::unique_ptr<Kernel> copy_of(const Kernel& kernel, const KernelCloud& cloud) {
+  auto copy = make_kernel(cloud.dimension, cloud.kind);
   return copy->load(kernel.save()) ? std::move(copy) : nullptr;
 }
 

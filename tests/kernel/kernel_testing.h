@@ -16,9 +16,11 @@ struct KernelCloud {
   std::string name;
   int dimension = 3;
   std::vector<Point> points;  // distinct
+  KernelKind kind = KernelKind::cgal;
 };
 
-// Random kinds, whole lattices, and sets that begin flat: coplanar or collinear points first, then others.
+// Each for every kernel: random kinds, whole lattices, and sets that begin flat: coplanar or collinear points first,
+// then others.
 const std::vector<KernelCloud>& spanning_clouds();
 // 0 to d points, collinear and coplanar ones.
 const std::vector<KernelCloud>& flat_clouds();
@@ -39,7 +41,7 @@ std::vector<IdCell> reference(const std::vector<Point>& points, int dimension);
 std::string wrong_with(const Kernel& kernel);
 
 std::unique_ptr<Kernel> built(const KernelCloud& cloud);
-std::unique_ptr<Kernel> copy_of(const Kernel& kernel, int dimension);
+std::unique_ptr<Kernel> copy_of(const Kernel& kernel, const KernelCloud& cloud);
 
 // 0..n-1 shuffled.
 std::vector<std::size_t> shuffled(std::size_t n, std::uint64_t seed);

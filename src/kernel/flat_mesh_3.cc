@@ -1,0 +1,308 @@
+#include "src/kernel/flat_mesh_3.h"
+
+#include <algorithm>
+
+#include "src/base/check.h"
+#include "src/kernel/flat_predicates_3.h"
+
+namespace tessera::flat {
+
+void Points::borrow(std::span<const Point> points) {
+  own_.clear();
+  low_ = high_ = points.data() - 1;
+  size_ = borrowed_ = static_cast<Vertex>(points.size());
+}
+
+void Points::copy(std::span<const Point> points) {
+  own_.clear();
+  own_.resize(points.size());
+  std::copy(points.begin(), points.end(), own_.data());
+  low_ = high_ = own_.data() - 1;
+  size_ = borrowed_ = static_cast<Vertex>(points.size());
+}
+
+Vertex Points::add(const Point& p) {
+  if (size_ >= vertices_max) throw KernelFull();
+  const bool all_own = own_.size() == size_;
+  own_.push_back(p);
+  ++size_;
+  if (all_own) {
+    low_ = high_ = own_.data() - 1;
+    borrowed_ = size_;
+  } else {
+    high_ = own_.data() - 1 - borrowed_;
+  }
+  return size_;
+}
+
+void Mesh::clear() {
+  drop_cells();
+  points.copy({});
+  number_.clear();
+}
+
+void Mesh::drop_cells() {
+  cells.clear();
+  free_.clear();
+  incident_.clear();
+  indexed_ = frozen_ = false;
+  last_ = 0;
+}
+
+Array<Cell> Mesh::take_cells() {
+  Array<Cell> taken = std::move(cells);
+  drop_cells();
+  return taken;
+}
+
+void Mesh::start(std::array<Vertex, 4> v) {
+  const int side = orientation(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
+  check(side != 0 && !started(), "a triangulation starts with four points that are not coplanar");
+  if (side < 0) std::swap(v[0], v[1]);
+  simplex = v;
+  cells.reserve(8 * std::size_t{points.size()} + 64);
+  cells.resize(5);
+  Cell& inner = cells[0];
+  for (Word i = 0; i < 4; ++i) inner.v[i] = v[i];
+  // With v[i], which is inside, in front of facet i it is positive; so it is with the infinite vertex behind it.
+  for (Word i = 0; i < 4; ++i) {
+    const auto& f = facet_of[i];
+    cells[1 + i].v[0] = v[f[0]];
+    cells[1 + i].v[1] = v[f[1]];
+    cells[1 + i].v[2] = v[f[2]];
+    cells[1 + i].v[3] = infinite_vertex;
+  }
+  for (Word c = 0; c < 5; ++c) {
+    for (Word i = 0; i < 4; ++i) {  // the neighbour is the other cell with the three vertices other than v[i]
+      for (Word d = 0; d < 5; ++d) {
+        if (d == c) continue;
+        Word missing = 0, where = 0;
+        for (Word k = 0; k < 4; ++k) {
+          const bool shared = std::any_of(cells[c].v, cells[c].v + 4,
+                                          [&](const Word& w) { return &w != &cells[c].v[i] && w == cells[d].v[k]; });
+          if (!shared) ++missing, where = k;
+        }
+        if (missing == 1) cells[c].n[i] = 4 * d + where;
+      }
+    }
+  }
+  last_ = 0;
+}
+
+bool Mesh::conflicts(const Point& p, Word cell) const {
+  const Cell& c = cells[cell];
+  const Vertex v0 = c.v[0] & vertex_mask;
+  const Point &a = points[v0], &b = points[c.v[1]], &d = points[c.v[2]];
+  if (!c.infinite()) return in_sphere(a, b, d, points[c.v[3]], p) > 0;
+  const int side = orientation(p, a, b, d);  // positive: on the side of the hull
+  if (side != 0) return side < 0;
+  // In the plane of the facet the circle decides, with the same perturbation. It is where any sphere through the facet
+  // meets the plane, and the fourth point of the sphere never decides a tie: with p in its place nothing is spanned.
+  for (const Vertex s : simplex) {
+    const Point& apex = points[s];
+    const int up = orientation(apex, a, b, d);
+    if (up > 0) return in_sphere(apex, a, b, d, p) > 0;
+    if (up < 0) return in_sphere(apex, b, a, d, p) > 0;
+  }
+  check(false, "four vertices span the space");
+  return false;
+}
+
+void Mesh::number_vertices() {
+  if (number_.size() <= points.size() + std::size_t{1}) number_.resize(points.size() + points.size() / 2 + 64);
+  if (zone_vertices_.size() < 3 * facets_size_) zone_vertices_.resize(6 * facets_size_);
+  Vertex* const list = zone_vertices_.data();
+  std::size_t n = 0;
+  for (std::size_t f = 0; f < facets_size_; ++f) {
+    for (const Word v : facets_[f].v) {
+      list[n] = v;
+      const bool is_new = number_[v] == 0;
+      n += is_new;
+      number_[v] = is_new ? static_cast<std::uint8_t>(std::min<std::size_t>(n, 255)) : number_[v];
+    }
+  }
+  zone_vertices_size_ = n;
+}
+
+Word Mesh::new_slot() {
+  if (!free_.empty()) {
+    const Word slot = free_.back();
+    free_.pop_back();
+    return slot;
+  }
+  if (cells.size() >= cells_max) throw KernelFull();
+  cells.resize(cells.size() + 1);
+  return static_cast<Word>(cells.size() - 1);
+}
+
+void Mesh::fill(Vertex v) {
+  const Word facets = static_cast<Word>(facets_size_);
+  if (slots_.size() < facets) slots_.resize(2 * facets);
+  const Word reused = std::min(facets, static_cast<Word>(zone_size_));
+  std::copy(zone_.begin(), zone_.begin() + reused, slots_.begin());
+  for (Word f = reused; f < facets; ++f) slots_[f] = new_slot();
+  for (std::size_t z = reused; z < zone_size_; ++z) {
+    cells[zone_[z]].v[0] = dead_vertex;
+    free_.push_back(zone_[z]);
+  }
+  for (Word f = 0; f < facets; ++f) {
+    const Facet& facet = facets_[f];
+    const Word slot = slots_[f];
+    Cell& cell = cells[slot];
+    cell.v[0] = v;
+    cell.v[1] = facet.v[0];
+    cell.v[2] = facet.v[1];
+    cell.v[3] = facet.v[2];
+    cell.n[0] = facet.across;
+    if (facet.across & frozen_bit) continue;
+    Cell& outside = cells[facet.across >> 2];
+    outside.v[0] &= vertex_mask;
+    outside.n[facet.across & 3] = 4 * slot;
+  }
+  if (zone_vertices_size_ < small) {
+    link_small(facets);
+  } else {
+    link_large(facets);
+  }
+  for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
+  if (indexed_) {
+    while (incident_.size() <= v) incident_.push_back(0);
+    incident_[v] = slots_[0];
+    for (Word f = 0; f < facets; ++f) {
+      for (const Word w : facets_[f].v) incident_[w] = slots_[f];
+    }
+  }
+  last_ = slots_[facets - 1];
+}
+
+void Mesh::link_small(Word facets) {
+  for (Word f = 0; f < facets; ++f) {
+    const Facet& facet = facets_[f];
+    const std::size_t a = number_[facet.v[0]], b = number_[facet.v[1]], c = number_[facet.v[2]];
+    const Word slot = 4 * slots_[f];
+    table_[b * small + c] = slot + 1;
+    table_[c * small + a] = slot + 2;
+    table_[a * small + b] = slot + 3;
+  }
+  for (Word f = 0; f < facets; ++f) {
+    const Facet& facet = facets_[f];
+    const std::size_t a = number_[facet.v[0]], b = number_[facet.v[1]], c = number_[facet.v[2]];
+    Cell& cell = cells[slots_[f]];
+    cell.n[1] = table_[c * small + b];
+    cell.n[2] = table_[a * small + c];
+    cell.n[3] = table_[b * small + a];
+  }
+}
+
+void Mesh::link_large(Word facets) {
+  std::size_t size = 1024;
+  while (size < 6 * std::size_t{facets}) size *= 2;
+  edges_.assign(size, {0, 0});
+  const auto find = [&](Word from, Word to) -> Edge& {
+    const std::uint64_t key = std::uint64_t{from} << 32 | to;
+    std::size_t i = (key * 0x9e3779b97f4a7c15u ^ key >> 29) * 0xbf58476d1ce4e5b9u >> 32;
+    for (i &= size - 1; edges_[i].key != 0 && edges_[i].key != key; i = (i + 1) & (size - 1)) {
+    }
+    edges_[i].key = key;  // never 0: only one of the two is the infinite vertex
+    return edges_[i];
+  };
+  for (Word f = 0; f < facets; ++f) {
+    const auto& v = facets_[f].v;
+    for (Word k = 0; k < 3; ++k) find(v[(k + 1) % 3], v[(k + 2) % 3]).facet = 4 * slots_[f] + 1 + k;
+  }
+  for (Word f = 0; f < facets; ++f) {
+    const auto& v = facets_[f].v;
+    for (Word k = 0; k < 3; ++k) cells[slots_[f]].n[1 + k] = find(v[(k + 2) % 3], v[(k + 1) % 3]).facet;
+  }
+}
+
+void Mesh::leave() {
+  for (std::size_t f = 0; f < facets_size_; ++f) {
+    const Word across = facets_[f].across;
+    if (!(across & frozen_bit)) cells[across >> 2].v[0] &= vertex_mask;
+  }
+  for (std::size_t z = 0; z < zone_size_; ++z) cells[zone_[z]].v[0] &= vertex_mask;
+  for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
+  last_ = zone_[0];
+}
+
+void Mesh::insert(Vertex v) {
+  const Point p = points[v];
+  const Located found = locate(p);
+  check(found.same == 0, "the points of a kernel are distinct");
+  find_zone(p, found.cell);
+  fill(v);
+}
+
+Word Mesh::incident(Vertex v) const {
+  if (!indexed_) {
+    incident_.resize(points.size() + std::size_t{1});
+    for (Word c = 0; c < cells.size(); ++c) {
+      if (cells[c].dead()) continue;
+      for (const Word w : cells[c].v) incident_[w] = c;
+    }
+    indexed_ = true;
+  }
+  return incident_[v];
+}
+
+void Mesh::around(Vertex v, std::vector<Word>& found) const {
+  found.assign(1, incident(v));
+  // Marks are for the time of this call only: a const mesh looks the same before and after.
+  Cell* const all = const_cast<Cell*>(cells.data());
+  all[found[0]].v[0] |= mark_in;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Word slot = found[k];
+    for (int i = 0; i < 4; ++i) {
+      if (vertex(slot, i) == v) continue;
+      const Word next = all[slot].n[i] >> 2;
+      if (all[next].v[0] > vertex_mask) continue;
+      all[next].v[0] |= mark_in;
+      found.push_back(next);
+    }
+  }
+  for (const Word slot : found) all[slot].v[0] &= vertex_mask;
+}
+
+void Mesh::rebuild() {
+  indexed_ = false;
+  free_.clear();
+  last_ = 0;
+  for (Word c = 0; c < cells.size(); ++c) {
+    if (cells[c].dead()) {
+      free_.push_back(c);
+    } else {
+      last_ = c;
+    }
+  }
+}
+
+void Mesh::compact() {
+  while (!free_.empty()) {
+    const Word last = static_cast<Word>(cells.size() - 1);
+    if (cells[last].dead()) {
+      cells.resize(last);
+      free_.erase(std::find(free_.begin(), free_.end(), last));
+      continue;
+    }
+    const Word slot = free_.back();
+    free_.pop_back();
+    cells[slot] = cells[last];
+    for (Word i = 0; i < 4; ++i) {
+      const Word across = cells[slot].n[i];
+      if (!(across & frozen_bit)) cells[across >> 2].n[across & 3] = 4 * slot + i;
+    }
+    cells.resize(last);
+    if (last_ == last) last_ = slot;
+    indexed_ = false;
+  }
+}
+
+std::size_t Mesh::memory() const {
+  return points.memory() + cells.bytes() + number_.capacity() + incident_.bytes() +
+         4 * (free_.capacity() + zone_.capacity() + pending_.capacity() + slots_.capacity() +
+              zone_vertices_.capacity()) +
+         sizeof(Facet) * facets_.capacity() + sizeof(Edge) * edges_.capacity() + sizeof(*this);
+}
+
+}  // namespace tessera::flat
