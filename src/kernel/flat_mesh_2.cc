@@ -1,6 +1,7 @@
 #include "src/kernel/flat_mesh_2.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "src/base/check.h"
 #include "src/kernel/exact_predicates.h"
@@ -77,29 +78,79 @@ bool Mesh::conflicts(const Point& p, const Triangle& t) const {
 }
 
 // In 2D a conflict zone has no vertex inside, so its triangles and their common edges are a tree: none is met twice,
-// and going through it depth first, counterclockwise, gives the boundary in order.
-void Mesh::find_zone(const Point& p, Word start) {
-  zone_.clear();
-  boundary_.clear();
-  pending_.clear();
-  zone_.push_back(start);
-  const Triangle& first = triangles[start];
-  pending_.push_back({first.n[1], first.v[2]});
-  pending_.push_back({first.n[0], first.v[1]});
-  pending_.push_back({first.n[2], first.v[0]});
-  while (!pending_.empty()) {
-    const Edge edge = pending_.back();
-    pending_.pop_back();
-    const Word slot = edge.across >> 2, i = edge.across & 3;
-    if ((edge.across & frozen_bit) || !conflicts(p, triangles[slot])) {
-      boundary_.push_back(edge);
+// and going through it depth first, counterclockwise, gives the boundary in order. Both edges of a triangle are asked
+// before either answer is used: answers cannot be foreseen, and so two are waited for at once.
+void Mesh::find_zone(const Point& query, Word start) {
+  const Point p = query;
+  const Triangle* const all = triangles.data();
+  const Point* const points = points_;
+  if (near_.size() < 64) near_.resize(64), pending_.resize(64), boundary_.resize(64), zone_.resize(64);
+  Near* near = near_.data();
+  Pending* pending = pending_.data();
+  Word near_size = 0;
+  std::size_t size = 0, zone_size = 0, boundary_size = 0;
+
+  const auto add_near = [&](Vertex v) {
+    Near& c = near[near_size++];
+    c.v = v;
+    if (v == infinite_vertex) [[unlikely]]
+      return;
+    const double x = points[v - 1].x - p.x, y = points[v - 1].y - p.y;
+    c.x = x, c.y = y, c.lift = x * x + y * y;
+  };
+  // Puts the edge from a to b on the stack, with the answer whether the triangle across it is in conflict.
+  const auto ask = [&](Word across, Word a_index, Word b_index) __attribute__((always_inline)) {
+    Pending& edge = pending[size++];
+    edge.across = across, edge.a = a_index, edge.b = b_index, edge.c = near_size;
+    if (across & frozen_bit) [[unlikely]] {
+      edge.in_conflict = false;
+      return;
+    }
+    const Triangle& t = all[across >> 2];  // (c, b, a)
+    const Near &a = near[a_index], &b = near[b_index], &c = near[near_size];
+    add_near(t.v[across & 3]);
+    if (c.v == infinite_vertex || a.v == infinite_vertex || b.v == infinite_vertex) [[unlikely]] {
+      edge.in_conflict = conflicts_with_hull(p, t);
+      return;
+    }
+    // As exact::filter::incircle, with the largest lift in place of the product of the largest x and y.
+    const double det =
+        a.lift * (c.x * b.y - b.x * c.y) + c.lift * (b.x * a.y - a.x * b.y) + b.lift * (a.x * c.y - c.x * a.y);
+    const double lift = std::max(std::max(a.lift, b.lift), c.lift);
+    const double error = 70 * exact::filter::u * (lift * lift) + exact::filter::underflow;
+    if (std::abs(det) > error && lift < exact::filter::lift_max) [[likely]] {
+      edge.in_conflict = det > 0;
+    } else {
+      edge.in_conflict = exact::incircle_perturbed(point(t.v[0]), point(t.v[1]), point(t.v[2]), p) > 0;
+    }
+  };
+
+  zone_[zone_size++] = start;
+  const Triangle& first = all[start];
+  for (const Vertex v : first.v) add_near(v);
+  ask(first.n[1], 2, 0);
+  ask(first.n[0], 1, 2);
+  ask(first.n[2], 0, 1);
+  while (size > 0) {
+    const Pending& edge = pending[--size];
+    const Word across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // one by one: they were just stored like that
+    if (!edge.in_conflict) {
+      boundary_[boundary_size++] = {across, near[a].v};
       continue;
     }
-    zone_.push_back(slot);
-    const Triangle& t = triangles[slot];
-    pending_.push_back({t.n[before[i]], t.v[i]});
-    pending_.push_back({t.n[next_of[i]], edge.from});
+    const Word slot = across >> 2, i = across & 3;
+    zone_[zone_size++] = slot;
+    if (near_size + 4 > near_.size()) [[unlikely]] {  // bounds all the others
+      const std::size_t n = 2 * near_.size();
+      near_.resize(n), pending_.resize(n), boundary_.resize(n), zone_.resize(n);
+      near = near_.data(), pending = pending_.data();
+    }
+    const Triangle& t = all[slot];
+    ask(t.n[before[i]], c, b);
+    ask(t.n[next_of[i]], a, c);
   }
+  zone_size_ = zone_size;
+  boundary_size_ = boundary_size;
 }
 
 Word Mesh::new_slot() {
@@ -115,23 +166,31 @@ Word Mesh::new_slot() {
 
 // A boundary of k edges encloses k - 2 triangles and takes k new ones: (v, from, from of the next edge).
 void Mesh::fill(Vertex v) {
-  const std::size_t k = boundary_.size();
-  zone_.push_back(new_slot());
-  zone_.push_back(new_slot());
+  const std::size_t k = boundary_size_;
+  zone_[k - 2] = new_slot();
+  zone_[k - 1] = new_slot();
   Triangle* const all = triangles.data();
+  const Word* const slots = zone_.data();
+  const Edge* const edges = boundary_.data();
+  Word previous = slots[k - 1], slot = slots[0];
+  Vertex from = edges[0].from;
   for (std::size_t e = 0; e < k; ++e) {
-    const std::size_t next = e + 1 < k ? e + 1 : 0, previous = e > 0 ? e - 1 : k - 1;
-    const Word slot = zone_[e], across = boundary_[e].across;
-    const Word right = 4 * zone_[next] + 2, left = 4 * zone_[previous] + 1;
-    const Vertex from = boundary_[e].from, to = boundary_[next].from;
-    all[slot] = {{v, from, to}, State::plain, {across, right, left}};
-    if (!(across & frozen_bit)) all[across >> 2].n[across & 3] = 4 * slot;
+    const std::size_t after = e + 1 < k ? e + 1 : 0;
+    const Word across = edges[e].across, next = slots[after];
+    const Vertex to = edges[after].from;
+    Triangle& t = all[slot];
+    t.v[0] = v, t.v[1] = from, t.v[2] = to;
+    t.state = State::plain;
+    t.n[0] = across, t.n[1] = 4 * next + 2, t.n[2] = 4 * previous + 1;
+    if (!(across & frozen_bit)) [[likely]]
+      all[across >> 2].n[across & 3] = 4 * slot;
+    previous = slot, slot = next, from = to;
   }
-  last_ = zone_[k - 1];
+  last_ = slots[k - 1];
   if (!indexed_) return;
   if (incident_.size() <= vertices_) incident_.resize(vertices_ + std::size_t{1});
   incident_[v] = last_;
-  for (std::size_t e = 0; e < k; ++e) incident_[boundary_[e].from] = zone_[e];
+  for (std::size_t e = 0; e < k; ++e) incident_[edges[e].from] = slots[e];
 }
 
 void Mesh::insert(Vertex v) {
@@ -179,7 +238,7 @@ void Mesh::rebuild() {
 
 std::size_t Mesh::memory() const {
   return triangles.bytes() + own_.bytes() + incident_.bytes() + (free_.capacity() + zone_.capacity()) * sizeof(Word) +
-         (boundary_.capacity() + pending_.capacity()) * sizeof(Edge);
+         boundary_.capacity() * sizeof(Edge) + pending_.capacity() * sizeof(Pending) + near_.capacity() * sizeof(Near);
 }
 
 // The hole is filled by the triangles, in conflict with the vertex, of the triangulation of the points around it.
@@ -228,7 +287,7 @@ bool Mesh::remove(Vertex v) {
     free_.push_back(slot);
   }
   const auto name = [&](Vertex i) { return i == infinite_vertex ? infinite_vertex : near[i - 1]; };
-  const auto& zone = small.zone_;
+  const auto zone = small.zone();
   std::vector<Word> slots;
   for (std::size_t z = 0; z < zone.size(); ++z) slots.push_back(new_slot());
   const auto slot_of = [&](Word z) {

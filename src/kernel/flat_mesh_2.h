@@ -66,9 +66,9 @@ class Mesh {
   // Collects the conflict zone of p from a triangle in it: its boundary, in counterclockwise order.
   void find_zone(const Point& p, Word start);
   // The vertex at which boundary edge k begins, for k below boundary_size(); each once, the infinite one included.
-  std::size_t boundary_size() const { return boundary_.size(); }
+  std::size_t boundary_size() const { return boundary_size_; }
   Vertex boundary_vertex(std::size_t k) const { return boundary_[k].from; }
-  std::span<const Word> zone() const { return zone_; }
+  std::span<const Word> zone() const { return {zone_.data(), zone_size_}; }
   // Joins the boundary of the zone to v, whose zone it is.
   void fill(Vertex v);
   // Forgets the zone; the next walk starts here.
@@ -92,6 +92,15 @@ class Mesh {
     Word across;
     Vertex from;
   };
+  struct Near {  // a vertex of the zone or next to it, relative to the new point
+    double x, y, lift;
+    Vertex v;
+  };
+  struct Pending {  // an edge of the zone found so far, from a to b, with the vertex c beyond; indices in near_
+    Word across;
+    Word a, b, c;
+    bool in_conflict;  // the triangle beyond
+  };
   bool walk(const Point& p, Word start, Located& found) const;
   Located search(const Point& p) const;
   bool conflicts_with_hull(const Point& p, const Triangle& t) const;
@@ -104,10 +113,12 @@ class Mesh {
   Vertex vertices_ = 0;
   Array<Point> own_;
   bool borrowed_ = false;
-  std::vector<Word> free_;        // slots without a triangle
-  std::vector<Word> zone_;        // the triangles in conflict
-  std::vector<Edge> boundary_;    // of the zone
-  std::vector<Edge> pending_;     // edges of the zone found so far, the next on top
+  std::vector<Word> free_;      // slots without a triangle
+  std::vector<Word> zone_;      // [0, zone_size_): the triangles in conflict
+  std::vector<Edge> boundary_;  // [0, boundary_size_): of the zone
+  std::size_t zone_size_ = 0, boundary_size_ = 0;
+  std::vector<Pending> pending_;  // scratch of find_zone, as the next
+  std::vector<Near> near_;
   mutable Array<Word> incident_;  // by vertex
   mutable bool indexed_ = false;  // incident_ is up to date
   Word last_ = 0;                 // where the last insertion was

@@ -1,5 +1,6 @@
 // Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
 // (De Floriani, Falcidieno, Nagy, Pienovi 1991).
+#include <cmath>
 #include <limits>
 
 #include "src/base/check.h"
@@ -26,38 +27,54 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
-  // p is on the inner side of edge `from`, which does not need to be asked; in the first triangle nothing is known.
-  const auto side = [&](const Triangle& t, Word i) {
-    return exact::orient2(point(t.v[next_of[i]]), point(t.v[before[i]]), p);
-  };
   Word from = 0;
-  if (const Triangle& t = all[slot]; side(t, 0) < 0) {
+  if (const Triangle& t = all[slot]; exact::orient2(point(t.v[1]), point(t.v[2]), p) < 0) {
     if (t.n[0] & frozen_bit) return false;
     slot = t.n[0] >> 2;
     from = t.n[0] & 3;
   }
+  // p is on the inner side of edge `from`, which goes from r to l; both are relative to p.
+  struct Vector {
+    double x, y;
+  };
+  const auto relative = [&](Vertex v) { return Vector{point(v).x - p.x, point(v).y - p.y}; };
+  Vector r = relative(all[slot].v[next_of[from]]), l = relative(all[slot].v[before[from]]);
   while (true) {
     const Triangle& t = all[slot];
-    if (t.infinite()) {  // strictly outside the hull
+    if (t.v[from] == infinite_vertex) {  // strictly outside the hull
       found = {slot, 0};
       return true;
     }
-    bool blocked = false;
-    Word across = frozen_bit;
-    for (const Word i : {next_of[from], before[from]}) {
-      if (side(t, i) >= 0) continue;
-      across = t.n[i];
-      if (!(across & frozen_bit)) break;
-      blocked = true;
+    const Vector c = relative(t.v[from]);
+    // Both other edges are asked at once, and the way on is chosen without a jump: nobody can foresee which one it is.
+    // The error is that of exact::filter::orient2.
+    const double l1 = l.x * c.y, l2 = l.y * c.x, r1 = c.x * r.y, r2 = c.y * r.x;
+    const double l_side = l1 - l2, r_side = r1 - r2;  // of the edge from l to c, and of that from c to r
+    constexpr double u = exact::filter::u, underflow = exact::filter::underflow;
+    const bool l_certain = std::abs(l_side) > 5 * u * (std::abs(l1) + std::abs(l2)) + underflow;
+    const bool r_certain = std::abs(r_side) > 5 * u * (std::abs(r1) + std::abs(r2)) + underflow;
+    bool across_l = l_side < 0, across_r = r_side < 0;
+    if (!(l_certain & r_certain)) [[unlikely]] {
+      across_l = exact::orient2(point(t.v[before[from]]), point(t.v[from]), p) < 0;
+      across_r = exact::orient2(point(t.v[from]), point(t.v[next_of[from]]), p) < 0;
     }
-    if (across & frozen_bit) {
-      if (blocked) return false;
+    if (!(across_l | across_r)) {
       found = {slot, 0};
       for (const Vertex v : t.v) {
         if (equal(point(v), p)) found.same = v;
       }
       return true;
     }
+    const Word next_l = t.n[next_of[from]], next_r = t.n[before[from]];
+    if (((across_l ? next_l : 0) | (across_r ? next_r : 0)) & frozen_bit) [[unlikely]] {
+      across_l &= !(next_l & frozen_bit);
+      across_r &= !(next_r & frozen_bit);
+      if (!(across_l | across_r)) return false;
+    }
+    // Seen from the next triangle, c is behind the edge to l and before that to r.
+    const Word across = across_l ? next_l : next_r;
+    l = across_l ? l : c;
+    r = across_l ? c : r;
     slot = across >> 2;
     from = across & 3;
   }
