@@ -1,5 +1,5 @@
-// The kernels alone against CGAL as its users call it: Delaunay_triangulation_3::insert(range), which sorts by itself.
-// Ours are given points in Hilbert order; the time for that order is told and counted.
+// The kernels alone against CGAL as its users call it: Delaunay_triangulation_3 (or _2)::insert(range), which sorts by
+// itself. Ours are given points in Hilbert order; the time for that order is told and counted.
 //
 //   taskset -c 1 bench_kernel --kind uniform -n 1000000 --repeat 5 --kernel flat
 #include <malloc.h>
@@ -44,11 +44,11 @@ double status(const std::string& name) {
 
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 
-std::vector<LocalPoint> generated(CloudShape shape, std::uint64_t n, std::uint64_t seed) {
+std::vector<LocalPoint> generated(CloudShape shape, std::uint64_t n, std::uint64_t seed, int dimension) {
   std::vector<LocalPoint> points;
   std::vector<Point> batch;
   std::vector<std::uint8_t> classes;
-  for (PointGenerator generator({shape, n, seed, 3}); points.size() < n;) {
+  for (PointGenerator generator({shape, n, seed, dimension}); points.size() < n;) {
     generator.next(batch, classes);
     for (const Point& p : batch) points.push_back({p, points.size()});
   }
@@ -70,24 +70,25 @@ std::vector<LocalPoint> read_bin(const std::string& path) {
 int main(int argc, char** argv) {
   std::string kind = "uniform", kernel = "both", file;
   std::uint64_t n = 1'000'000, seed = 7;
-  int repeat = 5;
+  int repeat = 5, dimension = 3;
   CLI::App app("The kernels alone against CGAL");
   app.add_option("--kind", kind, "uniform, normal, sphere, grid, terrain");
   app.add_option("--file", file, "x y z as doubles, instead of --kind");
   app.add_option("-n,--points", n, "points");
   app.add_option("--seed", seed, "seed");
+  app.add_option("--dimension", dimension, "2 or 3")->check(CLI::Range(2, 3));
   app.add_option("--repeat", repeat, "runs of each, in turn; the median is told");
   app.add_option("--kernel", kernel, "flat, cgal (its kernel in Tessera) or both; with -1: without CGAL itself")
       ->check(CLI::IsMember({"flat", "cgal", "both", "flat-1", "cgal-1", "both-1"}));
   CLI11_PARSE(app, argc, argv);
   const auto shape = shape_named(kind);
   if (!shape) return 2;
-  const auto cloud = file.empty() ? generated(*shape, n, seed) : read_bin(file);
+  const auto cloud = file.empty() ? generated(*shape, n, seed, dimension) : read_bin(file);
   const bool reference = !kernel.ends_with("-1");
   if (!reference) kernel.resize(kernel.size() - 2);
 
   auto begin = std::chrono::steady_clock::now();
-  const LoadedTile tile = order_points(cloud, 3);
+  const LoadedTile tile = order_points(cloud, dimension);
   const double order = seconds_since(begin);
   n = tile.points.size();
   const double per_point = 1 / static_cast<double>(n);
@@ -112,16 +113,16 @@ int main(int argc, char** argv) {
       forget_peak();
       const double before = status("VmRSS");
       begin = std::chrono::steady_clock::now();
-      const auto k = make_kernel(3, c.kind);
+      const auto k = make_kernel(dimension, c.kind);
       k->build(tile.points, KeepPoints::borrowed);
       c.s.push_back(seconds_since(begin));
       c.peak = std::max(c.peak, status("VmHWM") - before);
-      if (run == 0) c.cells = k->cells().vertices.size() / 4;
+      if (run == 0) c.cells = k->cells().vertices.size() / static_cast<std::size_t>(dimension + 1);
     }
     if (reference) {
       std::vector<Point> as_given;
       for (const LocalPoint& p : cloud) as_given.push_back(p.at);
-      reference_s.push_back(cgal_sequential(as_given, 3).seconds);
+      reference_s.push_back(cgal_sequential(as_given, dimension).seconds);
     }
   }
   const double yardstick = reference ? median(reference_s) : 0;

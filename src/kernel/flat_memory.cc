@@ -20,7 +20,8 @@ std::size_t rounded(std::size_t bytes) {
 
 void advise(const Mapping& mapping) {
   // Only advice: where the system has no huge pages everything works as well, if slower.
-  if (mapping.reserved >= huge_from) madvise(mapping.at, mapping.reserved, MADV_HUGEPAGE);
+  if (mapping.pages == Pages::huge && mapping.reserved >= huge_from)
+    madvise(mapping.at, mapping.reserved, MADV_HUGEPAGE);
 }
 
 void release(const Mapping& mapping) noexcept { munmap(mapping.at, mapping.reserved); }
@@ -33,11 +34,11 @@ class Pool {
       if (m.at) release(m);
     }
   }
-  bool take(std::size_t bytes, Mapping& out) {
+  bool take(std::size_t bytes, Pages pages, Mapping& out) {
     Mapping* best = nullptr;
     for (Mapping& m : kept_) {
       // Not one far too large: a small kernel would hold the pages of a large one.
-      if (!m.at || m.reserved < bytes || m.reserved / 4 > bytes) continue;
+      if (!m.at || m.pages != pages || m.reserved < bytes || m.reserved / 4 > bytes) continue;
       if (!best || m.reserved < best->reserved) best = &m;
     }
     if (!best) return false;
@@ -67,13 +68,13 @@ thread_local Pool pool;
 
 }  // namespace
 
-Mapping map_memory(std::size_t bytes) {
+Mapping map_memory(std::size_t bytes, Pages pages) {
   Mapping mapping;
   bytes = rounded(std::max(bytes, page));
-  if (pool.take(bytes, mapping)) return mapping;
+  if (pool.take(bytes, pages, mapping)) return mapping;
   void* at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();
-  mapping = {static_cast<std::byte*>(at), bytes};
+  mapping = {static_cast<std::byte*>(at), bytes, pages};
   advise(mapping);
   return mapping;
 }
@@ -82,7 +83,7 @@ void grow_mapping(Mapping& mapping, std::size_t bytes) {
   bytes = rounded(bytes);
   void* at = mremap(mapping.at, mapping.reserved, bytes, MREMAP_MAYMOVE);
   if (at == MAP_FAILED) throw std::bad_alloc();
-  mapping = {static_cast<std::byte*>(at), bytes};
+  mapping = {static_cast<std::byte*>(at), bytes, mapping.pages};
   advise(mapping);
 }
 

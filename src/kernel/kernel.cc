@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "src/kernel/cgal_kernels.h"
+#include "src/kernel/flat_kernel_2.h"
 #include "src/kernel/flat_kernel_3.h"
 
 namespace tessera {
@@ -13,8 +14,7 @@ std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind) {
     case KernelKind::cgal:
       return dimension == 2 ? make_cgal_kernel_2() : make_cgal_kernel_3();
     case KernelKind::flat:
-      assert(dimension == 3);
-      return make_flat_kernel_3();
+      return dimension == 2 ? make_flat_kernel_2() : make_flat_kernel_3();
   }
   return nullptr;
 }

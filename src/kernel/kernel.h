@@ -127,7 +127,7 @@ class Kernel {
   virtual std::size_t memory() const = 0;
 };
 
-enum class KernelKind : std::uint8_t { cgal, flat };  // flat: in 3D
+enum class KernelKind : std::uint8_t { cgal, flat };
 
 std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind = KernelKind::cgal);
 

@@ -48,7 +48,6 @@ std::vector<Point> line(int n) {
 std::vector<KernelCloud> for_all_kernels(std::vector<KernelCloud> clouds) {
   const std::size_t n = clouds.size();
   for (std::size_t i = 0; i < n; ++i) {
-    if (clouds[i].dimension != 3) continue;
     clouds.push_back(clouds[i]);
     clouds.back().kind = KernelKind::flat;
   }
