@@ -13,6 +13,7 @@
 #include "actors/run_log.h"
 #include "actors/tile_actor.h"
 #include "actors/touching.h"
+#include "src/base/memory_pool.h"
 
 namespace tessera {
 namespace {
@@ -62,6 +63,7 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
   context.reduce = options.keep == Keep::reduced || (options.keep == Keep::by_budget && !fits_whole(run, options));
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools.
   if (context.reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  limit_memory_pool(options.memory_bytes / (context.reduce ? 16 : 4));
   context.boxes = final_boxes(run.partition);
   context.neighbours = touching_tiles(run.partition, run.tile_bounds);
   context.seeds = run.seeds;

@@ -1,39 +1,40 @@
-// Vectors for arrays of many megabytes. They ask for huge pages: page faults cost 0.4 s a GiB with small ones, a
-// quarter of it with huge ones. Unlike std::vector's, their new elements are not initialised by resize(n): what is
-// filled at once need not be touched twice. assign(n, value) and resize(n, value) are as usual.
+// Vectors for arrays of many megabytes: their memory comes from the pool, and resize(n) does not initialise new
+// elements, so that what is filled at once is not touched twice. assign(n, value) and resize(n, value) are as usual.
 #pragma once
 
-#include <sys/mman.h>
-
 #include <cstddef>
-#include <cstdlib>
 #include <new>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "src/base/memory_pool.h"
+
 namespace tessera {
 
 template <class T>
-class HugePageAllocator {
+class PoolAllocator {
+  static_assert(std::is_trivially_copyable_v<T>);
+
  public:
   using value_type = T;
-  HugePageAllocator() = default;
+  PoolAllocator() = default;
   template <class U>
-  HugePageAllocator(const HugePageAllocator<U>&) {}
+  PoolAllocator(const PoolAllocator<U>&) {}
 
   T* allocate(std::size_t n) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    if (n > std::size_t(-1) / 2 / sizeof(T)) throw std::bad_alloc();
-    const std::size_t bytes = n * sizeof(T);
-    if (bytes < large) return static_cast<T*>(::operator new(bytes));
-    const std::size_t rounded = (bytes + huge_page - 1) / huge_page * huge_page;
-    void* memory = std::aligned_alloc(huge_page, rounded);
-    if (memory == nullptr) throw std::bad_alloc();
-    ::madvise(memory, rounded, MADV_HUGEPAGE);  // a hint: without huge pages it is only slower
-    return static_cast<T*>(memory);
+    if (n > std::size_t(-1) / 4 / sizeof(T)) throw std::bad_alloc();
+    if (n * sizeof(T) < large) return static_cast<T*>(::operator new(n * sizeof(T)));
+    // What is needed to give it back stands before it.
+    const Mapping mapping = map_memory(n * sizeof(T) + header, Pages::small);
+    ::new (static_cast<void*>(mapping.at)) Mapping(mapping);
+    return reinterpret_cast<T*>(mapping.at + header);
   }
-  void deallocate(T* memory, std::size_t n) { n * sizeof(T) < large ? ::operator delete(memory) : std::free(memory); }
+  void deallocate(T* at, std::size_t n) noexcept {
+    if (n * sizeof(T) < large) return ::operator delete(at);
+    Mapping mapping = *reinterpret_cast<const Mapping*>(reinterpret_cast<const std::byte*>(at) - header);
+    unmap_memory(mapping, n * sizeof(T) + header);
+  }
 
   template <class U, class... Args>
   void construct(U* at, Args&&... args) {
@@ -45,15 +46,15 @@ class HugePageAllocator {
   }
 
   template <class U>
-  bool operator==(const HugePageAllocator<U>&) const {
+  bool operator==(const PoolAllocator<U>&) const {
     return true;
   }
 
  private:
-  static constexpr std::size_t huge_page = std::size_t{1} << 21, large = 4 * huge_page;
+  static constexpr std::size_t large = std::size_t{1} << 20, header = 64;
 };
 
 template <class T>
-using BigVector = std::vector<T, HugePageAllocator<T>>;
+using BigVector = std::vector<T, PoolAllocator<T>>;
 
 }  // namespace tessera

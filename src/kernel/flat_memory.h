@@ -1,36 +1,14 @@
-// Memory of the flat kernels: arrays that grow in place. Address space is reserved first and filled as it is touched,
-// so growing copies nothing and never holds the old and the new array at once. Large arrays ask for huge pages: page
-// faults cost 0.4 s a GiB with small pages, a quarter of it with huge ones. Mappings that are given back are kept by
-// their thread, up to a bound, and used again: the pages of the next tile are there already.
+// Arrays of the flat kernels, which grow in place: address space is reserved first and filled as it is touched, so
+// growing copies nothing and never holds the old and the new array at once.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <type_traits>
 #include <utility>
 
+#include "src/base/memory_pool.h"
+
 namespace tessera::flat {
-
-// Small pages: for arrays that are gone through in order. In 2D huge pages made the triangulation itself no faster, and
-// a virtual machine may take far longer to come by them: 2.2 s a GiB where memory had been idle, against 0.4 s.
-enum class Pages : std::uint8_t { huge, small };
-
-struct Mapping {
-  std::byte* at = nullptr;
-  std::size_t reserved = 0;  // bytes of address space
-  Pages pages = Pages::huge;
-};
-
-// A mapping of at least `bytes`, from this thread's pool if one fits. Content undefined. Throws std::bad_alloc.
-Mapping map_memory(std::size_t bytes, Pages pages);
-// The same memory with at least `bytes`; may move. Throws std::bad_alloc.
-void grow_mapping(Mapping& mapping, std::size_t bytes);
-// Gives the memory back, of which the first `used` bytes may have been touched.
-void unmap_memory(Mapping& mapping, std::size_t used) noexcept;
-// Gives the pages behind the first `kept` of `used` bytes back to the system.
-void shrink_mapping(const Mapping& mapping, std::size_t kept, std::size_t used) noexcept;
-// Gives the whole pages among the first `bytes` back to the system.
-void release_pages(const Mapping& mapping, std::size_t bytes) noexcept;
 
 // A vector of plain data without initialisation. Elements must not be read before they are written.
 template <class T, Pages pages = Pages::huge>

@@ -309,12 +309,12 @@ class MeshMaker {
   CollectInput in_;
   const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
   TileMesh mesh_;
-  std::vector<std::uint8_t> held_;    // by cell
+  BigVector<std::uint8_t> held_;      // by cell
   std::vector<std::uint32_t> index_;  // by k: where foreign vertex k is in the mesh, or unused
   tsl::robin_map<CellKey, std::pair<std::int32_t, int>, CellKeyHash> borders_;  // facet -> (cell or outside, opposite)
   BigVector<std::uint32_t> order_;
-  std::vector<std::uint32_t> end_;  // by own vertex: where its bucket ends in order_
-  BigVector<std::int32_t> place_;   // by cell: where it is in the mesh
+  BigVector<std::uint32_t> end_;   // by own vertex: where its bucket ends in order_
+  BigVector<std::int32_t> place_;  // by cell: where it is in the mesh
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ struct TileMesh {
   std::vector<std::uint32_t> owners;      // n: the tile that owns each vertex
   std::vector<std::uint8_t> point_ghost;  // n: 1 = foreign
   BigVector<std::int32_t> cells;          // m x (d+1) indices into points
-  std::vector<std::uint8_t> cell_ghost;   // m: 1 = not main here
+  BigVector<std::uint8_t> cell_ghost;     // m: 1 = not main here
   BigVector<std::int32_t> neighbors;      // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
 };
 

@@ -1,0 +1,124 @@
+#include "src/base/memory_pool.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <deque>
+#include <mutex>
+#include <new>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t page = 4096, huge_page = std::size_t{2} << 20;
+constexpr std::size_t huge_from = 4 * huge_page;  // smaller arrays would waste much of a huge page
+
+std::size_t rounded(std::size_t bytes) {
+  const std::size_t unit = bytes >= huge_from ? huge_page : page;
+  return (bytes + unit - 1) / unit * unit;
+}
+
+void advise(const Mapping& mapping) {
+  // Only advice: where the system has no huge pages everything works as well, if slower.
+  if (mapping.pages == Pages::huge && mapping.reserved >= huge_from)
+    madvise(mapping.at, mapping.reserved, MADV_HUGEPAGE);
+}
+
+// What has been given back, the oldest first.
+class Pool {
+ public:
+  bool take(std::size_t bytes, Mapping& out) {
+    const std::lock_guard lock(mutex_);
+    auto best = kept_.end();
+    for (auto i = kept_.begin(); i != kept_.end(); ++i) {
+      // Not one far too large: a small array would hold the pages of a large one.
+      if (i->reserved < bytes || i->touched / 4 > bytes) continue;
+      if (best == kept_.end() || i->reserved < best->reserved) best = i;
+    }
+    if (best == kept_.end()) return false;
+    out = *best;
+    held_ -= out.touched;
+    kept_.erase(best);
+    return true;
+  }
+
+  void give(const Mapping& mapping) {
+    const std::lock_guard lock(mutex_);
+    kept_.push_back(mapping);
+    held_ += mapping.touched;
+    trim();
+  }
+
+  void limit(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    limit_ = bytes;
+    trim();
+  }
+
+ private:
+  void trim() {
+    while (held_ > limit_ || kept_.size() > mappings_max) {
+      munmap(kept_.front().at, kept_.front().reserved);
+      held_ -= kept_.front().touched;
+      kept_.pop_front();
+    }
+  }
+
+  static constexpr std::size_t mappings_max = 64;
+  std::mutex mutex_;
+  std::deque<Mapping> kept_;
+  std::size_t held_ = 0, limit_ = std::size_t{256} << 20;
+};
+
+// Never destroyed: arrays in static objects may outlive any other.
+Pool& pool() {
+  static Pool* const the_pool = new Pool;
+  return *the_pool;
+}
+
+}  // namespace
+
+Mapping map_memory(std::size_t bytes, Pages pages) {
+  Mapping mapping;
+  bytes = rounded(std::max(bytes, page));
+  if (pool().take(bytes, mapping)) return mapping;
+  void* at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (at == MAP_FAILED) throw std::bad_alloc();
+  mapping = {static_cast<std::byte*>(at), bytes, 0, pages};
+  advise(mapping);
+  return mapping;
+}
+
+void grow_mapping(Mapping& mapping, std::size_t bytes) {
+  bytes = rounded(bytes);
+  void* at = mremap(mapping.at, mapping.reserved, bytes, MREMAP_MAYMOVE);
+  if (at == MAP_FAILED) throw std::bad_alloc();
+  mapping.at = static_cast<std::byte*>(at);
+  mapping.reserved = bytes;
+  advise(mapping);
+}
+
+void unmap_memory(Mapping& mapping, std::size_t used) noexcept {
+  if (mapping.at) {
+    mapping.touched = std::min(std::max(mapping.touched, rounded(used)), mapping.reserved);
+    pool().give(mapping);
+  }
+  mapping = {};
+}
+
+void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexcept {
+  const std::size_t from = (kept + page - 1) / page * page;
+  const std::size_t to = std::min(std::max(rounded(used), mapping.touched), mapping.reserved);
+  if (from < to) madvise(mapping.at + from, to - from, MADV_DONTNEED);
+  mapping.touched = std::min(from, mapping.touched);
+}
+
+void release_pages(const Mapping& mapping, std::size_t bytes) noexcept {
+  const std::size_t whole = std::min(bytes, mapping.reserved) / huge_page * huge_page;
+  if (whole > 0) madvise(mapping.at, whole, MADV_DONTNEED);
+}
+
+void limit_memory_pool(std::size_t bytes) { pool().limit(bytes); }
+
+}  // namespace tessera
