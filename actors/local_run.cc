@@ -23,7 +23,10 @@ namespace {
 struct Needs {
   std::uint64_t whole, triangulate, collect;
 };
-Needs needs(int dimension) { return dimension == 3 ? Needs{620, 900, 560} : Needs{240, 340, 160}; }
+Needs needs(int dimension, KernelKind kernel) {
+  if (kernel == KernelKind::cgal) return dimension == 3 ? Needs{620, 900, 560} : Needs{240, 340, 160};
+  return dimension == 3 ? Needs{300, 560, 600} : Needs{130, 220, 200};
+}
 
 // What is left for tiles: libraries, buffers and the allocator's slack take the rest.
 std::uint64_t tile_budget(std::uint64_t memory) {
@@ -33,7 +36,7 @@ std::uint64_t tile_budget(std::uint64_t memory) {
 
 // All tiles whole in memory, and every thread collecting one.
 bool fits_whole(const RoutedRun& run, const RunOptions& options) {
-  const Needs need = needs(run.dimension);
+  const Needs need = needs(run.dimension, options.kernel);
   std::uint64_t points = 0, largest = 0;
   for (const std::uint64_t n : run.tile_points) {
     points += n;
@@ -72,7 +75,7 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
 
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
-  const Needs need = needs(run.dimension);
+  const Needs need = needs(run.dimension, options.kernel);
   NodeOptions node_options;
   node_options.threads = options.threads;
   node_options.memory_bytes = tile_budget(options.memory_bytes);

@@ -21,7 +21,7 @@ enum class Keep : std::uint8_t { by_budget, whole, reduced };
 struct RunOptions {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
-  KernelKind kernel = KernelKind::cgal;
+  KernelKind kernel = KernelKind::flat;
   Keep keep = Keep::by_budget;
   StoreOptions store;
 };

@@ -101,6 +101,9 @@ TileReport TileActor::perform(Work work) {
                                                     : state_.sleep();
       if (!done) fail(done.error());
     }
+  } catch (const KernelFull&) {
+    fail(error(Errc::memory, "tile " + std::to_string(self_.tile.value) +
+                                 " has more points than a kernel can number: use smaller tiles"));
   } catch (const std::bad_alloc&) {
     fail(error(Errc::memory, "out of memory while working on tile " + std::to_string(self_.tile.value) +
                                  ": use smaller tiles or a smaller --memory"));

@@ -64,7 +64,9 @@ Status TileState::triangulate() {
   for (const Point& p : loaded.points) own_bounds_.add(p);
   const Box& box = context_.boxes[self_.tile.value];
   triangulation_ = std::make_unique<TileTriangulation>(options());
-  triangulation_->triangulate(loaded.points, loaded.ids, context_.seeds);
+  // Kept until collect() when the tile is not reduced; moving the vector leaves its points where they are.
+  triangulation_->triangulate(loaded.points, loaded.ids, context_.seeds,
+                              context_.reduce ? KeepPoints::copied : KeepPoints::borrowed);
   if (context_.reduce) {
     BOOST_OUTCOME_TRYV(put_finals(triangulation_->reduce(loaded.points, box)));
   }

@@ -23,7 +23,7 @@ namespace tessera {
 // Shared by all tiles of a run, read-only.
 struct TileContext {
   int dimension = 3;
-  KernelKind kernel = KernelKind::cgal;
+  KernelKind kernel = KernelKind::flat;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
   std::vector<Box> boxes;                              // by tile; a tile with the empty box has no final cells

@@ -19,7 +19,7 @@ namespace tessera {
 namespace {
 
 struct Options {
-  std::string kind = "uniform", folder = "bench-out", keep = "auto";
+  std::string kind = "uniform", folder = "bench-out", keep = "auto", kernel = "flat";
   std::uint64_t points = 1'000'000, seed = 7, memory_mb = 16000, tiles = 0;
   std::uint32_t threads = 2;
   int dimension = 3;
@@ -53,6 +53,7 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   run_options.threads = o.threads;
   run_options.memory_bytes = o.memory_mb << 20;
   run_options.keep = o.keep == "whole" ? Keep::whole : o.keep == "reduced" ? Keep::reduced : Keep::by_budget;
+  run_options.kernel = o.kernel == "cgal" ? KernelKind::cgal : KernelKind::flat;
   BOOST_OUTCOME_TRY(s, run_tiles(run, out, run_options, progress, {}));
   const double collected = seconds_since(begin);
   Manifest manifest;
@@ -122,6 +123,7 @@ int main(int argc, char** argv) {
   app.add_option("--tiles", o.tiles, "tiles")->required();
   app.add_option("--memory-mb", o.memory_mb, "budget");
   app.add_option("--keep", o.keep, "auto, whole, reduced");
+  app.add_option("--kernel", o.kernel, "flat, cgal");
   app.add_option("--dim", o.dimension, "2 or 3");
   app.add_option("--folder", o.folder, "where the cloud and the result go");
   app.add_flag("!--no-cgal", o.cgal, "the engine alone");

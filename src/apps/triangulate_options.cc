@@ -16,8 +16,9 @@ Result<std::uint64_t> parse_positive_count(const std::string& text) {
 }
 
 Result<KernelKind> parse_kernel(const std::string& text) {
+  if (text == "flat") return KernelKind::flat;
   if (text == "cgal") return KernelKind::cgal;
-  return error(Errc::usage, "'" + text + "' is no kernel; there is cgal");
+  return error(Errc::usage, "'" + text + "' is no kernel; there are flat and cgal");
 }
 
 }  // namespace
@@ -81,7 +82,7 @@ Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
 void add_triangulate_options(Command& command) {
   add_value(command, "output", "FOLDER", "the result folder", 'o', true);
   add_cloud_options(command);
-  add_value(command, "kernel", "KIND", "cgal (default)");
+  add_value(command, "kernel", "KIND", "flat (default), cgal");
   add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
   add_switch(command, "overwrite", "replace the result or unfinished run in the result folder", 0, true);
   add_output_switches(command);
@@ -91,7 +92,7 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
   TriangulateOptions options;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
   BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
-  options.kernel = kernel.value_or(KernelKind::cgal);
+  options.kernel = kernel.value_or(KernelKind::flat);
   BOOST_OUTCOME_TRY(output, output_options(settings));
   options.output = output;
   if (inputs.empty()) return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");

@@ -24,7 +24,7 @@ struct TriangulateOptions {
   std::uint32_t tiles = 0;
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
-  KernelKind kernel = KernelKind::cgal;
+  KernelKind kernel = KernelKind::flat;
   bool neighbors = true, resume = false, overwrite = false;
   OutputOptions output;
 };

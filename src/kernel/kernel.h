@@ -129,7 +129,7 @@ class Kernel {
 
 enum class KernelKind : std::uint8_t { cgal, flat };
 
-std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind = KernelKind::cgal);
+std::unique_ptr<Kernel> make_kernel(int dimension, KernelKind kind = KernelKind::flat);
 
 // The exact sign of the volume of (a, b, c, d), of the area of (a, b, c) in the xy plane when dimension is 2.
 int orientation_3(const Point& a, const Point& b, const Point& c, const Point& d);

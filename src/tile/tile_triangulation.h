@@ -33,7 +33,7 @@ enum class ExchangeRule : std::uint8_t {
 struct TileOptions {
   TileId self;
   int dimension = 3;
-  KernelKind kernel = KernelKind::cgal;
+  KernelKind kernel = KernelKind::flat;
   ExchangeRule rule = ExchangeRule::share_certify;
 };
 
