@@ -1,6 +1,7 @@
 #include "src/kernel/flat_mesh_3.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "src/base/check.h"
 #include "src/kernel/flat_predicates_3.h"
@@ -123,7 +124,9 @@ Word Mesh::new_slot() {
 void Mesh::take_slots(Word facets) {
   if (slots_.size() < facets) slots_.resize(2 * facets);
   const Word reused = std::min(facets, static_cast<Word>(zone_size_));
-  for (Word f = 0; f < reused; ++f) slots_[f] = zone_[f] >> 2;
+  const Word* const zone = zone_.data();
+  Word* const slots = slots_.data();
+  for (Word f = 0; f < reused; ++f) slots[f] = zone[f] >> 2;
   Word f = reused;
   for (; f < facets && !free_.empty(); ++f) {
     slots_[f] = free_.back();
@@ -132,7 +135,7 @@ void Mesh::take_slots(Word facets) {
   Word next = static_cast<Word>(cells.size());
   if (facets - f > cells_max - next) throw KernelFull();
   cells.resize(next + (facets - f));
-  for (; f < facets; ++f) slots_[f] = next++;
+  for (; f < facets; ++f) slots[f] = next++;
   for (std::size_t z = reused; z < zone_size_; ++z) {
     cells[zone_[z] >> 2].v[0] = dead_vertex;
     free_.push_back(zone_[z] >> 2);
@@ -147,7 +150,8 @@ void Mesh::fill(Vertex v) {
   } else {
     link_large(facets, v);
   }
-  for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
+  std::uint8_t* const number = number_.data();
+  for (const Vertex w : zone_vertices()) number[w] = 0;
   if (indexed_) {
     while (incident_.size() <= v) incident_.push_back(0);
     incident_[v] = slots_[0];
@@ -158,39 +162,39 @@ void Mesh::fill(Vertex v) {
   last_ = slots_[facets - 1];
 }
 
-void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
+// The cell over a facet of the boundary, and the way to it from outside.
+inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
   Cell& cell = all[slot];
-  cell.v[0] = v;
-  cell.v[1] = facet.v[0];
-  cell.v[2] = facet.v[1];
-  cell.v[3] = facet.v[2];
+  const Word corner[4] = {v, facet.v[0], facet.v[1], facet.v[2]};
+  std::memcpy(cell.v, corner, sizeof corner);
   cell.n[0] = facet.across;
-  if (facet.across & frozen_bit) return;
-  Cell& outside = all[facet.across >> 2];
+  if (facet.across & frozen_bit) [[unlikely]]
+    return;
+  Cell& outside = cell_at(all, facet.across);
   outside.v[0] &= vertex_mask;
   outside.n[facet.across & 3] = 4 * slot;
 }
 
 // Each directed edge of the boundary names the facet of the new cell over it; the cell over the reversed edge is its
 // neighbour.
-void Mesh::link_small(Word facets, Vertex v) {
+void Mesh::link_small(Word count, Vertex v) {
   Cell* const all = cells.data();
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    put(all, slots_[f], facet, v);
-    const std::size_t a = facet.number[0], b = facet.number[1], c = facet.number[2];
-    const Word slot = 4 * slots_[f];
-    table_[b * small + c] = slot + 1;
-    table_[c * small + a] = slot + 2;
-    table_[a * small + b] = slot + 3;
+  const Facet* const facets = facets_.data();
+  const Word* const slots = slots_.data();
+  Word* const table = table_.data();
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2], slot = slots[f];
+    put(all, slot, facets[f], v);
+    table[b * small + c] = 4 * slot + 1;
+    table[c * small + a] = 4 * slot + 2;
+    table[a * small + b] = 4 * slot + 3;
   }
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    const std::size_t a = facet.number[0], b = facet.number[1], c = facet.number[2];
-    Cell& cell = all[slots_[f]];
-    cell.n[1] = table_[c * small + b];
-    cell.n[2] = table_[a * small + c];
-    cell.n[3] = table_[b * small + a];
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2];
+    Cell& cell = all[slots[f]];
+    cell.n[1] = table[c * small + b];
+    cell.n[2] = table[a * small + c];
+    cell.n[3] = table[b * small + a];
   }
 }
 
