@@ -122,24 +122,21 @@ Word Mesh::new_slot() {
 
 // The slots of the zone first: they are in the cache.
 void Mesh::take_slots(Word facets) {
+  const Word zone_cells = static_cast<Word>(zone_size_);
   if (slots_.size() < facets) slots_.resize(2 * facets);
-  const Word reused = std::min(facets, static_cast<Word>(zone_size_));
+  if (zone_.size() < facets) zone_.resize(2 * facets);
+  if (facets < zone_cells || !free_.empty()) {
+    for (Word z = 0; z < zone_cells; ++z) free_.push_back(zone_[z] >> 2);
+    for (Word f = 0; f < facets; ++f) slots_[f] = new_slot();
+    for (const Word slot : free_) cells[slot].v[0] = dead_vertex;
+    return;
+  }
+  const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
+  if (added > cells_max - end) throw KernelFull();
+  cells.resize(end + added);
   const Word* const zone = zone_.data();
   Word* const slots = slots_.data();
-  for (Word f = 0; f < reused; ++f) slots[f] = zone[f] >> 2;
-  Word f = reused;
-  for (; f < facets && !free_.empty(); ++f) {
-    slots_[f] = free_.back();
-    free_.pop_back();
-  }
-  Word next = static_cast<Word>(cells.size());
-  if (facets - f > cells_max - next) throw KernelFull();
-  cells.resize(next + (facets - f));
-  for (; f < facets; ++f) slots[f] = next++;
-  for (std::size_t z = reused; z < zone_size_; ++z) {
-    cells[zone_[z] >> 2].v[0] = dead_vertex;
-    free_.push_back(zone_[z] >> 2);
-  }
+  for (Word f = 0; f < facets; ++f) slots[f] = f < zone_cells ? zone[f] >> 2 : end + (f - zone_cells);
 }
 
 void Mesh::fill(Vertex v) {

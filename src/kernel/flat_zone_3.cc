@@ -142,7 +142,6 @@ struct ZoneCode {
             next.v[0] = fresh ? v0 | mark_out : v0;
             pending[met] = across;
             met += fresh;
-            __builtin_prefetch(&at(next.v[across & 3] & vertex_mask));
           }
         }
       };
