@@ -7,10 +7,16 @@
 #include "src/kernel/flat_predicates_3.h"
 
 namespace tessera::flat {
+namespace {
+
+// Vertices are numbered from 1.
+const Point* before(const Point* first) { return first ? first - 1 : nullptr; }
+
+}  // namespace
 
 void Points::borrow(std::span<const Point> points) {
   own_.clear();
-  low_ = high_ = points.data() - 1;
+  low_ = high_ = before(points.data());
   size_ = borrowed_ = static_cast<Vertex>(points.size());
 }
 
@@ -18,7 +24,7 @@ void Points::copy(std::span<const Point> points) {
   own_.clear();
   own_.resize(points.size());
   std::copy(points.begin(), points.end(), own_.data());
-  low_ = high_ = own_.data() - 1;
+  low_ = high_ = before(own_.data());
   size_ = borrowed_ = static_cast<Vertex>(points.size());
 }
 
@@ -28,10 +34,10 @@ Vertex Points::add(const Point& p) {
   own_.push_back(p);
   ++size_;
   if (all_own) {
-    low_ = high_ = own_.data() - 1;
+    low_ = high_ = before(own_.data());
     borrowed_ = size_;
   } else {
-    high_ = own_.data() - 1 - borrowed_;
+    high_ = before(own_.data()) - borrowed_;
   }
   return size_;
 }
@@ -162,14 +168,17 @@ void Mesh::fill(Vertex v) {
 // The cell over a facet of the boundary, and the way to it from outside.
 inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
   Cell& cell = all[slot];
-  const Word corner[4] = {v, facet.v[0], facet.v[1], facet.v[2]};
-  std::memcpy(cell.v, corner, sizeof corner);
-  cell.n[0] = facet.across;
-  if (facet.across & frozen_bit) [[unlikely]]
+  const Word a = facet.v[0], b = facet.v[1], c = facet.v[2], across = facet.across;
+  cell.v[0] = v;
+  cell.v[1] = a;
+  cell.v[2] = b;
+  cell.v[3] = c;
+  cell.n[0] = across;
+  if (across & frozen_bit) [[unlikely]]
     return;
-  Cell& outside = cell_at(all, facet.across);
+  Cell& outside = cell_at(all, across);
   outside.v[0] &= vertex_mask;
-  outside.n[facet.across & 3] = 4 * slot;
+  outside.n[across & 3] = 4 * slot;
 }
 
 // Each directed edge of the boundary names the facet of the new cell over it; the cell over the reversed edge is its
@@ -188,10 +197,11 @@ void Mesh::link_small(Word count, Vertex v) {
   }
   for (Word f = 0; f < count; ++f) {
     const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2];
+    const Word over_a = table[c * small + b], over_b = table[a * small + c], over_c = table[b * small + a];
     Cell& cell = all[slots[f]];
-    cell.n[1] = table[c * small + b];
-    cell.n[2] = table[a * small + c];
-    cell.n[3] = table[b * small + a];
+    cell.n[1] = over_a;
+    cell.n[2] = over_b;
+    cell.n[3] = over_c;
   }
 }
 
