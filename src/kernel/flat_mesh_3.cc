@@ -1,15 +1,22 @@
 #include "src/kernel/flat_mesh_3.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "src/base/check.h"
 #include "src/kernel/flat_predicates_3.h"
 
 namespace tessera::flat {
+namespace {
+
+// Vertices are numbered from 1.
+const Point* before(const Point* first) { return first ? first - 1 : nullptr; }
+
+}  // namespace
 
 void Points::borrow(std::span<const Point> points) {
   own_.clear();
-  low_ = high_ = points.data() - 1;
+  low_ = high_ = before(points.data());
   size_ = borrowed_ = static_cast<Vertex>(points.size());
 }
 
@@ -17,7 +24,7 @@ void Points::copy(std::span<const Point> points) {
   own_.clear();
   own_.resize(points.size());
   std::copy(points.begin(), points.end(), own_.data());
-  low_ = high_ = own_.data() - 1;
+  low_ = high_ = before(own_.data());
   size_ = borrowed_ = static_cast<Vertex>(points.size());
 }
 
@@ -27,10 +34,10 @@ Vertex Points::add(const Point& p) {
   own_.push_back(p);
   ++size_;
   if (all_own) {
-    low_ = high_ = own_.data() - 1;
+    low_ = high_ = before(own_.data());
     borrowed_ = size_;
   } else {
-    high_ = own_.data() - 1 - borrowed_;
+    high_ = before(own_.data()) - borrowed_;
   }
   return size_;
 }
@@ -121,22 +128,21 @@ Word Mesh::new_slot() {
 
 // The slots of the zone first: they are in the cache.
 void Mesh::take_slots(Word facets) {
+  const Word zone_cells = static_cast<Word>(zone_size_);
   if (slots_.size() < facets) slots_.resize(2 * facets);
-  const Word reused = std::min(facets, static_cast<Word>(zone_size_));
-  for (Word f = 0; f < reused; ++f) slots_[f] = zone_[f] >> 2;
-  Word f = reused;
-  for (; f < facets && !free_.empty(); ++f) {
-    slots_[f] = free_.back();
-    free_.pop_back();
+  if (zone_.size() < facets) zone_.resize(2 * facets);
+  if (facets < zone_cells || !free_.empty()) {
+    for (Word z = 0; z < zone_cells; ++z) free_.push_back(zone_[z] >> 2);
+    for (Word f = 0; f < facets; ++f) slots_[f] = new_slot();
+    for (const Word slot : free_) cells[slot].v[0] = dead_vertex;
+    return;
   }
-  Word next = static_cast<Word>(cells.size());
-  if (facets - f > cells_max - next) throw KernelFull();
-  cells.resize(next + (facets - f));
-  for (; f < facets; ++f) slots_[f] = next++;
-  for (std::size_t z = reused; z < zone_size_; ++z) {
-    cells[zone_[z] >> 2].v[0] = dead_vertex;
-    free_.push_back(zone_[z] >> 2);
-  }
+  const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
+  if (added > cells_max - end) throw KernelFull();
+  cells.resize(end + added);
+  const Word* const zone = zone_.data();
+  Word* const slots = slots_.data();
+  for (Word f = 0; f < facets; ++f) slots[f] = f < zone_cells ? zone[f] >> 2 : end + (f - zone_cells);
 }
 
 void Mesh::fill(Vertex v) {
@@ -147,7 +153,8 @@ void Mesh::fill(Vertex v) {
   } else {
     link_large(facets, v);
   }
-  for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
+  std::uint8_t* const number = number_.data();
+  for (const Vertex w : zone_vertices()) number[w] = 0;
   if (indexed_) {
     while (incident_.size() <= v) incident_.push_back(0);
     incident_[v] = slots_[0];
@@ -158,39 +165,43 @@ void Mesh::fill(Vertex v) {
   last_ = slots_[facets - 1];
 }
 
-void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
+// The cell over a facet of the boundary, and the way to it from outside.
+inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
   Cell& cell = all[slot];
+  const Word a = facet.v[0], b = facet.v[1], c = facet.v[2], across = facet.across;
   cell.v[0] = v;
-  cell.v[1] = facet.v[0];
-  cell.v[2] = facet.v[1];
-  cell.v[3] = facet.v[2];
-  cell.n[0] = facet.across;
-  if (facet.across & frozen_bit) return;
-  Cell& outside = all[facet.across >> 2];
+  cell.v[1] = a;
+  cell.v[2] = b;
+  cell.v[3] = c;
+  cell.n[0] = across;
+  if (across & frozen_bit) [[unlikely]]
+    return;
+  Cell& outside = cell_at(all, across);
   outside.v[0] &= vertex_mask;
-  outside.n[facet.across & 3] = 4 * slot;
+  outside.n[across & 3] = 4 * slot;
 }
 
 // Each directed edge of the boundary names the facet of the new cell over it; the cell over the reversed edge is its
 // neighbour.
-void Mesh::link_small(Word facets, Vertex v) {
+void Mesh::link_small(Word count, Vertex v) {
   Cell* const all = cells.data();
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    put(all, slots_[f], facet, v);
-    const std::size_t a = facet.number[0], b = facet.number[1], c = facet.number[2];
-    const Word slot = 4 * slots_[f];
-    table_[b * small + c] = slot + 1;
-    table_[c * small + a] = slot + 2;
-    table_[a * small + b] = slot + 3;
+  const Facet* const facets = facets_.data();
+  const Word* const slots = slots_.data();
+  Word* const table = table_.data();
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2], slot = slots[f];
+    put(all, slot, facets[f], v);
+    table[b * small + c] = 4 * slot + 1;
+    table[c * small + a] = 4 * slot + 2;
+    table[a * small + b] = 4 * slot + 3;
   }
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    const std::size_t a = facet.number[0], b = facet.number[1], c = facet.number[2];
-    Cell& cell = all[slots_[f]];
-    cell.n[1] = table_[c * small + b];
-    cell.n[2] = table_[a * small + c];
-    cell.n[3] = table_[b * small + a];
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2];
+    const Word over_a = table[c * small + b], over_b = table[a * small + c], over_c = table[b * small + a];
+    Cell& cell = all[slots[f]];
+    cell.n[1] = over_a;
+    cell.n[2] = over_b;
+    cell.n[3] = over_c;
   }
 }
 

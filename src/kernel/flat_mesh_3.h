@@ -21,8 +21,8 @@ namespace tessera::flat {
 class Points {
  public:
   const Point& operator[](Vertex v) const { return (v <= borrowed_ ? low_ : high_)[v]; }
-  // The same when all vertices are among the first ones, which saves a choice in the innermost loops.
-  const Point& first(Vertex v) const { return low_[v]; }
+  // first()[v] is the same when in_one_piece(), which saves a choice in the innermost loops.
+  const Point* first() const { return low_; }
   bool in_one_piece() const { return size_ == borrowed_; }
   Vertex size() const { return size_; }
   void borrow(std::span<const Point> points);

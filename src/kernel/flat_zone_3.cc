@@ -23,6 +23,9 @@ using Quad = Word __attribute__((vector_size(16)));
 }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 
+// The first 1, 2, 3 or 4 of a batch.
+constexpr Bits lanes_used[5] = {{}, {-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}, {-1, -1, -1, -1}};
+
 struct Differences {
   Lanes x, y, z, w;
 };
@@ -41,8 +44,7 @@ struct Differences {
 
 struct ZoneCode {
   struct Batch {
-    Word facet[4];  // cells with the facet they were reached through
-    Word cell[4];
+    Word facet[4];  // the cells, with the facet they were reached through; the first again where there are fewer
     std::size_t size;
     bool special;  // there is an infinite cell
     Bits in, sure;
@@ -54,7 +56,7 @@ struct ZoneCode {
     Word v[4][4];
     bool special = false;
     for (int i = 0; i < 4; ++i) {
-      const Cell& c = cells[batch.cell[i]];
+      const Cell& c = cell_at(cells, batch.facet[i]);
       v[i][0] = c.v[0] & vertex_mask;
       v[i][1] = c.v[1];
       v[i][2] = c.v[2];
@@ -85,9 +87,10 @@ struct ZoneCode {
   template <bool split, bool holes>
   [[gnu::always_inline]] static void collect(Mesh& m, const Point& e, Word start) {
     Cell* const cells = m.cells.data();
+    const Point* const points = m.points.first();
     const auto at = [&](Word v) -> const Point& {
       if constexpr (split) return m.points[v];
-      return m.points.first(v);
+      return points[v];
     };
     std::size_t found = 1, expanded = 0, met = 0, asked = 0;
     if (m.zone_.size() < 1024) m.zone_.resize(1024), m.pending_.resize(4096);
@@ -98,60 +101,71 @@ struct ZoneCode {
     // early.
     Batch batches[2];
     std::size_t turn = 0;
-    bool waiting = false;  // batches[turn] has not been acted upon
+    bool waiting = false;               // batches[turn] has not been acted upon
+    std::size_t room = m.zone_.size();  // pending_ has four times as much
+    Word* zone = m.zone_.data();
+    Word* pending = m.pending_.data();
     while (true) {
-      // Room for what one turn can add.
-      if (found + 8 > m.zone_.size()) m.zone_.resize(2 * m.zone_.size());
-      if (met + 32 > m.pending_.size()) m.pending_.resize(2 * m.pending_.size());
-      Word* const zone = m.zone_.data();
-      Word* const pending = m.pending_.data();
+      if (found + 16 > room) {  // more than a turn can add
+        room *= 2;
+        m.zone_.resize(room);
+        m.pending_.resize(4 * room);
+        zone = m.zone_.data();
+        pending = m.pending_.data();
+      }
       const auto act = [&](Batch & batch) __attribute__((always_inline)) {
         if (batch.special | ~(batch.sure[0] & batch.sure[1] & batch.sure[2] & batch.sure[3])) [[unlikely]] {
           for (std::size_t i = 0; i < batch.size; ++i) {
-            if (!batch.sure[i] || cells[batch.cell[i]].infinite()) batch.in[i] = m.conflicts(e, batch.cell[i]) ? -1 : 0;
+            if (!batch.sure[i] || cell_at(cells, batch.facet[i]).infinite()) {
+              batch.in[i] = m.conflicts(e, batch.facet[i] >> 2) ? -1 : 0;
+            }
           }
         }
         for (std::size_t i = 0; i < 4; ++i) {
-          const Word in = i < batch.size ? static_cast<Word>(batch.in[i]) & 1 : 0;
+          const Word in = static_cast<Word>(batch.in[i]);  // all bits or none
           zone[found] = batch.facet[i];
-          found += in;
-          cells[batch.cell[i]].v[0] ^= in * (mark_in | mark_out);
+          found += in & 1;
+          cell_at(cells, batch.facet[i]).v[0] ^= in & (mark_in | mark_out);
         }
       };
-      const auto expand = [&]() __attribute__((always_inline)) {
-        for (; expanded < found; ++expanded) {
-          const Cell& c = cells[zone[expanded] >> 2];
+      const auto expand = [&](std::size_t count) __attribute__((always_inline)) {
+        for (std::size_t k = 0; k < count; ++k) {
+          const Cell& c = cell_at(cells, zone[expanded++]);
           for (int i = 0; i < 4; ++i) {
             const Word across = c.n[i];
             if constexpr (holes) {
               if (across & frozen_bit) continue;
             }
-            Cell& next = cells[across >> 2];
+            Cell& next = cell_at(cells, across);
             const Word v0 = next.v[0];
             const bool fresh = v0 <= vertex_mask;
             next.v[0] = fresh ? v0 | mark_out : v0;
             pending[met] = across;
             met += fresh;
-            __builtin_prefetch(&at(next.v[across & 3] & vertex_mask));
-            for (int k = 0; k < 4; ++k) __builtin_prefetch(&cells[next.n[k] >> 2]);
           }
         }
       };
-      if (waiting && met - asked < 4) {
-        act(batches[turn]);
-        waiting = false;
+      // A fixed number of cells is expanded in a turn as long as there are so many: that is easy to guess.
+      if (found - expanded >= 2) {
+        expand(2);
+        if (met - asked < 4) continue;
+      } else if (met - asked < 4) {
+        if (waiting) {
+          act(batches[turn]);
+          waiting = false;
+        }
+        expand(found - expanded);
+        if (asked == met) break;
       }
-      expand();
-      if (asked == met) break;
       Batch& batch = batches[turn ^ 1];
       const std::size_t left = met - asked;
       batch.size = left < 4 ? left : 4;
-      for (std::size_t i = 0; i < 4; ++i) {
-        batch.facet[i] = pending[asked + (i < left ? i : 0)];
-        batch.cell[i] = batch.facet[i] >> 2;
-      }
+      // What follows the last one is overwritten later.
+      for (std::size_t i = 0; i < 3; ++i) pending[met + i] = pending[asked];
+      for (std::size_t i = 0; i < 4; ++i) batch.facet[i] = pending[asked + i];
       asked += batch.size;
       ask(batch, cells, at, e);
+      batch.in &= lanes_used[batch.size];
       if (waiting) act(batches[turn]);
       turn ^= 1;
       waiting = true;
@@ -168,6 +182,7 @@ struct ZoneCode {
     if (found + 8 > m.zone_vertices_.size()) m.zone_vertices_.resize(2 * found + 64);
     Vertex* const vertices = m.zone_vertices_.data();
     std::uint8_t* const number = m.number_.data();
+    const Word* const zone = m.zone_.data();
     std::size_t numbered = 0;
     const auto meet = [&](Vertex v) __attribute__((always_inline)) {
       const std::uint8_t old = number[v];
@@ -177,23 +192,22 @@ struct ZoneCode {
     };
     Mesh::Facet* facet = m.facets_.data();
     for (std::size_t z = 0; z < found; ++z) {
-      const Word slot = m.zone_[z] >> 2;
-      const Cell& c = cells[slot];
+      const Cell& c = cell_at(cells, zone[z]);
       const Quad corner = Quad{c.v[0], c.v[1], c.v[2], c.v[3]} & Quad{vertex_mask, ~0u, ~0u, ~0u};
       const Quad next = {c.n[0], c.n[1], c.n[2], c.n[3]};
       if (z == 0) {
         for (int i = 0; i < 4; ++i) meet(corner[i]);
       } else {  // the three others are those of a cell before it
-        meet(c.v[m.zone_[z] & 3] & vertex_mask);
+        meet(c.v[zone[z] & 3] & vertex_mask);
       }
       const Quad id = {number[corner[0]], number[corner[1]], number[corner[2]], number[corner[3]]};
       const auto list = [&](int i, Quad order, Quad with_next) __attribute__((always_inline)) {
         const Word across = c.n[i];
-        bool outside;
+        Word outside;  // every cell next to the zone's is marked, with one bit or the other
         if constexpr (holes) {
-          outside = across & frozen_bit || (cells[across >> 2].v[0] & ~vertex_mask) == mark_out;
+          outside = across & frozen_bit ? 1 : cell_at(cells, across).v[0] >> 31;
         } else {
-          outside = (cells[across >> 2].v[0] & ~vertex_mask) == mark_out;
+          outside = cell_at(cells, across).v[0] >> 31;
         }
         const Quad v = __builtin_shuffle(__builtin_shuffle(corner, order), next, with_next),
                    n = __builtin_shuffle(id, order);
@@ -215,9 +229,10 @@ struct ZoneCode {
   template <bool split>
   [[gnu::always_inline]] static Mesh::Step walk(const Mesh& m, const Point& p, Mesh::Step step) {
     const Cell* const cells = m.cells.data();
+    const Point* const points = m.points.first();
     const auto at = [&](Word v) -> const Point& {
       if constexpr (split) return m.points[v];
-      return m.points.first(v);
+      return points[v];
     };
     Word random = m.turn_;
     while (true) {
