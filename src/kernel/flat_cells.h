@@ -1,7 +1,7 @@
 // The cells of the flat kernel in 3D: 32 bytes each, two to a cache line.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "src/kernel/kernel.h"
@@ -30,6 +30,12 @@ struct alignas(32) Cell {
   bool dead() const { return v[0] == dead_vertex; }
 };
 static_assert(sizeof(Cell) == 32);
+
+// The cell a neighbour word names, with its facet: spares shifting down and up again.
+inline Cell& cell_at(Cell* cells, Word facet) {
+  return *reinterpret_cast<Cell*>(reinterpret_cast<std::byte*>(cells) + std::size_t{facet & ~Word{3}} * 8);
+}
+inline const Cell& cell_at(const Cell* cells, Word facet) { return cell_at(const_cast<Cell*>(cells), facet); }
 
 // (p, v[facet_of[i][0]], v[facet_of[i][1]], v[facet_of[i][2]]) has the orientation of the cell with p in place of v[i].
 // v[3], where the infinite vertex is, stays last.

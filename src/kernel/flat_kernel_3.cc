@@ -4,6 +4,7 @@
 
 #include "src/base/check.h"
 #include "src/kernel/brio.h"
+#include "src/kernel/exact_predicates.h"
 #include "src/kernel/flat_kernel_3_impl.h"
 
 namespace tessera {
@@ -35,7 +36,7 @@ void FlatKernel3::span_more(Vertex v) {
   const bool more = dimension_ == -1  ? true
                     : dimension_ == 0 ? corner(0) != p
                     : dimension_ == 1 ? !collinear_3(corner(0), corner(1), p)
-                                      : orientation_3(corner(0), corner(1), corner(2), p) != 0;
+                                      : exact::orient3(corner(0), corner(1), corner(2), p) != 0;
   if (more) simplex_[static_cast<std::size_t>(++dimension_)] = v;
 }
 

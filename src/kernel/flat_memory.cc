@@ -59,7 +59,7 @@ class Pool {
   }
 
  private:
-  static constexpr std::size_t bytes_each = std::size_t{64} << 20;
+  static constexpr std::size_t bytes_each = std::size_t{256} << 20;
   std::array<Mapping, 8> kept_{};
   std::size_t next_ = 0;
 };

@@ -1,6 +1,7 @@
 #include "src/kernel/flat_mesh_3.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "src/base/check.h"
 #include "src/kernel/flat_predicates_3.h"
@@ -108,22 +109,6 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   return false;
 }
 
-void Mesh::number_vertices() {
-  if (number_.size() <= points.size() + std::size_t{1}) number_.resize(points.size() + points.size() / 2 + 64);
-  if (zone_vertices_.size() < 3 * facets_size_) zone_vertices_.resize(6 * facets_size_);
-  Vertex* const list = zone_vertices_.data();
-  std::size_t n = 0;
-  for (std::size_t f = 0; f < facets_size_; ++f) {
-    for (const Word v : facets_[f].v) {
-      list[n] = v;
-      const bool is_new = number_[v] == 0;
-      n += is_new;
-      number_[v] = is_new ? static_cast<std::uint8_t>(std::min<std::size_t>(n, 255)) : number_[v];
-    }
-  }
-  zone_vertices_size_ = n;
-}
-
 Word Mesh::new_slot() {
   if (!free_.empty()) {
     const Word slot = free_.back();
@@ -135,36 +120,35 @@ Word Mesh::new_slot() {
   return static_cast<Word>(cells.size() - 1);
 }
 
+// The slots of the zone first: they are in the cache.
+void Mesh::take_slots(Word facets) {
+  const Word zone_cells = static_cast<Word>(zone_size_);
+  if (slots_.size() < facets) slots_.resize(2 * facets);
+  if (zone_.size() < facets) zone_.resize(2 * facets);
+  if (facets < zone_cells || !free_.empty()) {
+    for (Word z = 0; z < zone_cells; ++z) free_.push_back(zone_[z] >> 2);
+    for (Word f = 0; f < facets; ++f) slots_[f] = new_slot();
+    for (const Word slot : free_) cells[slot].v[0] = dead_vertex;
+    return;
+  }
+  const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
+  if (added > cells_max - end) throw KernelFull();
+  cells.resize(end + added);
+  const Word* const zone = zone_.data();
+  Word* const slots = slots_.data();
+  for (Word f = 0; f < facets; ++f) slots[f] = f < zone_cells ? zone[f] >> 2 : end + (f - zone_cells);
+}
+
 void Mesh::fill(Vertex v) {
   const Word facets = static_cast<Word>(facets_size_);
-  if (slots_.size() < facets) slots_.resize(2 * facets);
-  const Word reused = std::min(facets, static_cast<Word>(zone_size_));
-  std::copy(zone_.begin(), zone_.begin() + reused, slots_.begin());
-  for (Word f = reused; f < facets; ++f) slots_[f] = new_slot();
-  for (std::size_t z = reused; z < zone_size_; ++z) {
-    cells[zone_[z]].v[0] = dead_vertex;
-    free_.push_back(zone_[z]);
-  }
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    const Word slot = slots_[f];
-    Cell& cell = cells[slot];
-    cell.v[0] = v;
-    cell.v[1] = facet.v[0];
-    cell.v[2] = facet.v[1];
-    cell.v[3] = facet.v[2];
-    cell.n[0] = facet.across;
-    if (facet.across & frozen_bit) continue;
-    Cell& outside = cells[facet.across >> 2];
-    outside.v[0] &= vertex_mask;
-    outside.n[facet.across & 3] = 4 * slot;
-  }
+  take_slots(facets);
   if (zone_vertices_size_ < small) {
-    link_small(facets);
+    link_small(facets, v);
   } else {
-    link_large(facets);
+    link_large(facets, v);
   }
-  for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
+  std::uint8_t* const number = number_.data();
+  for (const Vertex w : zone_vertices()) number[w] = 0;
   if (indexed_) {
     while (incident_.size() <= v) incident_.push_back(0);
     incident_[v] = slots_[0];
@@ -175,26 +159,44 @@ void Mesh::fill(Vertex v) {
   last_ = slots_[facets - 1];
 }
 
-void Mesh::link_small(Word facets) {
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    const std::size_t a = number_[facet.v[0]], b = number_[facet.v[1]], c = number_[facet.v[2]];
-    const Word slot = 4 * slots_[f];
-    table_[b * small + c] = slot + 1;
-    table_[c * small + a] = slot + 2;
-    table_[a * small + b] = slot + 3;
+// The cell over a facet of the boundary, and the way to it from outside.
+inline void Mesh::put(Cell* all, Word slot, const Facet& facet, Vertex v) {
+  Cell& cell = all[slot];
+  const Word corner[4] = {v, facet.v[0], facet.v[1], facet.v[2]};
+  std::memcpy(cell.v, corner, sizeof corner);
+  cell.n[0] = facet.across;
+  if (facet.across & frozen_bit) [[unlikely]]
+    return;
+  Cell& outside = cell_at(all, facet.across);
+  outside.v[0] &= vertex_mask;
+  outside.n[facet.across & 3] = 4 * slot;
+}
+
+// Each directed edge of the boundary names the facet of the new cell over it; the cell over the reversed edge is its
+// neighbour.
+void Mesh::link_small(Word count, Vertex v) {
+  Cell* const all = cells.data();
+  const Facet* const facets = facets_.data();
+  const Word* const slots = slots_.data();
+  Word* const table = table_.data();
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2], slot = slots[f];
+    put(all, slot, facets[f], v);
+    table[b * small + c] = 4 * slot + 1;
+    table[c * small + a] = 4 * slot + 2;
+    table[a * small + b] = 4 * slot + 3;
   }
-  for (Word f = 0; f < facets; ++f) {
-    const Facet& facet = facets_[f];
-    const std::size_t a = number_[facet.v[0]], b = number_[facet.v[1]], c = number_[facet.v[2]];
-    Cell& cell = cells[slots_[f]];
-    cell.n[1] = table_[c * small + b];
-    cell.n[2] = table_[a * small + c];
-    cell.n[3] = table_[b * small + a];
+  for (Word f = 0; f < count; ++f) {
+    const Word a = facets[f].number[0], b = facets[f].number[1], c = facets[f].number[2];
+    Cell& cell = all[slots[f]];
+    cell.n[1] = table[c * small + b];
+    cell.n[2] = table[a * small + c];
+    cell.n[3] = table[b * small + a];
   }
 }
 
-void Mesh::link_large(Word facets) {
+void Mesh::link_large(Word facets, Vertex vertex) {
+  for (Word f = 0; f < facets; ++f) put(cells.data(), slots_[f], facets_[f], vertex);
   std::size_t size = 1024;
   while (size < 6 * std::size_t{facets}) size *= 2;
   edges_.assign(size, {0, 0});
@@ -221,9 +223,9 @@ void Mesh::leave() {
     const Word across = facets_[f].across;
     if (!(across & frozen_bit)) cells[across >> 2].v[0] &= vertex_mask;
   }
-  for (std::size_t z = 0; z < zone_size_; ++z) cells[zone_[z]].v[0] &= vertex_mask;
+  for (std::size_t z = 0; z < zone_size_; ++z) cells[zone_[z] >> 2].v[0] &= vertex_mask;
   for (std::size_t i = 0; i < zone_vertices_size_; ++i) number_[zone_vertices_[i]] = 0;
-  last_ = zone_[0];
+  last_ = zone_[0] >> 2;
 }
 
 void Mesh::insert(Vertex v) {

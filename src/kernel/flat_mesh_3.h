@@ -21,8 +21,8 @@ namespace tessera::flat {
 class Points {
  public:
   const Point& operator[](Vertex v) const { return (v <= borrowed_ ? low_ : high_)[v]; }
-  // The same when all vertices are among the first ones, which saves a choice in the innermost loops.
-  const Point& first(Vertex v) const { return low_[v]; }
+  // first()[v] is the same when in_one_piece(), which saves a choice in the innermost loops.
+  const Point* first() const { return low_; }
   bool in_one_piece() const { return size_ == borrowed_; }
   Vertex size() const { return size_; }
   void borrow(std::span<const Point> points);
@@ -72,8 +72,8 @@ class Mesh {
   // Locates, finds and fills, for a point that is not there yet and is vertex v.
   void insert(Vertex v);
 
-  // The cells of the zone.
-  std::span<const Word> zone() const { return {zone_.data(), zone_size_}; }
+  std::size_t zone_size() const { return zone_size_; }
+  Word zone_cell(std::size_t i) const { return zone_[i] >> 2; }
 
   // A cell around v. Costs a pass over all cells the first time; kept up to date from then on.
   Word incident(Vertex v) const;
@@ -101,23 +101,31 @@ class Mesh {
   struct Facet {  // of the zone's boundary: the cell to be is (p, v[0], v[1], v[2])
     Word v[3];
     Word across;
+    Word number[4];  // of the three, as in number_
   };
   struct Edge {
     std::uint64_t key;  // from << 32 | to, or 0
     Word facet;
   };
+  struct Step {
+    Word slot;
+    Word from;  // the facet come through, 8 at the start
+    bool arrived;
+  };
+  Step walk_surely(const Point& p, Step step) const;
   bool walk(const Point& p, Word start, Located& found);
   Located search(const Point& p, Word start) const;
   Word near_by_chance(const Point& p);
-  void number_vertices();
-  void link_small(Word facets);
-  void link_large(Word facets);
+  static void put(Cell* all, Word slot, const Facet& facet, Vertex v);
+  void link_small(Word facets, Vertex v);
+  void link_large(Word facets, Vertex v);
   Word new_slot();
+  void take_slots(Word facets);
 
   friend struct ZoneCode;  // flat_zone_3.cc
 
   std::vector<Word> free_;     // slots without a cell
-  std::vector<Word> zone_;     // [0, zone_size_): cells in conflict
+  std::vector<Word> zone_;     // [0, zone_size_): cells in conflict, each with the facet it was reached through
   std::vector<Word> pending_;  // cells to be asked, in the order they were met
   std::vector<Facet> facets_;  // [0, facets_size_): the zone's boundary
   std::size_t zone_size_ = 0, facets_size_ = 0, zone_vertices_size_ = 0;

@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "src/kernel/exact_predicates.h"
 #include "src/kernel/flat_mesh_3.h"
 #include "src/kernel/kernel.h"
 
@@ -26,7 +27,7 @@ bool find_simplex(const Points& points, const std::vector<Vertex>& around, std::
   Vertex c = 2;
   while (c < n && collinear_3(at(0), at(1), at(c))) ++c;
   for (Vertex d = c + 1; d < n; ++d) {
-    if (orientation_3(at(0), at(1), at(c), at(d)) == 0) continue;
+    if (exact::orient3(at(0), at(1), at(c), at(d)) == 0) continue;
     found = {0, 1, c, d};
     return true;
   }
@@ -80,7 +81,7 @@ bool Mesh::remove(Vertex v) {
     return (i & vertex_mask) == infinite_vertex ? infinite_vertex : near[(i & vertex_mask) - 1];
   };
   std::map<Word, Word> slot_of;
-  for (const Word z : small->zone()) slot_of[z] = new_slot();
+  for (std::size_t i = 0; i < small->zone_size(); ++i) slot_of[small->zone_cell(i)] = new_slot();
   for (const auto& [z, slot] : slot_of) {
     const Cell& from = small->cells[z];
     Cell& to = cells[slot];

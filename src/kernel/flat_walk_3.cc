@@ -21,20 +21,23 @@ double distance_to(const Point& p, const Point& q) {
 
 // False if the way was blocked by frozen cells on every side that faces p.
 bool Mesh::walk(const Point& p, Word slot, Located& found) {
-  int from = -1;  // the facet come through: p is on this side of it
   if (cells[slot].infinite()) {
     const Word inside = cells[slot].n[3];
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
+  Step step = walk_surely(p, {slot, 8, false});
+  if (step.arrived) {
+    found = {step.slot, 0};
+    return true;
+  }
   while (true) {
-    const Cell& c = cells[slot];
+    const Cell& c = cells[step.slot];
     Word across = frozen_bit;
     bool blocked = false, touching = false;
-    for (int j = 0; j < 4; ++j) {
-      // Starting anywhere, for a fixed order leads around in spirals.
-      const int i = static_cast<int>((turn_ + static_cast<std::uint32_t>(j)) & 3);
-      if (i == from) continue;
+    for (Word j = 0; j < 4; ++j) {
+      const Word i = (turn_ + j) & 3;
+      if (i == step.from) continue;
       const auto& f = facet_of[i];
       const int side = orientation(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]);
       touching |= side == 0;
@@ -45,7 +48,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) {
     }
     if (across & frozen_bit) {  // no way on
       if (blocked) return false;
-      found = {slot, 0};
+      found = {step.slot, 0};
       if (touching) {
         for (const Word v : c.v) {
           if (points[v] == p) found.same = v;
@@ -54,16 +57,16 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) {
       return true;
     }
     ++turn_;
-    slot = across >> 2;
-    from = static_cast<int>(across & 3);
-    if (cells[slot].infinite()) {  // strictly outside the hull
-      found = {slot, 0};
+    step = {across >> 2, across & 3, false};
+    if (cells[step.slot].infinite()) {  // strictly outside the hull
+      found = {step.slot, 0};
       return true;
     }
   }
 }
 
 Located Mesh::locate(const Point& p) {
+  ++turn_;
   Located found;
   if (walk(p, last_, found)) return found;
   const Word start = near_by_chance(p);
