@@ -10,11 +10,12 @@
 namespace tessera {
 
 // Calls insert(i) for each i in 0..n-1 once: a random eighth of an eighth ... first, each round in increasing i. The
-// rounds keep the expected cost low for every input, increasing i keeps each walk short. Deterministic.
-template <class Insert>
+// rounds keep the expected cost low for every input, increasing i keeps each walk short. Deterministic. Each round is
+// 2^round_bits times as large as the one before.
+template <int round_bits = 3, class Insert>
 void for_each_in_brio_order(std::size_t n, Insert&& insert) {
-  constexpr int rounds = 8;          // an eighth each: the first round of 10 M points holds about 5
-  constexpr std::size_t small = 64;  // not worth any order
+  constexpr int rounds = 24 / round_bits;  // of eighths: the first round of 10 M points holds about 5
+  constexpr std::size_t small = 64;        // not worth any order
   if (n <= small) {
     for (std::size_t i = 0; i < n; ++i) insert(i);
     return;
@@ -24,7 +25,7 @@ void for_each_in_brio_order(std::size_t n, Insert&& insert) {
     i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
     i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
     i ^= i >> 31;
-    const int r = std::countr_zero(i) / 3;
+    const int r = std::countr_zero(i) / round_bits;
     return r < rounds ? r : rounds - 1;
   };
   std::array<std::vector<std::uint32_t>, rounds> early;  // all rounds but the last, which is most of the points

@@ -103,7 +103,7 @@ class Mesh {
     bool in_conflict;  // the triangle beyond
   };
   bool walk(const Point& p, Word start, Located& found) const;
-  Located search(const Point& p) const;
+  Located search(const Point& p, Word start) const;
   bool conflicts_with_hull(const Point& p, const Triangle& t) const;
   Word near_by_chance(const Point& p) const;
   Word new_slot();

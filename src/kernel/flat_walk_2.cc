@@ -1,7 +1,13 @@
 // Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
 // (De Floriani, Falcidieno, Nagy, Pienovi 1991).
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <queue>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include "src/base/check.h"
 #include "src/kernel/exact_predicates.h"
@@ -83,8 +89,9 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
 Located Mesh::locate(const Point& p) {
   Located found;
   if (walk(p, last_, found)) return found;
-  if (walk(p, near_by_chance(p), found)) return found;
-  return search(p);
+  const Word start = near_by_chance(p);
+  if (walk(p, start, found)) return found;
+  return search(p, start);
 }
 
 // Of a few triangles the one nearest to p: beyond a hole, most of the time.
@@ -102,15 +109,31 @@ Word Mesh::near_by_chance(const Point& p) const {
   return best;
 }
 
-// All triangles, one after the other: only for points between two holes.
-Located Mesh::search(const Point& p) const {
-  for (Word slot = 0; slot < triangles.size(); ++slot) {
+// Nearest triangles first, from one to its neighbours. Those that are left are connected through the infinite ones.
+Located Mesh::search(const Point& p, Word start) const {
+  using Entry = std::pair<double, Word>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::unordered_set<Word> seen;
+  const auto meet = [&](Word slot) {
+    if (!seen.insert(slot).second) return;
+    double distance = std::numeric_limits<double>::infinity();
+    for (const Vertex v : triangles[slot].v) {
+      if (v != infinite_vertex) distance = std::min(distance, distance_to(p, point(v)));
+    }
+    queue.emplace(distance, slot);
+  };
+  meet(start);
+  while (!queue.empty()) {
+    const Word slot = queue.top().second;
+    queue.pop();
     const Triangle& t = triangles[slot];
-    if (t.dead()) continue;
     for (const Vertex v : t.v) {
       if (v != infinite_vertex && equal(point(v), p)) return {slot, v};
     }
     if (conflicts(p, t)) return {slot, 0};
+    for (const Word across : t.n) {
+      if (!(across & frozen_bit)) meet(across >> 2);
+    }
   }
   check(false, "every point is in conflict with a triangle that is not frozen");
   return {};

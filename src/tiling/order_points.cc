@@ -1,6 +1,7 @@
 // A tile's points in Hilbert order, each once.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -19,15 +20,20 @@ struct Entry {
 constexpr int digit_bits = 11;  // 2048 counters: the scatter's targets stay in the second-level cache
 constexpr int digits = 6;       // 66 >= 63 bits
 
-// Least significant digit first, all histograms in one pass; a digit that is the same everywhere costs nothing.
-void sort_by_key(std::vector<Entry>& entries) {
+// Least significant digit first, all histograms in one pass; a digit that is the same everywhere costs nothing. In
+// the plane the lowest digits seldom matter: enough are taken for 32 cells of the curve a point, and the few entries
+// that are equal then are sorted by comparison.
+void sort_by_key(std::vector<Entry>& entries, int dimension) {
   constexpr std::size_t buckets = std::size_t{1} << digit_bits;
   std::vector<std::array<std::size_t, buckets>> counts(digits);
   for (const Entry& e : entries) {
     for (int d = 0; d < digits; ++d) ++counts[d][(e.key >> (d * digit_bits)) % buckets];
   }
+  constexpr int planar_bits = 62;
+  const int needed = static_cast<int>(std::bit_width(entries.size())) + 5;
+  const int first = dimension == 2 ? std::max(planar_bits - needed, 0) / digit_bits : 0;
   std::vector<Entry> other(entries.size());
-  for (int d = 0; d < digits; ++d) {
+  for (int d = first; d < digits; ++d) {
     auto& count = counts[d];
     const int shift = d * digit_bits;
     if (entries.empty() || count[(entries[0].key >> shift) % buckets] == entries.size()) continue;
@@ -35,6 +41,14 @@ void sort_by_key(std::vector<Entry>& entries) {
     for (std::size_t& c : count) begin += std::exchange(c, begin);
     for (const Entry& e : entries) other[count[(e.key >> shift) % buckets]++] = e;
     entries.swap(other);
+  }
+  if (first == 0) return;
+  const int left_out = first * digit_bits;
+  for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
+    while (end < entries.size() && entries[end].key >> left_out == entries[begin].key >> left_out) ++end;
+    if (end - begin == 1) continue;
+    std::sort(entries.begin() + static_cast<std::ptrdiff_t>(begin), entries.begin() + static_cast<std::ptrdiff_t>(end),
+              [](const Entry& a, const Entry& b) { return a.key < b.key; });
   }
 }
 
@@ -48,7 +62,7 @@ class Sorter {
     for (const Entry& e : entries) bounds.add(points_[e.index].at);
     const HilbertKey key(bounds, dimension_);
     for (Entry& e : entries) e.key = key(points_[e.index].at);
-    sort_by_key(entries);
+    sort_by_key(entries, dimension_);
     for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
       while (end < entries.size() && entries[end].key == entries[begin].key) ++end;
       if (end - begin > 1) sort_run(std::span(entries).subspan(begin, end - begin));
