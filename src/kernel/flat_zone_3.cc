@@ -142,6 +142,7 @@ struct ZoneCode {
             next.v[0] = fresh ? v0 | mark_out : v0;
             pending[met] = across;
             met += fresh;
+            for (int j = 0; j < 4; ++j) __builtin_prefetch(&cell_at(cells, next.n[j]));
           }
         }
       };
