@@ -1,6 +1,7 @@
 // The innermost loop: which cells are in conflict with a point. Cells are asked four at a time, one to a vector lane,
 // and no branch depends on an answer. The vectors are the compiler's own, so the same code runs on every machine; where
 // AVX2 is present a second copy of it is used.
+#include <algorithm>
 #include <cstring>
 
 #include "src/kernel/flat_mesh_3.h"
@@ -102,13 +103,14 @@ struct ZoneCode {
     Batch batches[2];
     std::size_t turn = 0;
     bool waiting = false;               // batches[turn] has not been acted upon
-    std::size_t room = m.zone_.size();  // pending_ has four times as much
+    // Cells of the zone there is room for: pending_ takes four times as many. zone_ may also have grown elsewhere.
+    std::size_t room = std::min(m.zone_.size(), m.pending_.size() / 4);
     Word* zone = m.zone_.data();
     Word* pending = m.pending_.data();
     while (true) {
       if (found + 16 > room) {  // more than a turn can add
         room *= 2;
-        m.zone_.resize(room);
+        if (m.zone_.size() < room) m.zone_.resize(room);
         m.pending_.resize(4 * room);
         zone = m.zone_.data();
         pending = m.pending_.data();

@@ -224,6 +224,26 @@ TEST_P(Flat, MorePointsLiftItToTheDelaunayTriangulation) {
   EXPECT_EQ(wrong_with(*kernel), "");
 }
 
+// Points on two skew lines: every segment of one makes a cell with every segment of the other, and a new point is in
+// conflict with as many cells as the other line has segments.
+TEST(LargeZones, GrowingOnesKeepEveryCell) {
+  constexpr std::size_t on_a_line = 1400;
+  std::vector<Point> points;
+  for (std::size_t i = 0; i < on_a_line; ++i) {
+    const double t = static_cast<double>((i * 797) % on_a_line);  // in no order
+    points.push_back({t, 0, 0});
+    points.push_back({700, t - 700.25, 1000});
+  }
+  const auto kernel = make_kernel(3, KernelKind::flat);
+  kernel->build(points);
+  const CellList list = kernel->cells();
+  std::size_t finite = 0;
+  for (std::size_t c = 0; c < list.vertices.size(); c += 4) {
+    finite += std::count(&list.vertices[c], &list.vertices[c] + 4, infinite_vertex) == 0;
+  }
+  EXPECT_EQ(finite, (on_a_line - 1) * (on_a_line - 1));
+}
+
 INSTANTIATE_TEST_SUITE_P(Kernel, Spanning, ::testing::ValuesIn(spanning_clouds()),
                          [](const auto& info) { return name_of_cloud(info.param); });
 INSTANTIATE_TEST_SUITE_P(Kernel, Flat, ::testing::ValuesIn(flat_clouds()),
