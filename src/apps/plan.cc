@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 // Bytes a point of a tile costs while the tile is worked on, its kernel, mesh and buffers included.
-constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 900 : 340; }
+constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 600 : 240; }
 constexpr std::uint64_t smallest_tile = 10'000;
 // Above this a tile gains nothing: its stars at the border are under 3 % of it already.
 constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'000'000 : 2'000'000; }
@@ -64,7 +64,7 @@ Estimate estimate(int dimension, std::uint64_t points, std::uint64_t tile_limit,
   const double cells_a_point = dimension == 3 ? 6.75 : 2.0;
   const double cell_bytes = 4.0 * (dimension + 1) * (neighbors ? 2 : 1) + 1;
   const double vertex_bytes = 24 + 8 + 1 + static_cast<double>(attribute_row_bytes);
-  const double points_a_second = dimension == 3 ? 130'000 : 400'000;  // a thread, from input file to result on disk
+  const double points_a_second = dimension == 3 ? 330'000 : 800'000;  // a thread, from input file to result on disk
 
   Estimate estimate;
   estimate.cells = static_cast<std::uint64_t>(cells_a_point * n);
