@@ -254,6 +254,7 @@ bool Mesh::remove(Vertex v) {
   for (const Word slot : star) {
     const Triangle& t = triangles[slot];
     const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    check(!(t.n[i] & frozen_bit), "a removed vertex is not joined to a frozen cell");
     link_of_v.push_back({t.v[next_of[i]], t.n[i]});
     near.push_back(t.v[next_of[i]]);
   }

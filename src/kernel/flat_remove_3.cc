@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 
+#include "src/base/check.h"
 #include "src/kernel/exact_predicates.h"
 #include "src/kernel/flat_mesh_3.h"
 #include "src/kernel/kernel.h"
@@ -53,6 +54,7 @@ bool Mesh::remove(Vertex v) {
     const Cell& c = cells[slot];
     corners.insert(corners.end(), c.v, c.v + 4);
     const Word i = static_cast<Word>(std::find(c.v, c.v + 4, v) - c.v);
+    check(!(c.n[i] & frozen_bit), "a removed vertex is not joined to a frozen cell");
     link[facet(c, i)] = c.n[i];
   }
   std::vector<Vertex> near = others(corners, v);

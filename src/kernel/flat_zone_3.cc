@@ -204,7 +204,7 @@ struct ZoneCode {
         meet(c.v[zone[z] & 3] & vertex_mask);
       }
       const Quad id = {number[corner[0]], number[corner[1]], number[corner[2]], number[corner[3]]};
-      const auto list = [&](int i, Quad order, Quad with_next) __attribute__((always_inline)) {
+      const auto list = [&]<int i, int... corners>() __attribute__((always_inline)) {
         const Word across = c.n[i];
         Word outside;  // every cell next to the zone's is marked, with one bit or the other
         if constexpr (holes) {
@@ -212,16 +212,16 @@ struct ZoneCode {
         } else {
           outside = cell_at(cells, across).v[0] >> 31;
         }
-        const Quad v = __builtin_shuffle(__builtin_shuffle(corner, order), next, with_next),
-                   n = __builtin_shuffle(id, order);
+        const Quad v = __builtin_shufflevector(corner, next, corners..., 4 + i),
+                   n = __builtin_shufflevector(id, id, corners..., 3);
         std::memcpy(facet->v, &v, sizeof v);
         std::memcpy(facet->number, &n, sizeof n);
         facet += outside;
       };
-      list(0, Quad{1, 2, 3, 3}, Quad{0, 1, 2, 4});
-      list(1, Quad{2, 0, 3, 3}, Quad{0, 1, 2, 5});
-      list(2, Quad{0, 1, 3, 3}, Quad{0, 1, 2, 6});
-      list(3, Quad{2, 1, 0, 3}, Quad{0, 1, 2, 7});
+      list.template operator()<0, 1, 2, 3>();
+      list.template operator()<1, 2, 0, 3>();
+      list.template operator()<2, 0, 1, 3>();
+      list.template operator()<3, 2, 1, 0>();
     }
     m.facets_size_ = static_cast<std::size_t>(facet - m.facets_.data());
     m.zone_vertices_size_ = numbered;
@@ -245,23 +245,25 @@ struct ZoneCode {
       const Lanes x = Lanes{a.x, b.x, d.x, e.x} - p.x, y = Lanes{a.y, b.y, d.y, e.y} - p.y;
       const Lanes z = Lanes{a.z, b.z, d.z, e.z} - p.z;
       // As facet_of: lane i is facet i.
-      const Bits first = {1, 2, 0, 2}, second = {2, 0, 1, 1}, third = {3, 3, 3, 0};
-      const Lanes ax = __builtin_shuffle(x, first), bx = __builtin_shuffle(x, second), cx = __builtin_shuffle(x, third);
-      const Lanes ay = __builtin_shuffle(y, first), by = __builtin_shuffle(y, second), cy = __builtin_shuffle(y, third);
-      const Lanes az = __builtin_shuffle(z, first), bz = __builtin_shuffle(z, second), cz = __builtin_shuffle(z, third);
+      const Lanes ax = __builtin_shufflevector(x, x, 1, 2, 0, 2), bx = __builtin_shufflevector(x, x, 2, 0, 1, 1);
+      const Lanes cx = __builtin_shufflevector(x, x, 3, 3, 3, 0);
+      const Lanes ay = __builtin_shufflevector(y, y, 1, 2, 0, 2), by = __builtin_shufflevector(y, y, 2, 0, 1, 1);
+      const Lanes cy = __builtin_shufflevector(y, y, 3, 3, 3, 0);
+      const Lanes az = __builtin_shufflevector(z, z, 1, 2, 0, 2), bz = __builtin_shufflevector(z, z, 2, 0, 1, 1);
+      const Lanes cz = __builtin_shufflevector(z, z, 3, 3, 3, 0);
       const Lanes det = ax * (by * cz - bz * cy) + bx * (cy * az - cz * ay) + cx * (ay * bz - az * by);
       const auto most = [](Lanes q) __attribute__((always_inline)) {
         q = absolute(q);
-        q = larger(q, __builtin_shuffle(q, Bits{2, 3, 0, 1}));
-        return larger(q, __builtin_shuffle(q, Bits{1, 0, 3, 2}));
+        q = larger(q, __builtin_shufflevector(q, q, 2, 3, 0, 1));
+        return larger(q, __builtin_shufflevector(q, q, 1, 0, 3, 2));
       };
       const Lanes mx = most(x), my = most(y), mz = most(z);
       const Lanes error = orientation_error * mx * my * mz + underflow;
       const Lanes largest = larger(larger(mx, my), mz);
       const Bits behind = det < -error, sure = (absolute(det) > error) & (largest < exact::filter::difference_max);
       Bits flags = (behind & Bits{1, 2, 4, 8}) | (~sure & Bits{16, 32, 64, 128});
-      flags |= __builtin_shuffle(flags, Bits{2, 3, 0, 1});
-      flags |= __builtin_shuffle(flags, Bits{1, 0, 3, 2});
+      flags |= __builtin_shufflevector(flags, flags, 2, 3, 0, 1);
+      flags |= __builtin_shufflevector(flags, flags, 1, 0, 3, 2);
       const Word seen = static_cast<Word>(flags[0]) & ~(0x11u << step.from);
       if (seen >> 4) [[unlikely]]
         return step;

@@ -112,10 +112,12 @@ class Kernel {
   // Whether freeze() is there.
   virtual bool can_freeze() const = 0;
   // Takes out the cells that explore() would not return, and forgets them: the kernel is then as small as what is left.
-  // From then on the caller sees to it that no point is in conflict with a frozen cell, no vertex of one is removed,
-  // and neither star() nor neighbours() is asked of a vertex that has frozen cells. cells() tells what lies across the
-  // facets of the hole.
-  // REQUIRES: can_freeze(), dimension() == max_dimension(), nothing was frozen since build() or load().
+  // From then on the caller sees to it that no point is in conflict with a frozen cell, no vertex of one or joined to
+  // one is removed, and neither star() nor neighbours() is asked of a vertex that has frozen cells. cells() tells what
+  // lies across the facets of the hole.
+  // REQUIRES: can_freeze(), dimension() == max_dimension(), nothing was frozen since build() or load(); and from one of
+  // the cells that stay all of them can be reached through facets, as when those with a circumsphere in a convex region
+  // are settled and no vertex in it is not local.
   virtual FrozenCells freeze(const std::function<bool(const Vertex*)>& settled) = 0;
 
   virtual KernelImage save() const = 0;

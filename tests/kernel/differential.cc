@@ -1,6 +1,7 @@
 #include "tests/kernel/differential.h"
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "src/kernel/flat_kernel_3.h"
@@ -9,70 +10,102 @@
 namespace tessera::testing {
 namespace {
 
-using Corners = std::array<Vertex, 4>;
+using Corners = std::array<Vertex, 4>;  // of a cell, ascending; triangles end with no_vertex
+constexpr Vertex no_vertex = ~0u;
 
-Corners sorted(const Vertex* v) {
-  Corners c{v[0], v[1], v[2], v[3]};
+Corners sorted(const Vertex* v, std::size_t corners) {
+  Corners c;
+  c.fill(no_vertex);
+  std::copy_n(v, corners, c.begin());
   std::sort(c.begin(), c.end());
   return c;
 }
 
+std::vector<Vertex> sorted(std::vector<Vertex> list) {
+  std::sort(list.begin(), list.end());
+  return list;
+}
+
 // Live and frozen ones, each sorted.
-std::vector<Corners> cell_set(std::span<const Vertex> corners, std::span<const Vertex> more = {}) {
+std::vector<Corners> cell_set(std::size_t corners, std::span<const Vertex> list, std::span<const Vertex> more = {}) {
   std::vector<Corners> cells;
-  for (std::size_t c = 0; c < corners.size(); c += 4) cells.push_back(sorted(&corners[c]));
-  for (std::size_t c = 0; c < more.size(); c += 4) cells.push_back(sorted(&more[c]));
+  for (const auto& part : {list, more}) {
+    for (std::size_t c = 0; c < part.size(); c += corners) cells.push_back(sorted(&part[c], corners));
+  }
   std::sort(cells.begin(), cells.end());
   return cells;
 }
 
-// Orientation, mutual neighbours and common facets; across the border of the hole too. "" if all is well.
-std::string wrong_structure(const Kernel& kernel, const CellList& list, const FrozenCells& frozen) {
-  struct View {
-    std::span<const Vertex> v;
-    std::span<const std::uint32_t> n;
-  };
-  const View live{list.vertices, list.neighbors}, ice{frozen.vertices, frozen.neighbors};
-  std::size_t borders = 0, opens = 0;
-  const auto common = [](const View& a, std::size_t c, std::size_t i, const View& b, std::size_t d, std::size_t k) {
-    Corners f{}, g{};
-    for (std::size_t j = 0; j < 4; ++j) f[j] = j == i ? ~0u : a.v[4 * c + j], g[j] = j == k ? ~0u : b.v[4 * d + j];
-    std::sort(f.begin(), f.end());
-    std::sort(g.begin(), g.end());
-    return f == g;
-  };
-  const auto mutual = [&](const View& view, std::size_t c, std::size_t i, std::size_t d) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (view.n[4 * d + k] == c && common(view, c, i, view, d, k)) return true;
+struct CellView {
+  std::size_t corners;
+  std::span<const Vertex> vertices;
+  std::span<const std::uint32_t> neighbors;
+
+  std::size_t size() const { return vertices.size() / corners; }
+  const Vertex* cell(std::size_t c) const { return &vertices[corners * c]; }
+  std::uint32_t across(std::size_t c, std::size_t i) const { return neighbors[corners * c + i]; }
+};
+
+// Whether facet i of cell c is facet k of cell d, with the cells on its two sides: d with its vertex k replaced by that
+// of c is an odd permutation of c. So infinite cells are oriented as the finite ones they lie beside.
+bool common(const CellView& a, std::size_t c, std::size_t i, const CellView& b, std::size_t d, std::size_t k) {
+  std::array<std::ptrdiff_t, 4> place{};
+  const Vertex *from = a.cell(c), *to = b.cell(d);
+  const auto n = static_cast<std::ptrdiff_t>(a.corners);
+  bool odd = false;
+  for (std::size_t j = 0; j < a.corners; ++j) {
+    place[j] = std::find(from, from + n, j == k ? from[i] : to[j]) - from;
+    if (place[j] == n) return false;
+    for (std::size_t h = 0; h < j; ++h) {
+      if (place[h] == place[j]) return false;
+      odd ^= place[h] > place[j];
     }
-    return false;
-  };
-  const auto positive = [&](const Vertex* v) {
-    return orientation_3(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2]), kernel.point(v[3])) > 0;
-  };
-  for (std::size_t c = 0; c < live.v.size() / 4; ++c) {
-    const Vertex* v = &live.v[4 * c];
-    if (std::count(v, v + 4, infinite_vertex) > 1) return "two infinite vertices";
-    if (std::count(v, v + 4, infinite_vertex) == 0 && !positive(v)) return "a cell is not positive";
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t n = live.n[4 * c + i];
+  }
+  return odd;
+}
+
+bool mutual(const CellView& view, std::size_t c, std::size_t i) {
+  const std::size_t d = view.across(c, i);
+  if (d >= view.size()) return false;
+  for (std::size_t k = 0; k < view.corners; ++k) {
+    if (view.across(d, k) == c && common(view, c, i, view, d, k)) return true;
+  }
+  return false;
+}
+
+bool positive(const Kernel& kernel, const Vertex* v) {
+  if (kernel.max_dimension() == 2) {
+    return orientation_2(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2])) > 0;
+  }
+  return orientation_3(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2]), kernel.point(v[3])) > 0;
+}
+
+// Orientation, mutual neighbours and common facets; across the border of the hole too. "" if all is well.
+std::string wrong_structure(const Kernel& kernel, const CellView& live, const CellView& ice) {
+  std::size_t borders = 0, opens = 0;
+  for (std::size_t c = 0; c < live.size(); ++c) {
+    const Vertex* v = live.cell(c);
+    const auto infinite = std::count(v, v + live.corners, infinite_vertex);
+    if (infinite > 1) return "two infinite vertices";
+    if (infinite == 0 && !positive(kernel, v)) return "a cell is not positive";
+    for (std::size_t i = 0; i < live.corners; ++i) {
+      const std::uint32_t n = live.across(c, i);
       if (n & across_frozen) {
-        const std::size_t f = (n & ~across_frozen) / 4, k = n & 3;
+        const std::size_t f = (n & ~across_frozen) / live.corners, k = (n & ~across_frozen) % live.corners;
         ++borders;
-        if (f >= ice.v.size() / 4 || !common(live, c, i, ice, f, k)) return "the border of the hole is not common";
-        if (ice.n[4 * f + k] != FrozenCells::open) return "a frozen cell does not know its border";
-      } else if (n >= live.v.size() / 4 || !mutual(live, c, i, n)) {
+        if (f >= ice.size() || !common(live, c, i, ice, f, k)) return "the border of the hole is not common";
+        if (ice.across(f, k) != FrozenCells::open) return "a frozen cell does not know its border";
+      } else if (!mutual(live, c, i)) {
         return "neighbours are not mutual";
       }
     }
   }
-  for (std::size_t c = 0; c < ice.v.size() / 4; ++c) {
-    if (!positive(&ice.v[4 * c])) return "a frozen cell is not positive";
-    for (std::size_t i = 0; i < 4; ++i) {
-      const std::uint32_t n = ice.n[4 * c + i];
-      if (n == FrozenCells::open) {
+  for (std::size_t c = 0; c < ice.size(); ++c) {
+    if (!positive(kernel, ice.cell(c))) return "a frozen cell is not positive";
+    for (std::size_t i = 0; i < ice.corners; ++i) {
+      if (ice.across(c, i) == FrozenCells::open) {
         ++opens;
-      } else if (n >= ice.v.size() / 4 || !mutual(ice, c, i, n)) {
+      } else if (!mutual(ice, c, i)) {
         return "frozen neighbours are not mutual";
       }
     }
@@ -80,11 +113,16 @@ std::string wrong_structure(const Kernel& kernel, const CellList& list, const Fr
   return borders == opens ? "" : "the border of the hole has two sides";
 }
 
+std::unique_ptr<Kernel> flat_kernel(bool vectors, int dimension) {
+  return vectors || dimension == 2 ? make_kernel(dimension, KernelKind::flat) : make_plain_flat_kernel_3();
+}
+
 }  // namespace
 
-KernelPair::KernelPair(bool vectors)
-    : flat_(vectors ? make_kernel(3, KernelKind::flat) : make_plain_flat_kernel_3()),
-      cgal_(make_kernel(3, KernelKind::cgal)) {}
+KernelPair::KernelPair(bool vectors, int dimension)
+    : corners_(static_cast<std::size_t>(dimension) + 1),
+      flat_(flat_kernel(vectors, dimension)),
+      cgal_(make_kernel(dimension, KernelKind::cgal)) {}
 
 void KernelPair::build(std::span<const Point> points, KeepPoints keep) {
   flat_->build(points, keep);
@@ -95,10 +133,8 @@ void KernelPair::build(std::span<const Point> points, KeepPoints keep) {
 void KernelPair::insert(const Point& p, bool local, InsertMode mode) {
   std::vector<Vertex> around, expected;
   const Insertion got = flat_->insert(p, local, mode, around), made = cgal_->insert(p, local, mode, expected);
-  std::sort(around.begin(), around.end());
-  std::sort(expected.begin(), expected.end());
   if (got.vertex != made.vertex || got.inserted != made.inserted) fail("insert() answers otherwise");
-  if (around != expected) fail("insert() finds other neighbours");
+  if (sorted(around) != sorted(expected)) fail("insert() finds other neighbours");
   if (flat_->dimension() != cgal_->dimension()) fail("another dimension");
 }
 
@@ -110,43 +146,76 @@ void KernelPair::remove(Vertex v) {
   if (flat_->dimension() != cgal_->dimension()) fail("another dimension after a removal");
 }
 
+void KernelPair::compare_open(const Settled& settled) {
+  if (!full()) return;
+  const auto in_order = [&](const Vertex* v) { return settled(sorted(v, corners_).data()); };
+  CellList all;
+  std::vector<std::uint8_t> flags;
+  const auto open = cell_set(corners_, flat_->explore(in_order, &all, &flags));
+  if (open != cell_set(corners_, cgal_->explore(in_order))) fail("explore() finds other cells");
+  if (all.vertices != flat_->cells().vertices) return fail("explore() lists other cells than there are");
+  std::vector<Vertex> flagged;
+  for (std::size_t c = 0; c < flags.size(); ++c) {
+    if (flags[c]) flagged.insert(flagged.end(), &all.vertices[corners_ * c], &all.vertices[corners_ * c] + corners_);
+  }
+  if (open != cell_set(corners_, flagged)) fail("explore() flags other cells than it finds");
+}
+
+void KernelPair::freeze(const Settled& settled) {
+  if (!full()) return;
+  compare_open(settled);
+  const auto in_order = [&](const Vertex* v) { return settled(sorted(v, corners_).data()); };
+  const std::vector<Vertex> open = flat_->explore(in_order);
+  frozen_ = flat_->freeze(in_order);
+  if (cell_set(corners_, flat_->cells().vertices) != cell_set(corners_, open)) {
+    fail("freeze() leaves other cells than explore() finds");
+  }
+}
+
 void KernelPair::freeze(const Box& box) {
-  if (flat_->dimension() < 3) return;
-  // The bound of a circumsphere depends on the order of the corners, which differs between kernels.
-  const auto settled = [&](const Vertex* v) {
-    const Corners c = sorted(v);
-    return surely_inside(circumsphere(flat_->point(c[0]), flat_->point(c[1]), flat_->point(c[2]), flat_->point(c[3])),
-                         box, 3);
-  };
-  const std::vector<Vertex> open = flat_->explore(settled), expected = cgal_->explore(settled);
-  if (cell_set(open) != cell_set(expected)) fail("explore() finds other cells");
-  frozen_ = flat_->freeze(settled);
-  if (cell_set(flat_->cells().vertices) != cell_set(open)) fail("freeze() leaves other cells than explore() finds");
+  freeze([&](const Vertex* v) {
+    const auto at = [&](int i) { return flat_->point(v[i]); };
+    const Ball ball = corners_ == 3 ? circumcircle(at(0), at(1), at(2)) : circumsphere(at(0), at(1), at(2), at(3));
+    return surely_inside(ball, box, flat_->max_dimension());
+  });
 }
 
 void KernelPair::save_and_load() {
   if (!flat_->load(flat_->save())) fail("does not load what it saved");
 }
 
+void KernelPair::exchange() {
+  const KernelImage mine = flat_->save(), other = cgal_->save();
+  if (!flat_->load(other) || !cgal_->load(mine)) fail("does not load what the other saved");
+}
+
 void KernelPair::compare_star(Vertex v) {
-  if (flat_->dimension() < 3 || !flat_->alive(v)) return;
+  if (!full() || !flat_->alive(v)) return;
   std::vector<Vertex> star, expected;
   flat_->star(v, star);
   cgal_->star(v, expected);
-  if (cell_set(star) != cell_set(expected)) fail("another star");
+  if (cell_set(corners_, star) != cell_set(corners_, expected)) fail("another star");
   flat_->neighbours(v, star);
   cgal_->neighbours(v, expected);
-  std::sort(star.begin(), star.end());
-  std::sort(expected.begin(), expected.end());
-  if (star != expected) fail("other neighbours");
+  if (sorted(star) != sorted(expected)) fail("other neighbours");
 }
 
 void KernelPair::compare_cells() {
   if (flat_->dimension() != cgal_->dimension()) return fail("another dimension");
-  if (flat_->dimension() < 3) return;
+  if (flat_->vertices() != cgal_->vertices()) return fail("other vertices");
+  for (Vertex v = 1; v <= flat_->vertices(); ++v) {
+    if (flat_->alive(v) != cgal_->alive(v)) return fail("another vertex is alive");
+    if (!flat_->alive(v)) continue;
+    if (flat_->is_local(v) != cgal_->is_local(v)) return fail("another vertex is local");
+    if (flat_->point(v) != cgal_->point(v)) return fail("another point");
+  }
+  if (!full()) return;
   const CellList list = flat_->cells();
-  if (cell_set(list.vertices, frozen_.vertices) != cell_set(cgal_->cells().vertices)) fail("other cells");
-  if (const std::string what = wrong_structure(*flat_, list, frozen_); !what.empty()) fail(what);
+  if (cell_set(corners_, list.vertices, frozen_.vertices) != cell_set(corners_, cgal_->cells().vertices)) {
+    fail("other cells");
+  }
+  const CellView live{corners_, list.vertices, list.neighbors}, ice{corners_, frozen_.vertices, frozen_.neighbors};
+  if (const std::string what = wrong_structure(*flat_, live, ice); !what.empty()) fail(what);
 }
 
 }  // namespace tessera::testing

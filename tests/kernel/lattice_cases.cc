@@ -1,9 +1,9 @@
 // The flat kernel against CGAL's on random small sets of lattice points: every degeneracy occurs.
-//   lattice_cases [CASES] [FIRST_SEED]
-// Each seed is one case: a lattice of 2^3 to 6^3, 5 to 40 points (more where cells are frozen), and a way to use the
-// kernel: built, built and inserted into with labels, with removals, frozen; now and then saved and loaded. After every
-// step the answers are compared, at the end the cells, infinite ones included, and the structure. Stops at the first
-// difference, whose seed is told.
+//   lattice_cases [CASES] [FIRST_SEED] [DIMENSION]
+// Each seed is one case: a lattice of 2^3 to 6^3, in 2D of 2^2 to 12^2, 5 to 40 points (more where cells are frozen),
+// and a way to use the kernel: built, built and inserted into with labels, with removals, frozen; now and then saved
+// and loaded. After every step the answers are compared, at the end the cells, infinite ones included, and the
+// structure. Stops at the first difference, whose seed is told.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -17,9 +17,10 @@ namespace {
 
 class Case {
  public:
-  explicit Case(std::uint64_t seed) : rng_(seed), pair_(seed % 8 < 6) {
+  Case(std::uint64_t seed, int dimension) : rng_(seed), dimension_(dimension), pair_(seed % 8 < 6, dimension) {
     const bool freeze = seed % 4 == 3;
     k_ = freeze ? 3 + below(4) : 2 + below(5);
+    if (dimension == 2) k_ += below(k_ + 1);
     draw_points(freeze ? 20 + below(120) : 5 + below(36));
     if (seed % 4 == 0) {
       build(points_.size());
@@ -44,14 +45,15 @@ class Case {
   // in one plane, in some in lexicographic order.
   void draw_points(std::size_t n) {
     std::vector<Point> all;
-    const bool flat = below(16) == 0;
+    const bool flat = below(16) == 0;  // in 2D on one line
     const std::size_t kind = below(4);
     step_ = kind == 0 ? 0.01 : kind == 1 ? 0x1p-500 : 1;
     origin_ = kind == 0 ? 650000 : 0;
     const auto at = [&](std::size_t i) { return static_cast<double>(i) * step_ + origin_; };
     for (std::size_t x = 0; x < k_; ++x) {
-      for (std::size_t y = 0; y < k_; ++y) {
-        for (std::size_t z = 0; z < (flat ? 1 : k_); ++z) all.push_back({at(x), at(y), at(z)});
+      for (std::size_t y = 0; y < (dimension_ == 2 && flat ? 1 : k_); ++y) {
+        if (dimension_ == 2) all.push_back({at(x), at(y), 0});
+        for (std::size_t z = 0; dimension_ == 3 && z < (flat ? 1 : k_); ++z) all.push_back({at(x), at(y), at(z)});
       }
     }
     std::shuffle(all.begin(), all.end(), rng_);
@@ -112,6 +114,7 @@ class Case {
   }
 
   std::mt19937_64 rng_;
+  int dimension_;
   KernelPair pair_;
   std::size_t k_ = 2, next_ = 0;
   double step_ = 1, origin_ = 0;
@@ -124,14 +127,15 @@ class Case {
 int main(int argc, char** argv) {
   const unsigned long long cases = argc > 1 ? std::strtoull(argv[1], nullptr, 10) : 1000;
   const unsigned long long first = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 0;
+  const int dimension = argc > 3 && std::atoi(argv[3]) == 2 ? 2 : 3;
   unsigned long long frozen = 0;
   for (auto seed = first; seed < first + cases; ++seed) {
-    const tessera::testing::Case one(seed);
+    const tessera::testing::Case one(seed, dimension);
     frozen += one.frozen_cells();
     if (one.wrong().empty()) continue;
     std::printf("seed %llu: %s\n", seed, one.wrong().c_str());
     return 1;
   }
-  std::printf("%llu cases from seed %llu, %llu cells frozen: equal\n", cases, first, frozen);
+  std::printf("%llu cases in %dD from seed %llu, %llu cells frozen: equal\n", cases, dimension, first, frozen);
   return 0;
 }
