@@ -25,7 +25,7 @@ struct Needs {
 };
 Needs needs(int dimension, KernelKind kernel) {
   if (kernel == KernelKind::cgal) return dimension == 3 ? Needs{620, 900, 560} : Needs{240, 340, 160};
-  return dimension == 3 ? Needs{300, 560, 600} : Needs{130, 220, 200};
+  return dimension == 3 ? Needs{300, 700, 700} : Needs{130, 260, 240};
 }
 
 // What is left for tiles: libraries, buffers and the allocator's slack take the rest.
@@ -66,7 +66,8 @@ Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& 
   context.reduce = options.keep == Keep::reduced || (options.keep == Keep::by_budget && !fits_whole(run, options));
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools.
   if (context.reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
-  limit_memory_pool(options.memory_bytes / (context.reduce ? 16 : 4));
+  // So do the kernels' arrays: a pool would hold pages that no tile's account shows.
+  limit_memory_pool(context.reduce ? 0 : options.memory_bytes / 4);
   context.boxes = final_boxes(run.partition);
   context.neighbours = touching_tiles(run.partition, run.tile_bounds);
   context.seeds = run.seeds;
