@@ -8,7 +8,7 @@ namespace tessera {
 namespace {
 
 // Bytes a point of a tile costs while the tile is worked on, its kernel, mesh and buffers included.
-constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 600 : 240; }
+constexpr std::uint64_t point_bytes(int dimension) { return dimension == 3 ? 700 : 260; }
 constexpr std::uint64_t smallest_tile = 10'000;
 // Above this a tile gains nothing: its stars at the border are under 3 % of it already.
 constexpr std::uint64_t largest_tile(int dimension) { return dimension == 3 ? 1'000'000 : 2'000'000; }
