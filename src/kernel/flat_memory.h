@@ -11,7 +11,7 @@
 namespace tessera::flat {
 
 // A vector of plain data without initialisation. Elements must not be read before they are written.
-template <class T, Pages pages = Pages::huge>
+template <class T, Pages pages = Pages::small>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
 
