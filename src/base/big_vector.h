@@ -26,7 +26,7 @@ class PoolAllocator {
     if (n > std::size_t(-1) / 4 / sizeof(T)) throw std::bad_alloc();
     if (n * sizeof(T) < large) return static_cast<T*>(::operator new(n * sizeof(T)));
     // What is needed to give it back stands before it.
-    const Mapping mapping = map_memory(n * sizeof(T) + header, Pages::small);
+    const Mapping mapping = map_memory(n * sizeof(T) + header);
     ::new (static_cast<void*>(mapping.at)) Mapping(mapping);
     return reinterpret_cast<T*>(mapping.at + header);
   }

@@ -11,19 +11,9 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t page = 4096, huge_page = std::size_t{2} << 20;
-constexpr std::size_t huge_from = 4 * huge_page;  // smaller arrays would waste much of a huge page
+constexpr std::size_t page = 4096;
 
-std::size_t rounded(std::size_t bytes) {
-  const std::size_t unit = bytes >= huge_from ? huge_page : page;
-  return (bytes + unit - 1) / unit * unit;
-}
-
-void advise(const Mapping& mapping) {
-  // Only advice: where the system has no huge pages everything works as well, if slower.
-  if (mapping.pages == Pages::huge && mapping.reserved >= huge_from)
-    madvise(mapping.at, mapping.reserved, MADV_HUGEPAGE);
-}
+std::size_t rounded(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
 // What has been given back, the oldest first.
 class Pool {
@@ -79,14 +69,13 @@ Pool& pool() {
 
 }  // namespace
 
-Mapping map_memory(std::size_t bytes, Pages pages) {
+Mapping map_memory(std::size_t bytes) {
   Mapping mapping;
   bytes = rounded(std::max(bytes, page));
   if (pool().take(bytes, mapping)) return mapping;
   void* at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();
-  mapping = {static_cast<std::byte*>(at), bytes, 0, pages};
-  advise(mapping);
+  mapping = {static_cast<std::byte*>(at), bytes, 0};
   return mapping;
 }
 
@@ -96,7 +85,6 @@ void grow_mapping(Mapping& mapping, std::size_t bytes) {
   if (at == MAP_FAILED) throw std::bad_alloc();
   mapping.at = static_cast<std::byte*>(at);
   mapping.reserved = bytes;
-  advise(mapping);
 }
 
 void unmap_memory(Mapping& mapping, std::size_t used) noexcept {
@@ -115,7 +103,7 @@ void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexce
 }
 
 void release_pages(const Mapping& mapping, std::size_t bytes) noexcept {
-  const std::size_t whole = std::min(bytes, mapping.reserved) / huge_page * huge_page;
+  const std::size_t whole = std::min(bytes, mapping.reserved) / page * page;
   if (whole > 0) madvise(mapping.at, whole, MADV_DONTNEED);
 }
 

@@ -4,24 +4,18 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 namespace tessera {
-
-// Small pages: for arrays that are gone through in order. In 2D huge pages made the triangulation itself no faster, and
-// a virtual machine may take far longer to come by them: 2.2 s a GiB where memory had been idle, against 0.4 s.
-enum class Pages : std::uint8_t { huge, small };
 
 struct Mapping {
   std::byte* at = nullptr;
   std::size_t reserved = 0;  // bytes of address space
   std::size_t touched = 0;   // the first ones, at most, that have pages from earlier use
-  Pages pages = Pages::huge;
 };
 
-// A mapping of at least `bytes`, from the pool if one fits, then with either kind of pages. Content undefined. Throws
+// A mapping of at least `bytes`, from the pool if one fits. Content undefined. Throws
 // std::bad_alloc.
-Mapping map_memory(std::size_t bytes, Pages pages);
+Mapping map_memory(std::size_t bytes);
 // The same memory with at least `bytes`; may move. Throws std::bad_alloc.
 void grow_mapping(Mapping& mapping, std::size_t bytes);
 // Gives the memory to the pool, of which the first `used` bytes may have been touched.

@@ -11,7 +11,7 @@
 namespace tessera::flat {
 
 // A vector of plain data without initialisation. Elements must not be read before they are written.
-template <class T, Pages pages = Pages::small>
+template <class T>
 class Array {
   static_assert(std::is_trivially_copyable_v<T>);
 
@@ -38,7 +38,7 @@ class Array {
     if (mapping_.at) {
       grow_mapping(mapping_, n * sizeof(T));
     } else {
-      mapping_ = map_memory(n * sizeof(T), pages);
+      mapping_ = map_memory(n * sizeof(T));
     }
   }
   // New elements are undefined.

@@ -19,7 +19,7 @@ namespace tessera::flat2 {
 
 using Word = std::uint32_t;
 template <class T>
-using Array = flat::Array<T, Pages::small>;
+using Array = flat::Array<T>;
 
 // A neighbour is 4 * triangle + edge: the edge it is seen through, so the way back needs no search. With `frozen_bit`
 // the triangle is one that freeze() has handed out: across_frozen | 3 * number + edge.
