@@ -106,8 +106,11 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed) {
     s.context.neighbours.resize(partition.tiles());
   }
   s.node.threads = 1 + static_cast<std::uint32_t>(seed % 4);
-  s.node.memory_bytes = seed % 5 == 0 ? 1 : std::uint64_t{1} << 40;  // 1: every tile sleeps whenever it can
   s.node.triangulate_bytes = 1000;
+  s.node.collect_bytes = 1000;
+  // Every tile sleeps whenever it can; or there is room for half of them, which work beside those that fall asleep.
+  const std::uint64_t half = s.cloud.size() * s.node.triangulate_bytes / 2;
+  s.node.memory_bytes = seed % 5 == 0 ? 1 : seed % 5 == 1 ? half : std::uint64_t{1} << 40;
   for (const auto& points : s.tiles) s.node.points.push_back(points.size());
   return s;
 }

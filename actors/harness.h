@@ -31,7 +31,7 @@ struct HarnessReport {
 };
 
 // The seed decides cloud, schedule, delays, the number of grants under way, the memory budget (some force every tile to
-// sleep after each step) and whether tiles are reduced.
+// sleep after each step, some a part of them) and whether tiles are reduced.
 HarnessReport run_harness(const HarnessOptions& options);
 
 }  // namespace tessera

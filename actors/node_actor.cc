@@ -166,13 +166,12 @@ bool NodeActor::grant_one() {
   if (next_fresh_ < tiles_.size())
     return try_grant(next_fresh_, Work::triangulate, options_.triangulate_bytes * options_.points[next_fresh_]);
   if (collecting_) {
-    while (next_collect_ < tiles_.size() &&
-           (tiles_[next_collect_].stage == Stage::stored || tiles_[next_collect_].working)) {
-      ++next_collect_;
-    }
-    if (next_collect_ == tiles_.size()) return false;
-    return try_grant(next_collect_, Work::collect,
-                     tiles_[next_collect_].memory + options_.collect_bytes * options_.points[next_collect_]);
+    while (next_collect_ < tiles_.size() && tiles_[next_collect_].stage == Stage::stored) ++next_collect_;
+    // A tile that falls asleep at this moment is left for later, not out.
+    std::uint32_t t = next_collect_;
+    while (t < tiles_.size() && (tiles_[t].stage == Stage::stored || tiles_[t].working)) ++t;
+    if (t == tiles_.size()) return false;
+    return try_grant(t, Work::collect, tiles_[t].memory + options_.collect_bytes * options_.points[t]);
   }
   // The tile with most mail; one in memory counts double, for waking costs time.
   std::optional<std::uint32_t> best;

@@ -73,7 +73,7 @@ class NodeActor : public caf::event_based_actor {
   std::chrono::steady_clock::time_point begin_;
   bool started_ = false, collecting_ = false;
   std::uint32_t working_ = 0;
-  std::uint32_t next_fresh_ = 0, next_collect_ = 0;
+  std::uint32_t next_fresh_ = 0, next_collect_ = 0;  // no fresh tile, none to be collected, comes before
   std::uint64_t memory_ = 0;  // sum over tiles
   std::optional<Error> failure_;
   bool ended_ = false;

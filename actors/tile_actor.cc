@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <chrono>
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -107,6 +108,8 @@ TileReport TileActor::perform(Work work) {
   } catch (const std::bad_alloc&) {
     fail(error(Errc::memory, "out of memory while working on tile " + std::to_string(self_.tile.value) +
                                  ": use smaller tiles or a smaller --memory"));
+  } catch (const std::exception& e) {  // an actor that ends by an exception says nothing, and the run would wait for it
+    fail(error(Errc::internal, "tile " + std::to_string(self_.tile.value) + ", " + name_of(work) + ": " + e.what()));
   }
   if (work == Work::triangulate) {
     report.own_points = state_.own_points();
