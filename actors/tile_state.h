@@ -71,7 +71,6 @@ class TileState {
     std::vector<SharedPoint> points;
   };
 
-  std::uint64_t layer_of(const Point& p, double thickness) const;
   Status wake();
   Status spill_mail();
   Result<std::vector<Waiting>> take_mail();
@@ -85,7 +84,6 @@ class TileState {
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;  // kept while the context does not reduce
   std::uint64_t own_points_ = 0;
-  Bounds own_bounds_;
   std::vector<Waiting> mail_;
   std::uint64_t mail_points_ = 0;     // in mail_
   std::uint64_t waiting_points_ = 0;  // in mail_ and spilled
