@@ -51,8 +51,7 @@ void Mesh::clear() {
 void Mesh::drop_cells() {
   cells.clear();
   free_.clear();
-  incident_.clear();
-  indexed_ = frozen_ = false;
+  frozen_ = false;
   last_ = 0;
 }
 
@@ -155,13 +154,6 @@ void Mesh::fill(Vertex v) {
   }
   std::uint8_t* const number = number_.data();
   for (const Vertex w : zone_vertices()) number[w] = 0;
-  if (indexed_) {
-    while (incident_.size() <= v) incident_.push_back(0);
-    incident_[v] = slots_[0];
-    for (Word f = 0; f < facets; ++f) {
-      for (const Word w : facets_[f].v) incident_[w] = slots_[f];
-    }
-  }
   last_ = slots_[facets - 1];
 }
 
@@ -246,16 +238,16 @@ void Mesh::insert(Vertex v) {
   fill(v);
 }
 
+// Asked for the vertex that came last, most times, which is in the cell that was made last.
 Word Mesh::incident(Vertex v) const {
-  if (!indexed_) {
-    incident_.resize(points.size() + std::size_t{1});
-    for (Word c = 0; c < cells.size(); ++c) {
-      if (cells[c].dead()) continue;
-      for (const Word w : cells[c].v) incident_[w] = c;
-    }
-    indexed_ = true;
-  }
-  return incident_[v];
+  const auto has_v = [&](Word slot) {
+    return !cells[slot].dead() && std::find(cells[slot].v, cells[slot].v + 4, v) != cells[slot].v + 4;
+  };
+  if (has_v(last_)) return last_;
+  if (v != infinite_vertex) return locate(points[v]).cell;
+  Word slot = 0;
+  while (!has_v(slot)) ++slot;
+  return slot;
 }
 
 void Mesh::around(Vertex v, std::vector<Word>& found) const {
@@ -277,7 +269,6 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
 }
 
 void Mesh::rebuild() {
-  indexed_ = false;
   free_.clear();
   last_ = 0;
   for (Word c = 0; c < cells.size(); ++c) {
@@ -306,12 +297,11 @@ void Mesh::compact() {
     }
     cells.resize(last);
     if (last_ == last) last_ = slot;
-    indexed_ = false;
   }
 }
 
 std::size_t Mesh::memory() const {
-  return points.memory() + cells.bytes() + number_.capacity() + incident_.bytes() +
+  return points.memory() + cells.bytes() + number_.capacity() +
          4 * (free_.capacity() + zone_.capacity() + pending_.capacity() + slots_.capacity() +
               zone_vertices_.capacity()) +
          sizeof(Facet) * facets_.capacity() + sizeof(Edge) * edges_.capacity() + sizeof(*this);

@@ -57,7 +57,7 @@ class Mesh {
   bool started() const { return cells.size() > 0; }
 
   // Where p is. Ends at a cell in conflict with p, unless p is there already. REQUIRES: started().
-  Located locate(const Point& p);
+  Located locate(const Point& p) const;
   // Collects the conflict zone of p from a cell in it, and its vertices. To be followed by fill() or leave().
   void find_zone(const Point& p, Word start);
   // The vertices of the zone, each once, the infinite one included.
@@ -75,7 +75,7 @@ class Mesh {
   std::size_t zone_size() const { return zone_size_; }
   Word zone_cell(std::size_t i) const { return zone_[i] >> 2; }
 
-  // A cell around v. Costs a pass over all cells the first time; kept up to date from then on.
+  // A cell around v, which is alive.
   Word incident(Vertex v) const;
   // The cells around v, none of them frozen.
   void around(Vertex v, std::vector<Word>& found) const;
@@ -113,9 +113,9 @@ class Mesh {
     bool arrived;
   };
   Step walk_surely(const Point& p, Step step) const;
-  bool walk(const Point& p, Word start, Located& found);
+  bool walk(const Point& p, Word start, Located& found) const;
   Located search(const Point& p, Word start) const;
-  Word near_by_chance(const Point& p);
+  Word near_by_chance(const Point& p) const;
   static void put(Cell* all, Word slot, const Facet& facet, Vertex v);
   void link_small(Word facets, Vertex v);
   void link_large(Word facets, Vertex v);
@@ -133,12 +133,10 @@ class Mesh {
   std::vector<Vertex> zone_vertices_;  // [0, zone_vertices_size_)
   std::vector<std::uint8_t> number_;   // by vertex: 1.. (255 at most) while it is in zone_vertices_, else 0
   std::vector<Edge> edges_;            // hash table of a large boundary
-  mutable Array<Word> incident_;       // by vertex
-  mutable bool indexed_ = false;       // incident_ is up to date
   bool frozen_ = false;                // some cells are gone
   bool vectors_ = true;
   Word last_ = 0;  // where the last insertion was
-  std::uint32_t turn_ = 0;
+  mutable std::uint32_t turn_ = 0;  // of walks
   static constexpr std::size_t small = 64;
   alignas(64) std::array<Word, small * small> table_;  // by directed edge of a small boundary, in local numbers
 };

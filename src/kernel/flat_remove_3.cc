@@ -98,9 +98,6 @@ bool Mesh::remove(Vertex v) {
       to.n[i] = across;
       cells[across >> 2].n[across & 3] = 4 * slot + i;
     }
-    if (indexed_) {
-      for (const Word w : to.v) incident_[w] = slot;
-    }
     last_ = slot;
   }
   return true;

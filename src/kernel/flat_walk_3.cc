@@ -20,7 +20,7 @@ double distance_to(const Point& p, const Point& q) {
 }  // namespace
 
 // False if the way was blocked by frozen cells on every side that faces p.
-bool Mesh::walk(const Point& p, Word slot, Located& found) {
+bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   if (cells[slot].infinite()) {
     const Word inside = cells[slot].n[3];
     if (inside & frozen_bit) return false;
@@ -65,7 +65,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) {
   }
 }
 
-Located Mesh::locate(const Point& p) {
+Located Mesh::locate(const Point& p) const {
   ++turn_;
   Located found;
   if (walk(p, last_, found)) return found;
@@ -75,7 +75,7 @@ Located Mesh::locate(const Point& p) {
 }
 
 // Of a few cells the one nearest to p: beyond a hole, most of the time.
-Word Mesh::near_by_chance(const Point& p) {
+Word Mesh::near_by_chance(const Point& p) const {
   Word best = last_;
   double least = std::numeric_limits<double>::infinity();
   std::uint64_t random = turn_;
