@@ -2,6 +2,7 @@
 #pragma once
 
 #include <bit>
+#include <cstddef>
 #include <utility>
 
 #include "src/kernel/flat_kernel_impl.h"
@@ -54,6 +55,19 @@ CellList FlatKernel<Mesh>::cells() const {
     }
   }
   return list;
+}
+
+template <class Mesh>
+CellRows FlatKernel<Mesh>::take_cells() {
+  Array<Cell> all = mesh_.take_cells();
+  reset();
+  for (std::size_t slot = 0; slot < all.size(); ++slot) {
+    Cell& c = all[slot];
+    if (c.dead()) c.v[0] = CellRow::gap;
+    for (Word& across : c.n) across = across & frozen_bit ? across : across >> 2;
+  }
+  static_assert(offsetof(Cell, v) == offsetof(CellRow, vertices) && offsetof(Cell, n) == offsetof(CellRow, neighbors));
+  return all.template take_as<CellRow>();
 }
 
 template <class Mesh>

@@ -34,6 +34,7 @@ class FlatKernel final : public Kernel {
   void star(Vertex v, std::vector<Vertex>& cells) const override;
   void neighbours(Vertex v, std::vector<Vertex>& around) const override;
   CellList cells() const override;
+  CellRows take_cells() override;
   std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
                               std::vector<std::uint8_t>* open) override;
   bool can_freeze() const override { return true; }

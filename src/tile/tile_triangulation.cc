@@ -282,15 +282,15 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
     if (is_local(v)) continue;
     input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
   }
-  input.cells = kernel_->cells();
+  input.cells = kernel_->take_cells();
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   if (reduced_) {  // the vertices that stayed are numbered anew: back to ranks, and foreign ones behind them
-    auto& vertices = input.cells.vertices;
     const std::size_t stayed = ids_.size() - 1 - input.foreign.size();
-    if (filled) input.fill.resize(vertices.size() / corners);
-    for (std::size_t c = 0; c < vertices.size() / corners; ++c) {
-      Vertex* v = &vertices[c * corners];
+    if (filled) input.fill.resize(input.cells.size());
+    for (std::size_t c = 0; c < input.cells.size(); ++c) {
+      Vertex* v = input.cells[c].vertices;
+      if (v[0] == CellRow::gap) continue;
       if (filled) {
         const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
         input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
