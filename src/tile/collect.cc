@@ -230,7 +230,9 @@ class MeshMaker {
     std::array<std::uint32_t, corners> v;  // canonical
     std::array<std::uint32_t, corners> n;  // beside it
     std::uint32_t cell;
-    bool operator<(const Entry& e) const { return v[1] != e.v[1] ? v[1] < e.v[1] : v[2] < e.v[2]; }
+    // In a bucket the next two vertices tell all cells apart: a positively oriented cell is the only one on its side of
+    // the facet (least, second, third). In 2D, on its side of an edge.
+    std::uint64_t key() const { return std::uint64_t{v[1]} << 32 | v[2]; }
   };
 
   Entry entry(std::uint32_t c) const {
@@ -245,33 +247,36 @@ class MeshMaker {
     return e;
   }
 
-  // Buckets hold a handful of cells each, and in a bucket the next two vertices tell all apart: a positively oriented
-  // cell is the only one on its side of the facet (least, second, third). In 2D, on its side of an edge. Neighbours
-  // are written as they come, to be told their places at the end.
+  // Neighbours are written as they come, to be told their places at the end.
   void write_cells() {
     place_.assign(held_.size(), elsewhere);
     mesh_.cells.resize(order_.size() * corners);
     mesh_.neighbors.resize(order_.size() * corners);
     mesh_.cell_ghost.resize(order_.size());
     std::vector<Entry> bucket;
+    std::vector<std::uint64_t> keys;
     std::uint32_t k = 0;
     for (std::uint32_t v = 0; v < own_; ++v) {
       bucket.clear();
+      keys.clear();
       for (std::uint32_t i = k; i < end_[v]; ++i) {
         prefetch_cell(i + 32);
         bucket.push_back(entry(order_[i]));
+        keys.push_back(bucket.back().key());
       }
-      if (bucket.size() > 32) {
-        std::sort(bucket.begin(), bucket.end());
-      } else {
-        for (std::size_t i = 1; i < bucket.size(); ++i) {
-          const Entry moving = bucket[i];
-          std::size_t to = i;
-          for (; to > 0 && moving < bucket[to - 1]; --to) bucket[to] = bucket[to - 1];
-          bucket[to] = moving;
-        }
+      if (bucket.size() > 64) {
+        std::sort(bucket.begin(), bucket.end(), [](const Entry& a, const Entry& b) { return a.key() < b.key(); });
+        for (const Entry& e : bucket) write_cell(k++, e);
+        continue;
       }
-      for (const Entry& e : bucket) write_cell(k++, e);
+      // A handful most times: counting the smaller ones has no branch to be guessed wrong.
+      for (const Entry& e : bucket) {
+        std::uint32_t smaller = 0;
+        const std::uint64_t key = e.key();
+        for (const std::uint64_t other : keys) smaller += other < key;
+        write_cell(k + smaller, e);
+      }
+      k = end_[v];
     }
   }
 
