@@ -135,15 +135,24 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     if (!is_local(v)) return kernel_->point(v);
     return points[reduced_ ? ranks_[v] : v - 1];
   };
-  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
-    if (!reduced_) return surely_final(cell, points, box);
-    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
-  });
   // Slivers at the hull have huge spheres, which the neighbours' points will empty: telling everyone about their
   // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
   Bounds bounds;
   for (const Point& q : points) bounds.add(q);
   const double largest = 2 * even_spacing(bounds, points.size(), d);
+  // What is left has its vertices near a face of the box, and most slivers have not: a terrain's top is covered by
+  // them.
+  const auto near_face = [&](Vertex v) {
+    const Point& q = points[v - 1];
+    for (int i = 0; i < d; ++i) {
+      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < 2 * largest) return true;
+    }
+    return false;
+  };
+  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
+    if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
+    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
+  });
   std::array<Point, 4> p;
   for (std::size_t c = 0; c < cells.size(); c += corners) {
     const Vertex* v = &cells[c];
