@@ -76,7 +76,7 @@ Status TileState::triangulate() {
 }
 
 void TileState::receive(Batch batch) {
-  check(phase_ != Phase::stored, "no mail comes after quiescence");
+  check(phase_ != Phase::collected, "no mail comes after quiescence");
   waiting_points_ += batch.points.size();
   mail_points_ += batch.points.size();
   waiting_peers_.push_back(batch.from);
@@ -216,7 +216,7 @@ Result<FinalCells> TileState::take_finals() {
   return finals;
 }
 
-Result<TileEntry> TileState::collect() {
+Result<TileMesh> TileState::collect() {
   BOOST_OUTCOME_TRYV(wake());
   if (context_.reduce) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
@@ -228,8 +228,8 @@ Result<TileEntry> TileState::collect() {
   counts_ = triangulation_->counts();
   triangulation_.reset();
   points_ = {};
-  phase_ = Phase::stored;
-  return context_.storage->store(self_.tile, mesh);
+  phase_ = Phase::collected;
+  return mesh;
 }
 
 std::size_t TileState::memory() const {

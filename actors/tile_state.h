@@ -2,8 +2,8 @@
 //
 //   fresh -- triangulate --> awake -- sleep --> asleep
 //                            awake <-- (splay or collect wakes it) -- asleep
-//                            awake -- collect --> stored
-// Mail may come in any state but stored, and waits until splay().
+//                            awake -- collect --> collected
+// Mail may come in any state but collected, and waits until splay().
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,8 @@ class TileState {
   // Processes all mail that waits. No batch is counted as processed before its points are in.
   Status splay();
   Status sleep();
-  Result<TileEntry> collect();
+  // What is to be stored. The tile has no triangulation any more.
+  Result<TileMesh> collect();
 
   // Updates the others must get, by now counted as sent.
   std::vector<Batch> take_outgoing();
@@ -65,7 +66,7 @@ class TileState {
   std::uint64_t own_points() const { return own_points_; }
 
  private:
-  enum class Phase : std::uint8_t { fresh, awake, asleep, stored };
+  enum class Phase : std::uint8_t { fresh, awake, asleep, collected };
   struct Waiting {
     TileId from;
     std::vector<SharedPoint> points;

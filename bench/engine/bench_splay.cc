@@ -42,7 +42,7 @@ Status run(const Options& o, CloudShape shape) {
   const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
   std::filesystem::remove_all(out);
   BOOST_OUTCOME_TRY(routed, route(cloud, out / ".run", route_options, progress, {}));
-  DiskStorage storage(routed, out, {});
+  DiskStorage storage(routed, out, {}, 1);
   TileContext context;
   context.dimension = o.dimension;
   context.boxes = final_boxes(routed.partition);
