@@ -81,6 +81,7 @@ class MeshBase {
   std::vector<Word> free_;  // slots without a cell
   Word frozen_ = 0;         // cells that are gone
   Word last_ = 0;           // where the last insertion was
+  Vertex newest_ = 0;       // what was inserted last, if nothing has changed since
 
  private:
   Mesh& self() { return static_cast<Mesh&>(*this); }

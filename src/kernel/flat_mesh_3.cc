@@ -69,6 +69,7 @@ void Mesh::fill(Vertex v) {
   std::uint8_t* const number = number_.data();
   for (const Vertex w : zone_vertices()) number[w] = 0;
   last_ = slots_[facets - 1];
+  newest_ = v;
 }
 
 // The cell over a facet of the boundary, and the way to it from outside.
@@ -145,6 +146,10 @@ void Mesh::leave() {
 }
 
 void Mesh::around(Vertex v, std::vector<Word>& found) const {
+  if (v == newest_) {
+    found.assign(slots_.begin(), slots_.begin() + static_cast<std::ptrdiff_t>(facets_size_));
+    return;
+  }
   found.assign(1, incident(v));
   // Marks are for the time of this call only: a const mesh looks the same before and after.
   Cell* const all = const_cast<Cell*>(cells.data());
