@@ -81,7 +81,8 @@ class MeshBase {
   std::vector<Word> free_;  // slots without a cell
   Word frozen_ = 0;         // cells that are gone
   Word last_ = 0;           // where the last insertion was
-  Vertex newest_ = 0;       // what was inserted last, if nothing has changed since
+  static constexpr Vertex none = ~Vertex{0};
+  Vertex newest_ = none;  // what was inserted last, if nothing has changed since
 
  private:
   Mesh& self() { return static_cast<Mesh&>(*this); }

@@ -15,7 +15,8 @@ void MeshBase<Mesh, Cell>::drop_cells() {
   cells.clear();
   free_.clear();
   spanned_ = -1;
-  frozen_ = last_ = newest_ = 0;
+  frozen_ = last_ = 0;
+  newest_ = none;
 }
 
 template <class Mesh, class Cell>
@@ -97,7 +98,8 @@ void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
   cells = std::move(others);
   frozen_ = frozen;
   free_.clear();
-  last_ = newest_ = 0;
+  last_ = 0;
+  newest_ = none;
   for (Word slot = 0; slot < cells.size(); ++slot) {
     if (cells[slot].dead()) {
       free_.push_back(slot);
@@ -109,7 +111,7 @@ void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
 
 template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::compact() {
-  newest_ = 0;
+  newest_ = none;
   std::sort(free_.begin(), free_.end());
   for (std::size_t next = 0, end = free_.size(); next < end;) {
     const Word last = static_cast<Word>(cells.size() - 1);

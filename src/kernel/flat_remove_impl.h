@@ -58,7 +58,7 @@ bool MeshBase<Mesh, Cell>::remove(Vertex v) {
   const Point p = points[v];
   small->find_zone(p, small->locate(p).cell);
 
-  newest_ = 0;
+  newest_ = none;
   for (const Word slot : star) {
     cells[slot].free();
     free_.push_back(slot);

@@ -307,7 +307,7 @@ struct ZoneCode {
 };
 
 void Mesh::find_zone(const Point& p, Word start) {
-  newest_ = 0;
+  newest_ = none;
   if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
   if (vectors_) {
     ZoneCode::avx2(*this, p, start);

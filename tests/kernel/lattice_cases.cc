@@ -77,6 +77,7 @@ class Case {
   void insert_rest() {
     while (next_ < points_.size() && wrong().empty()) {
       insert_any();
+      if (below(4) == 0) pair_.compare_star(pair_.flat().vertices());
       if (below(16) == 0) pair_.save_and_load();
       if (below(8) == 0) pair_.compare_star(any_vertex());
     }
