@@ -70,7 +70,7 @@ Word MeshBase<Mesh, Cell>::new_slot() {
     free_.pop_back();
     return slot;
   }
-  if (cells.size() >= cells_max) throw KernelFull();
+  if (cells.size() >= cells_max_) throw KernelFull();
   cells.resize(cells.size() + 1);
   return static_cast<Word>(cells.size() - 1);
 }
