@@ -1,7 +1,8 @@
 // The kernels alone against CGAL as its users call it: Delaunay_triangulation_3 (or _2)::insert(range), which sorts by
 // itself. Ours are given points in Hilbert order; the time for that order is told and counted.
 //
-//   taskset -c 1 bench_kernel --kind uniform -n 1000000 --repeat 5 --kernel flat
+//   taskset -c 1 bench_kernel --kind uniform -n 1000000 --kernel flat
+//   taskset -c 1 bench_kernel --file scan.las --dimension 2 --kernel flat
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
@@ -10,9 +11,12 @@
 #include <cstdio>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/engine/cgal_sequential.h"
+#include "src/base/result.h"
+#include "src/io/cloud.h"
 #include "src/io/generate.h"
 #include "src/kernel/kernel.h"
 #include "src/tiling/routed_run.h"
@@ -55,13 +59,22 @@ std::vector<LocalPoint> generated(CloudShape shape, std::uint64_t n, std::uint64
   return points;
 }
 
-// Doubles x, y, z, as gen.py and topoints.py write them.
-std::vector<LocalPoint> read_bin(const std::string& path) {
+// A file of any format that the programs read, or of doubles x y z (.bin), as gen.py writes them.
+Result<std::vector<LocalPoint>> read(const std::string& path, int dimension) {
   std::vector<LocalPoint> points;
-  std::ifstream file(path, std::ios::binary);
-  for (double c[3]; file.read(reinterpret_cast<char*>(c), sizeof c);) {
-    points.push_back({without_negative_zero({c[0], c[1], c[2]}), points.size()});
+  if (path.ends_with(".bin")) {
+    std::ifstream file(path, std::ios::binary);
+    for (double c[3]; file.read(reinterpret_cast<char*>(c), sizeof c);) {
+      points.push_back({without_negative_zero({c[0], c[1], dimension == 2 ? 0 : c[2]}), points.size()});
+    }
+  } else {
+    BOOST_OUTCOME_TRY(cloud, Cloud::open({path}, {.dimension = dimension}));
+    BOOST_OUTCOME_TRYV(cloud.for_each_batch([&](CloudBatch& batch) -> Status {
+      points.insert(points.end(), batch.points.begin(), batch.points.end());
+      return success();
+    }));
   }
+  if (points.empty()) return error(Errc::bad_input, path + ": no points");
   return points;
 }
 
@@ -73,7 +86,7 @@ int main(int argc, char** argv) {
   int repeat = 5, dimension = 3;
   CLI::App app("The kernels alone against CGAL");
   app.add_option("--kind", kind, "uniform, normal, sphere, grid, terrain");
-  app.add_option("--file", file, "x y z as doubles, instead of --kind");
+  app.add_option("--file", file, "points instead of --kind: LAS, PLY, text, NumPy, or doubles x y z (.bin)");
   app.add_option("-n,--points", n, "points");
   app.add_option("--seed", seed, "seed");
   app.add_option("--dimension", dimension, "2 or 3")->check(CLI::Range(2, 3));
@@ -83,7 +96,17 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const auto shape = shape_named(kind);
   if (!shape) return 2;
-  const auto cloud = file.empty() ? generated(*shape, n, seed, dimension) : read_bin(file);
+  std::vector<LocalPoint> cloud;
+  if (file.empty()) {
+    cloud = generated(*shape, n, seed, dimension);
+  } else {
+    auto from_file = read(file, dimension);
+    if (!from_file) {
+      std::fprintf(stderr, "bench_kernel: %s\n", from_file.error().where.c_str());
+      return 1;
+    }
+    cloud = std::move(from_file.value());
+  }
   const bool reference = !kernel.ends_with("-1");
   if (!reference) kernel.resize(kernel.size() - 2);
 
@@ -92,9 +115,9 @@ int main(int argc, char** argv) {
   const double order = seconds_since(begin);
   n = tile.points.size();
   const double per_point = 1 / static_cast<double>(n);
-  std::printf("%s, %llu distinct points, seed %llu, 1 thread, median of %d\n",
-              file.empty() ? kind.c_str() : file.c_str(), static_cast<unsigned long long>(n),
-              static_cast<unsigned long long>(seed), repeat);
+  const std::string what = file.empty() ? kind + ", seed " + std::to_string(seed) : file;
+  std::printf("%s, %dD, %llu distinct points, 1 thread, median of %d\n", what.c_str(), dimension,
+              static_cast<unsigned long long>(n), repeat);
   std::printf("Hilbert order     %7.3f s  %6.3f us a point\n", order, order * 1e6 * per_point);
   std::vector<double> reference_s;
   struct Candidate {

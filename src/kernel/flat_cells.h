@@ -8,7 +8,6 @@
 //   vertex(i)       v[i], also while a call marks cells
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -31,29 +30,30 @@ struct Located {
 // The facet of `to` that is facet i of `from` seen from the other side; `corners` if there is none.
 template <class Cell>
 Word common_facet(const Cell& from, Word i, const Cell& to) {
-  constexpr int d = Cell::dimension;
+  // Where the corners of `to` are in `from`; one of them, instead of corner i, is nowhere. From the other side that is
+  // an odd permutation. The product is 0 for what is none.
+  int place[Cell::corners], parity = 1;
+  Word facet = Cell::corners;
   for (Word k = 0; k < Cell::corners; ++k) {
-    int place[d], swaps = 1;  // of the vertices of the one facet in the other; negative for an odd permutation
-    int found = 0;
-    for (int a = 0; a < d; ++a) {
-      const Word v = to.v[Cell::facet_of[k][a]];
-      for (place[a] = 0; place[a] < d && from.v[Cell::facet_of[i][place[a]]] != v;) ++place[a];
-      found += place[a] < d;
-      for (int b = 0; b < a; ++b) swaps *= place[a] - place[b];
-    }
-    if (found == d && swaps < 0) return k;
+    Word at = i;
+    for (Word j = 0; j < Cell::corners; ++j) at = j != i && from.v[j] == to.v[k] ? j : at;
+    facet = at == i ? k : facet;
+    place[k] = static_cast<int>(at);
+    for (Word j = 0; j < k; ++j) parity *= place[k] - place[j];
   }
-  return Cell::corners;
+  return parity < 0 ? facet : Cell::corners;
 }
 
 // Moves the infinite vertex to the end, by an even permutation. False if it is there twice.
 template <class Cell>
 bool put_infinite_last(Cell& cell) {
   constexpr Word last = Cell::corners - 1;
-  const Word* const end = cell.v + Cell::corners;
-  if (std::count<const Word*>(cell.v, end, infinite_vertex) > 1) return false;
-  const Word i = static_cast<Word>(std::find<const Word*>(cell.v, end, infinite_vertex) - cell.v);
-  if (i >= last) return true;
+  Word i = last;
+  int times = 0;
+  for (Word k = 0; k <= last; ++k) {
+    if (cell.v[k] == infinite_vertex) i = k, ++times;
+  }
+  if (times > 1 || i == last) return times <= 1;
   const Word other = i == 0 ? 1 : 0;
   for (Word* words : {cell.v, cell.n}) {
     const Word moved = words[i];

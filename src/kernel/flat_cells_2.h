@@ -26,7 +26,10 @@ struct alignas(32) Cell {
   Word n[3];
 
   bool infinite() const { return v[1] == infinite_vertex || v[2] == infinite_vertex; }
-  void set(const Vertex* vertices) { std::copy_n(vertices, 3, v), state = State::plain; }
+  void set(const Vertex* vertices) {
+    for (Word i = 0; i < corners; ++i) v[i] = vertices[i];
+    state = State::plain;
+  }
   void free() { state = State::dead; }
   bool dead() const { return state == State::dead; }
   void mark(bool is_open) { state = is_open ? State::open : State::settled; }

@@ -27,7 +27,9 @@ struct alignas(32) Cell {
   Word n[4];
 
   bool infinite() const { return v[3] == infinite_vertex; }
-  void set(const Vertex* vertices) { std::copy_n(vertices, 4, v); }
+  void set(const Vertex* vertices) {
+    for (Word i = 0; i < corners; ++i) v[i] = vertices[i];
+  }
   void free() { v[0] = dead_vertex; }
   bool dead() const { return v[0] == dead_vertex; }
   void mark(bool is_open) { v[0] |= is_open ? mark_in : mark_out; }

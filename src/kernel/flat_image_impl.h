@@ -9,29 +9,19 @@
 namespace tessera::flat {
 
 template <class Mesh>
-bool in_range(const KernelImage& image, Vertex vertices_max) {
+bool in_range(const KernelImage& image, const Mesh& mesh) {
   constexpr int d = Mesh::dimension;
   constexpr Word corners = Mesh::corners;
   const std::size_t n = image.points.size(), m = image.cells.vertices.size() / corners;
-  if (n > vertices_max || image.local.size() != n || image.alive.size() != n) return false;
+  if (n > mesh.points.most() || image.local.size() != n || image.alive.size() != n) return false;
   if (image.cells.vertices.size() != corners * m || image.cells.neighbors.size() != corners * m) return false;
-  if (m > cells_max || image.dimension < -1 || image.dimension > d || (image.dimension < d) != (m == 0)) return false;
+  if (m > mesh.most_cells() || image.dimension < -1 || image.dimension > d || (image.dimension < d) != (m == 0))
+    return false;
   const auto vertex_there = [&](Vertex v) { return v == infinite_vertex || (v <= n && image.alive[v - 1]); };
   if (!std::all_of(image.cells.vertices.begin(), image.cells.vertices.end(), vertex_there)) return false;
   return std::all_of(image.cells.neighbors.begin(), image.cells.neighbors.end(), [&](std::uint32_t c) {
     return c & across_frozen ? (c & ~across_frozen) / corners < image.frozen : c < m;
   });
-}
-
-template <class Cell>
-bool neighbours_mutual(const Array<Cell>& cells) {
-  for (Word c = 0; c < cells.size(); ++c) {
-    for (Word i = 0; i < Cell::corners; ++i) {
-      const Word across = cells[c].n[i];
-      if (!(across & frozen_bit) && cells[across >> 2].n[across & 3] != 4 * c + i) return false;
-    }
-  }
-  return true;
 }
 
 // Cells with the infinite vertex last and neighbours that name facets. False if they cannot be a triangulation.
@@ -42,19 +32,24 @@ bool read_cells(const CellList& list, Array<Cell>& cells) {
   cells.resize(m);
   for (std::size_t c = 0; c < m; ++c) {
     cells[c].set(&list.vertices[corners * c]);
-    std::copy_n(&list.neighbors[corners * c], corners, cells[c].n);
+    for (Word i = 0; i < corners; ++i) cells[c].n[i] = list.neighbors[corners * c + i];
     if (!put_infinite_last(cells[c])) return false;
   }
-  for (std::size_t c = 0; c < m; ++c) {
+  std::size_t named = 0, named_back = 0;
+  for (Word c = 0; c < m; ++c) {
     for (Word i = 0; i < corners; ++i) {
       Word& across = cells[c].n[i];
       if (across & frozen_bit) continue;
-      const Word facet = common_facet(cells[c], i, cells[across]);
+      const Cell& to = cells[across];
+      const bool back = across < c;  // then `to` names facets already, and must name this one
+      const Word facet =
+          back ? static_cast<Word>(std::find(to.n, to.n + corners, 4 * c + i) - to.n) : common_facet(cells[c], i, to);
       if (facet == corners) return false;
+      ++(back ? named_back : named);
       across = 4 * across + facet;
     }
   }
-  return neighbours_mutual(cells);
+  return named == named_back;
 }
 
 template <class Mesh>
@@ -79,7 +74,7 @@ KernelImage FlatKernel<Mesh>::save() const {
 template <class Mesh>
 bool FlatKernel<Mesh>::load(const KernelImage& image) {
   Array<Cell> loaded;
-  if (!in_range<Mesh>(image, mesh_.points.most()) || !read_cells(image.cells, loaded)) return false;
+  if (!in_range(image, mesh_) || !read_cells(image.cells, loaded)) return false;
   reset();
   mesh_.points.copy(image.points);
   for (std::size_t i = 0; i < image.points.size(); ++i) {

@@ -8,6 +8,7 @@
 
 #include "src/base/check.h"
 #include "src/kernel/brio.h"
+#include "src/kernel/flat_kernel.h"
 #include "src/kernel/flat_mesh.h"
 #include "src/kernel/kernel.h"
 
@@ -16,10 +17,7 @@ namespace tessera::flat {
 template <class Mesh>
 class FlatKernel final : public Kernel {
  public:
-  template <class... Arguments>
-  explicit FlatKernel(Arguments... of_mesh) : mesh_(of_mesh...) {
-    reset();
-  }
+  explicit FlatKernel(const FlatOptions& options) : mesh_(options) { reset(); }
 
   int max_dimension() const override { return Mesh::dimension; }
   int dimension() const override { return mesh_.spanned(); }

@@ -21,10 +21,12 @@
 //   memory()                bytes on the heap
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
 #include "src/kernel/flat_cells.h"
+#include "src/kernel/flat_kernel.h"
 #include "src/kernel/flat_memory.h"
 #include "src/kernel/flat_points.h"
 
@@ -66,16 +68,19 @@ class MeshBase {
   Word frozen() const { return frozen_; }
   // Moves the last cells into free slots, so that there are none. Slot numbers change.
   void compact();
+  Word most_cells() const { return cells_max_; }
   std::size_t live_cells() const { return cells.size() - free_.size(); }
 
  protected:
-  explicit MeshBase(Vertex vertices_max) : points(vertices_max) {}
+  MeshBase(const FlatOptions& options, Vertex vertices_max)
+      : points(std::min(options.vertices_max, vertices_max)), cells_max_(std::min(options.cells_max, cells_max)) {}
   const Point& corner(std::size_t i) const { return points[simplex_[i]]; }
   Word new_slot();
   // A cell around v, which is alive.
   Word incident(Vertex v) const;
   std::size_t base_memory() const;
 
+  Word cells_max_;     // more than so many: KernelFull
   Corners simplex_{};  // spanned_ + 1 vertices; their points stay known when they are removed
   int spanned_ = -1;
   std::vector<Word> free_;  // slots without a cell

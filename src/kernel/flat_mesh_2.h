@@ -14,7 +14,7 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   // In the plane walks are short even in sparse rounds, so few rounds do: 32 times is 7 % faster than 8 times.
   static constexpr int brio_bits = 5;
 
-  Mesh() : MeshBase(vertices_max) {}
+  explicit Mesh(const FlatOptions& options = {}) : MeshBase(options, vertices_max) {}
   // Borrowed points are read where they are, until one is added.
   Vertex add(const Point& p);
   bool spans_more(const Point& p) const;

@@ -10,6 +10,12 @@
 
 namespace tessera::flat3 {
 
+// A call that ended with KernelFull may have left numbers behind.
+void Mesh::drop_cells() {
+  MeshBase::drop_cells();
+  number_.clear();
+}
+
 bool Mesh::spans_more(const Point& p) const {
   if (spanned_ < 1) return spanned_ < 0 || corner(0) != p;
   if (spanned_ == 1) return !collinear_3(corner(0), corner(1), p);
@@ -51,7 +57,7 @@ void Mesh::take_slots(Word facets) {
     return;
   }
   const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
-  if (added > flat::cells_max - end) throw KernelFull();
+  if (end > cells_max_ || added > cells_max_ - end) throw KernelFull();
   cells.resize(end + added);
   const Word* const zone = zone_.data();
   Word* const slots = slots_.data();

@@ -16,8 +16,8 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   static constexpr std::size_t cells_a_vertex = 8;
   static constexpr int brio_bits = 3;
 
-  // Where the processor has vector instructions they are used, unless they are not wanted, as in tests.
-  explicit Mesh(bool vectors = true);
+  explicit Mesh(const FlatOptions& options = {});
+  void drop_cells();
   Vertex add(const Point& p) { return points.add(p); }
   bool spans_more(const Point& p) const;
   bool positive(const Corners& v) const;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <functional>
 #include <utility>
 
 #include "src/base/check.h"
@@ -69,7 +68,7 @@ Word MeshBase<Mesh, Cell>::new_slot() {
     free_.pop_back();
     return slot;
   }
-  if (cells.size() >= cells_max) throw KernelFull();
+  if (cells.size() >= cells_max_) throw KernelFull();
   cells.resize(cells.size() + 1);
   return static_cast<Word>(cells.size() - 1);
 }

@@ -320,6 +320,7 @@ Mesh::Step Mesh::walk_surely(const Point& p, Step step) const {
   return vectors_ ? ZoneCode::walk_avx2(*this, p, step) : ZoneCode::walk_plain(*this, p, step);
 }
 
-Mesh::Mesh(bool vectors) : MeshBase(vertices_max), vectors_(vectors && ZoneCode::has_avx2()) {}
+Mesh::Mesh(const FlatOptions& options)
+    : MeshBase(options, vertices_max), vectors_(options.vectors && ZoneCode::has_avx2()) {}
 
 }  // namespace tessera::flat3

@@ -48,7 +48,7 @@ struct FrozenCells {
   BigVector<std::uint32_t> neighbors;  // indices in this list, or open
 };
 
-// Flat arrays that restore a kernel ten times faster than building it.
+// Flat arrays that restore a kernel faster than building it.
 struct KernelImage {
   std::vector<Point> points;        // by vertex, 1-based: points[0] belongs to vertex 1
   std::vector<std::uint8_t> local;  // by vertex: the label

@@ -114,7 +114,8 @@ std::string wrong_structure(const Kernel& kernel, const CellView& live, const Ce
 }
 
 std::unique_ptr<Kernel> flat_kernel(bool vectors, int dimension) {
-  return vectors || dimension == 2 ? make_kernel(dimension, KernelKind::flat) : make_plain_flat_kernel_3();
+  const FlatOptions options{.vectors = vectors};
+  return dimension == 2 ? make_flat_kernel_2(options) : make_flat_kernel_3(options);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "tests/kernel/kernel_testing.h"
@@ -91,6 +92,14 @@ TEST_P(Image, IsRefusedWhenDamaged) {
   const auto cells = static_cast<std::uint32_t>(good.cells.neighbors.size() / (cloud.dimension + 1));
   for (const std::uint32_t c : {cells, ~std::uint32_t{0}}) {
     EXPECT_TRUE(refused([&](auto& i) { i.cells.neighbors.front() = c; }));
+  }
+  if (cloud.kind == KernelKind::flat) {
+    EXPECT_TRUE(refused([](auto& i) {  // a cell that is turned inside out
+      std::swap(i.cells.vertices[0], i.cells.vertices[1]);
+      std::swap(i.cells.neighbors[0], i.cells.neighbors[1]);
+    }));
+    EXPECT_TRUE(refused([](auto& i) { std::swap(i.cells.neighbors[0], i.cells.neighbors[1]); }));
+    EXPECT_TRUE(refused([](auto& i) { i.cells.neighbors[0] = across_frozen; }));
   }
   EXPECT_TRUE(kernel->load(good));
   EXPECT_EQ(cells_of(*kernel), cells_of(*built(cloud)));
