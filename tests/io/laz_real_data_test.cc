@@ -34,12 +34,16 @@ const std::vector<Twins> all_twins{{"ign_77050_627755.laz", "ign_77050_627755.la
                                    {"laz_conformance/pdrf6-1.4.laz", "laz_conformance/pdrf6-1.4.las"},
                                    {"laz_conformance/pdrf7-v4-1.4.laz", "laz_conformance/pdrf7-v4-1.4.las"}};
 
+// Its extra bytes were written by laz-perf 3.4, not as the specification says: see layered.cc.
+const std::string wrong_extra_bytes = "laz_conformance/pdrf6-1.4.laz";
+
 class EveryPair : public testing::TestWithParam<Twins> {};
 
 TEST_P(EveryPair, HasTheSameRecordsToTheLastBit) {
   REQUIRE_SHARED_DATA();
-  auto laz = read_records(data / GetParam().laz, true);
-  auto las = read_records(data / GetParam().las, true);
+  const std::size_t wanted = GetParam().laz == wrong_extra_bytes ? 30 : all_fields;
+  auto laz = read_records(data / GetParam().laz, wanted);
+  auto las = read_records(data / GetParam().las, all_fields);
   ASSERT_EQ(sentence(laz), "");
   ASSERT_EQ(sentence(las), "");
   const std::size_t stride = las.value().header.record_bytes;
@@ -50,14 +54,15 @@ TEST_P(EveryPair, HasTheSameRecordsToTheLastBit) {
     for (auto* records : {&laz.value().bytes, &las.value().bytes})
       for (std::size_t at = 15; at < records->size(); at += stride) (*records)[at] &= std::byte{0x30};
   for (std::size_t i = 0; i < laz.value().bytes.size(); ++i)
-    ASSERT_EQ(laz.value().bytes[i], las.value().bytes[i]) << "record " << i / stride << " byte " << i % stride;
+    if (i % stride < wanted)
+      ASSERT_EQ(laz.value().bytes[i], las.value().bytes[i]) << "record " << i / stride << " byte " << i % stride;
 }
 
 TEST_P(EveryPair, GivesTheSameIntegersWhenNothingElseIsWantedAndInSeveralThreads) {
   REQUIRE_SHARED_DATA();
-  const auto las = read_records(data / GetParam().las, true);
+  const auto las = read_records(data / GetParam().las, all_fields);
   for (const std::uint32_t threads : {1, 4}) {
-    const auto laz = read_records(data / GetParam().laz, false, {.threads = threads});
+    const auto laz = read_records(data / GetParam().laz, coordinates_only, {.threads = threads});
     ASSERT_EQ(sentence(laz), "");
     ASSERT_EQ(laz.value().size(), las.value().size());
     for (std::size_t i = 0; i < laz.value().size(); ++i)
@@ -71,14 +76,23 @@ TEST_P(EveryPair, IsOneCloudWithAllAttributes) {
   const auto laz_info = open_reader(data / GetParam().laz).value()->info();
   const auto las_info = open_reader(data / GetParam().las).value()->info();
   EXPECT_EQ(laz_info.attributes, las_info.attributes);
-  const auto laz = read_path(data / GetParam().laz, laz_info.attributes);
-  const auto las = read_path(data / GetParam().las, laz_info.attributes);
+  auto schema = laz_info.attributes;
+  if (GetParam().laz == wrong_extra_bytes) schema.resize(8);
+  const auto laz = read_path(data / GetParam().laz, schema);
+  const auto las = read_path(data / GetParam().las, schema);
   ASSERT_EQ(sentence(laz), "");
   EXPECT_EQ(laz.value().points, las.value().points);
   EXPECT_EQ(laz.value().rows, las.value().rows);
 }
 
 INSTANTIATE_TEST_SUITE_P(RealLaz, EveryPair, testing::ValuesIn(all_twins));
+
+TEST(RealLaz, SaysWhatToDoWhenExtraBytesAreWrittenWrongly) {
+  REQUIRE_SHARED_DATA();
+  EXPECT_NE(sentence(read_records(data / wrong_extra_bytes, all_fields))
+                .find("leave out the attributes that are not LAS's own"),
+            std::string::npos);
+}
 
 TEST(RealLaz, HasTheHashOfItsCoordinatesWhicheverFileItComesFrom) {
   REQUIRE_SHARED_DATA();
@@ -89,7 +103,7 @@ TEST(RealLaz, HasTheHashOfItsCoordinatesWhicheverFileItComesFrom) {
     for (const auto& [file, facts] : set["files"].items()) {
       const auto extension = std::filesystem::path(file).extension();
       if (extension != ".laz" && extension != ".las") continue;
-      const auto records = read_records(data / file, false, {.threads = 2});
+      const auto records = read_records(data / file, coordinates_only, {.threads = 2});
       ASSERT_EQ(sentence(records), "");
       EXPECT_EQ(records.value().size(), set["n"].get<std::size_t>()) << file;
       EXPECT_EQ(xyz_sha256(records.value()), set["xyz_sha256"].get<std::string>()) << file;

@@ -1,6 +1,7 @@
 // Decompressed records as they come, and the hash by which the shared data says what they should be.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -23,13 +24,16 @@ struct Records {
   }
 };
 
-// All records of a LAS or LAZ file. `all_fields`: not only x, y and z.
-inline Result<Records> read_records(std::unique_ptr<ByteSource> source, bool all_fields, const ReadHints& hints = {}) {
+constexpr std::size_t coordinates_only = 0, all_fields = SIZE_MAX;
+
+// All records of a LAS or LAZ file, with x, y, z and all that stands in their first `wanted_bytes` bytes.
+inline Result<Records> read_records(std::unique_ptr<ByteSource> source, std::size_t wanted_bytes,
+                                    const ReadHints& hints = {}) {
   BOOST_OUTCOME_TRY(header, read_las_header(*source));
   std::unique_ptr<RecordSource> stream;
   if (header.compressed) {
-    laz::RecordPlan plan{.record_bytes = header.record_bytes,
-                         .wanted = std::vector<bool>(header.record_bytes, all_fields)};
+    laz::RecordPlan plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
+    std::fill_n(plan.wanted.begin(), std::min<std::size_t>(wanted_bytes, header.record_bytes), true);
     BOOST_OUTCOME_TRY(opened, laz::open_laz_records(std::move(source), header, std::move(plan), hints));
     stream = std::move(opened.records);
   } else {
@@ -43,9 +47,10 @@ inline Result<Records> read_records(std::unique_ptr<ByteSource> source, bool all
   }
 }
 
-inline Result<Records> read_records(const std::filesystem::path& path, bool all_fields, const ReadHints& hints = {}) {
+inline Result<Records> read_records(const std::filesystem::path& path, std::size_t wanted_bytes,
+                                    const ReadHints& hints = {}) {
   BOOST_OUTCOME_TRY(source, open_file(path));
-  return read_records(std::move(source), all_fields, hints);
+  return read_records(std::move(source), wanted_bytes, hints);
 }
 
 // The hash `xyz_sha256` of manifest.json: SHA-256, in hexadecimal digits, of X * scale + offset as little-endian

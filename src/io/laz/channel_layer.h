@@ -30,6 +30,8 @@ class Layer {
   virtual void decode(std::span<const PointStep> steps, std::byte* records, std::size_t stride) = 0;
   // Null for an empty layer.
   virtual const ByteFeed* feed() const = 0;
+  // Whether its field is one of the extra bytes.
+  virtual bool extra_byte() const = 0;
 };
 
 // `State` has the models of one channel: Value next(decoder, step, last) gives the value after `last`, and
@@ -60,6 +62,7 @@ class ChannelLayer : public Layer {
   }
 
   const ByteFeed* feed() const override { return empty_ ? nullptr : &decoder_.feed(); }
+  bool extra_byte() const override { return State::extra_byte; }
 
  private:
   struct Channel {

@@ -28,7 +28,7 @@ class ByteInContext {
 
 struct ZState {
   using Value = std::int32_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ZState(Value z) { of_level.fill(z); }
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value) {
     return of_level[step.level] = integers.next(decoder, of_level[step.level], step.z_context);
@@ -39,7 +39,7 @@ struct ZState {
 
 struct ClassificationState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ClassificationState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return bytes.next(decoder, (last & 31u) << 1 | (step.placement == 3));
@@ -49,7 +49,7 @@ struct ClassificationState {
 
 struct IntensityState {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit IntensityState(Value first) { last_of.fill(first); }
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value) {
     Value& last = last_of[step.placement * 2u + step.new_time];
@@ -61,7 +61,7 @@ struct IntensityState {
 
 struct ScanAngleState {
   using Value = std::int16_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit ScanAngleState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_angle ? static_cast<Value>(integers.next(decoder, last, step.new_time)) : last;
@@ -71,7 +71,7 @@ struct ScanAngleState {
 
 struct UserDataState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit UserDataState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) { return bytes.next(decoder, last / 4u); }
   ByteInContext bytes;
@@ -79,7 +79,7 @@ struct UserDataState {
 
 struct SourceState {
   using Value = std::uint16_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit SourceState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_source ? static_cast<Value>(integers.next(decoder, last)) : last;
@@ -89,7 +89,7 @@ struct SourceState {
 
 struct GpsTimeState {
   using Value = std::int64_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit GpsTimeState(Value first) : times(first) {}
   Value next(ArithmeticDecoder& decoder, const PointStep& step, Value last) {
     return step.new_time ? times.next(decoder) : last;
@@ -99,7 +99,7 @@ struct GpsTimeState {
 
 struct RgbState {
   using Value = Rgb;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
   explicit RgbState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, const Value& last) { return models.next(decoder, last); }
   RgbModels models;
@@ -107,6 +107,7 @@ struct RgbState {
 
 struct NirState {
   using Value = std::uint16_t;
+  static constexpr bool extra_byte = false;
   static constexpr bool keeps_own_last = true;  // in version 3, unlike the colours beside it
   explicit NirState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) { return models.next(decoder, last); }
@@ -116,7 +117,7 @@ struct NirState {
 // One of the extra bytes.
 struct ByteState {
   using Value = std::uint8_t;
-  static constexpr bool keeps_own_last = false;
+  static constexpr bool keeps_own_last = false, extra_byte = true;
   explicit ByteState(Value) {}
   Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) {
     return static_cast<Value>(last + decoder.symbol(model));

@@ -18,7 +18,7 @@ struct LazRecords {
 };
 
 // REQUIRES: header is that of `source`, and compressed. Errors bad_input: point formats with waveforms, no or a wrong
-// LASzip record, chunk table or COPC hierarchy; a resolution asked of a file that is not COPC is an error of usage.
+// LASzip record, chunk table or COPC hierarchy. A file that is not COPC is read whole.
 Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const LasHeader& header, RecordPlan plan,
                                     const ReadHints& hints);
 
