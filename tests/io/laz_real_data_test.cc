@@ -53,9 +53,10 @@ TEST_P(EveryPair, HasTheSameRecordsToTheLastBit) {
   if (laz.value().header.point_format >= 6)
     for (auto* records : {&laz.value().bytes, &las.value().bytes})
       for (std::size_t at = 15; at < records->size(); at += stride) (*records)[at] &= std::byte{0x30};
-  for (std::size_t i = 0; i < laz.value().bytes.size(); ++i)
-    if (i % stride < wanted)
-      ASSERT_EQ(laz.value().bytes[i], las.value().bytes[i]) << "record " << i / stride << " byte " << i % stride;
+  for (std::size_t i = 0; i < laz.value().bytes.size(); ++i) {
+    if (i % stride >= wanted) continue;
+    ASSERT_EQ(laz.value().bytes[i], las.value().bytes[i]) << "record " << i / stride << " byte " << i % stride;
+  }
 }
 
 TEST_P(EveryPair, GivesTheSameIntegersWhenNothingElseIsWantedAndInSeveralThreads) {

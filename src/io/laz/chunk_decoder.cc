@@ -11,7 +11,7 @@ namespace {
 class PointwiseDecoder : public ChunkDecoder {
  public:
   PointwiseDecoder(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan, const Chunk& chunk)
-      : source_(source), record_bytes_(plan.record_bytes), chunk_(chunk) {
+      : source_(source), record_bytes_(plan.record_bytes), chunk_(chunk), chunked_(layout.chunked()) {
     for (const auto& item : layout.items) items_.push_back({make_point_item(item), item.bytes});
   }
 
@@ -30,7 +30,8 @@ class PointwiseDecoder : public ChunkDecoder {
     return check_stream(decoder_.feed());
   }
 
-  Status check_end() const override { return check_stream_end(decoder_.feed()); }
+  // What is not chunked ends nobody knows where: other things may stand behind it.
+  Status check_end() const override { return chunked_ ? check_stream_end(decoder_.feed()) : success(); }
 
  private:
   // The first point is stored as it is.
@@ -53,6 +54,7 @@ class PointwiseDecoder : public ChunkDecoder {
   const ByteSource& source_;
   std::size_t record_bytes_;
   Chunk chunk_;
+  bool chunked_;
   std::vector<Item> items_;
   ArithmeticDecoder decoder_;
   bool begun_ = false;
