@@ -31,37 +31,31 @@ class BitModel {
   std::uint32_t zeros_ = 1, total_ = 2, zero_share_ = 1u << 12, cycle_ = 4, until_update_ = 4;
 };
 
-// `size` symbols, at most `capacity`, whose probabilities are learnt. shares() are cumulative, of 2^15, increasing.
-// They are searched in two steps of 16 comparisons without a branch each: first among every 16th share, then among the
-// 16 from there on. What the search is does not matter to the format.
+// `size` symbols, at most `capacity`, whose probabilities are learnt. share() is cumulative, of 2^15, increasing. How a
+// share is found does not matter to the format: here a table says where to begin for the upper bits of the value, and
+// 16 shares from there on are compared without a branch, which nearly always is enough.
 template <std::uint32_t capacity>
 class SymbolModel {
  public:
-  static constexpr std::uint32_t step = 16;
-  static constexpr std::uint32_t padded = (capacity + step - 1) / step * step;
-  static constexpr std::uint32_t heads = padded / step;
-  static constexpr std::uint32_t padded_heads = (heads + step - 1) / step * step;
-
   explicit SymbolModel(std::uint32_t size = capacity) : size_(size), cycle_(size) {
-    shares_.fill(INT16_MAX);
-    heads_.fill(INT16_MAX);
+    shares_.fill(UINT16_MAX);  // behind the last symbol: larger than any value
     counts_.fill(1);
     update();
     cycle_ = until_update_ = (size_ + 6) >> 1;
   }
 
   std::uint32_t size() const { return size_; }
-  std::uint32_t share(std::uint32_t symbol) const { return static_cast<std::uint32_t>(shares_[symbol]); }
+  std::uint32_t share(std::uint32_t symbol) const { return shares_[symbol]; }
 
-  // The last symbol whose share is at most `value`.
+  // The last symbol whose share is at most `value`. REQUIRES: value < (table_size << table_shift).
   std::uint32_t find(std::uint32_t value) const {
-    const auto v = static_cast<std::int16_t>(std::min<std::uint32_t>(value, INT16_MAX));
-    std::uint32_t block = 0;
-    if constexpr (heads > 1) {
-      for (std::uint32_t i = 0; i < padded_heads; i += step) block += at_most(&heads_[i], v);
-      block = std::min(block, heads) - 1;
+    std::uint32_t begin = 0;
+    if constexpr (has_table) begin = table_[value >> table_shift];
+    while (true) {
+      const std::uint32_t n = at_most(&shares_[begin], value);
+      if (n < step) return begin + n - 1;
+      begin += step;
     }
-    return std::min(block * step + at_most(&shares_[block * step], v), size_) - 1;
   }
 
   void count(std::uint32_t symbol) {
@@ -70,14 +64,20 @@ class SymbolModel {
   }
 
  private:
-  // How many of `step` increasing shares are at most `value`.
-  static std::uint32_t at_most(const std::int16_t* shares, std::int16_t value) {
+  static constexpr std::uint32_t step = 16, table_shift = 9;
+  // Values reach a little beyond 2^15, because a length is rounded down when it is divided by that: see symbol().
+  static constexpr std::uint32_t table_size = (1u << (15 - table_shift)) + 1;
+  static constexpr bool has_table = capacity > step;
+
+  // How many of `step` increasing shares are at most `value`, which is below 2^16.
+  static std::uint32_t at_most(const std::uint16_t* shares, std::uint32_t value) {
 #ifdef __SSE2__
     const auto* at = reinterpret_cast<const __m128i*>(shares);
-    const __m128i all = _mm_set1_epi16(value);
-    const __m128i larger =
-        _mm_packs_epi16(_mm_cmpgt_epi16(_mm_load_si128(at), all), _mm_cmpgt_epi16(_mm_load_si128(at + 1), all));
-    return static_cast<std::uint32_t>(std::countr_zero(static_cast<unsigned>(_mm_movemask_epi8(larger)) | 1u << step));
+    const __m128i values = _mm_set1_epi16(static_cast<std::int16_t>(value)), zero = _mm_setzero_si128();
+    const __m128i low = _mm_cmpeq_epi16(_mm_subs_epu16(_mm_loadu_si128(at), values), zero);
+    const __m128i high = _mm_cmpeq_epi16(_mm_subs_epu16(_mm_loadu_si128(at + 1), values), zero);
+    return static_cast<std::uint32_t>(
+        std::countr_one(static_cast<unsigned>(_mm_movemask_epi8(_mm_packs_epi16(low, high)))));
 #else
     std::uint32_t n = 0;
     for (std::uint32_t i = 0; i < step; ++i) n += shares[i] <= value;
@@ -94,18 +94,22 @@ class SymbolModel {
     const std::uint32_t scale = 0x80000000u / total_;
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < size_; ++i) {
-      shares_[i] = static_cast<std::int16_t>((scale * sum) >> 16);
+      shares_[i] = static_cast<std::uint16_t>((scale * sum) >> 16);
       sum += counts_[i];
     }
-    if constexpr (heads > 1)
-      for (std::uint32_t i = 0; i < (size_ + step - 1) / step; ++i) heads_[i] = shares_[i * step];
-    cycle_ = std::min((5 * cycle_) >> 2, (size_ + 6) << 3);
-    until_update_ = cycle_;
+    if constexpr (has_table) {
+      std::uint32_t symbol = 0;
+      for (std::uint32_t i = 0; i < table_size; ++i) {
+        while (symbol + 1 < size_ && shares_[symbol + 1] <= i << table_shift) ++symbol;
+        table_[i] = static_cast<std::uint16_t>(symbol);
+      }
+    }
+    cycle_ = until_update_ = std::min((5 * cycle_) >> 2, (size_ + 6) << 3);
   }
 
-  alignas(16) std::array<std::int16_t, padded> shares_;
-  alignas(16) std::array<std::int16_t, padded_heads> heads_;
-  alignas(16) std::array<std::uint16_t, padded> counts_;
+  std::array<std::uint16_t, capacity + 2 * step> shares_;  // a comparison may begin at the last and go on once
+  std::array<std::uint16_t, capacity> counts_;
+  std::array<std::uint16_t, has_table ? table_size : 0> table_;
   std::uint32_t size_, total_ = 0, cycle_, until_update_ = 0;
 };
 

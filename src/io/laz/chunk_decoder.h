@@ -34,8 +34,8 @@ class ChunkDecoder {
   // Error bad_input if the compressed bytes end before, io if they cannot be read: a reason without file and place,
   // which the caller knows better. REQUIRES: no more calls after an error, nor for more points than the chunk has.
   virtual Status decode(std::size_t n, std::byte* records) = 0;
-  // After the last point: error bad_input if compressed bytes of the chunk are left over. LAZ has no checksum, but a coder that was
-  // misled by a wrong bit nearly always ends at the wrong byte.
+  // After the last point: error bad_input if compressed bytes of the chunk are left over. LAZ has no checksum, but a
+  // coder that was misled by a wrong bit nearly always ends at the wrong byte.
   virtual Status check_end() const = 0;
 };
 
