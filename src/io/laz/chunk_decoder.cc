@@ -31,7 +31,9 @@ class PointwiseDecoder : public ChunkDecoder {
   }
 
   // What is not chunked ends nobody knows where: other things may stand behind it.
-  Status check_end() const override { return chunked_ ? check_stream_end(decoder_.feed()) : success(); }
+  Status check_end() const override {
+    return chunked_ && chunk_.points > 1 ? check_stream_end(decoder_.feed()) : success();
+  }
 
  private:
   // The first point is stored as it is.

@@ -50,6 +50,7 @@ class LayeredDecoder : public ChunkDecoder {
   }
 
   Status check_end() const override {
+    if (chunk_.points < 2) return success();  // the streams were not begun
     BOOST_OUTCOME_TRYV(check_stream_end(xy_->feed()));
     for (const auto& layer : layers_)
       if (const ByteFeed* feed = layer->feed()) {
