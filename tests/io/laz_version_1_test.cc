@@ -44,8 +44,8 @@ class Version1Encoder {
 
   void point(const std::byte* r) {
     const auto* l = last_.data();
-    const std::int32_t dx = load<std::int32_t>(r) - load<std::int32_t>(l);
-    const std::int32_t dy = load<std::int32_t>(r + 4) - load<std::int32_t>(l + 4);
+    const auto dx = static_cast<std::int32_t>(load<std::uint32_t>(r) - load<std::uint32_t>(l));
+    const auto dy = static_cast<std::int32_t>(load<std::uint32_t>(r + 4) - load<std::uint32_t>(l + 4));
     x_.next(encoder_, median(dx_), dx);
     y_.next(encoder_, median(dy_), dy, std::min(x_.length, 19u));
     const std::uint32_t length = (x_.length + y_.length) / 2;
@@ -144,10 +144,11 @@ Bytes some_records(std::size_t n, std::uint64_t seed) {
   return records;
 }
 
-LasFile version_1_file(std::uint16_t compressor, std::uint32_t chunk_points) {
+LasFile version_1_file(std::uint16_t compressor, std::uint32_t chunk_points, std::size_t plain_points = 0) {
   LasFile file;
   file.format = 3;
   file.extra_bytes = 2;
+  file.points.resize(plain_points, {1, -2, 3});
   Bytes record;
   for (const int v : {int{compressor}, 0}) push(record, static_cast<std::uint16_t>(v));
   push(record, std::uint64_t{0});  // version, options
@@ -188,6 +189,17 @@ TEST(LazVersion1, GivesBackWhatWasEncoded) {
     for (std::size_t i = 0; i < records.size(); ++i)
       ASSERT_EQ(read.value().bytes[i], records[i]) << "record " << i / record_bytes << " byte " << i % record_bytes;
   }
+}
+
+TEST(LazVersion1, MayAlsoBeARecordThatSaysThatNothingIsCompressed) {
+  const auto file = version_1_file(0, 0, 5);
+  const auto plain = read_records(memory_source("a.las", file.bytes()), all_fields);
+  const auto read = read_records(memory_source("a.laz", with_count(file, 5)), all_fields);
+  ASSERT_EQ(sentence(read), "");
+  EXPECT_EQ(read.value().size(), 5u);
+  EXPECT_EQ(read.value().bytes, plain.value().bytes);
+  EXPECT_EQ(sentence(read_records(memory_source("a.laz", with_count(file, 6)), all_fields)),
+            "a.laz, record 5: the file ends before or within it, but its header promises 6 records");
 }
 
 TEST(LazVersion1, GivesBackChunksOfOneSizeAndOfSeveral) {

@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace tessera::laz {
+namespace {
+
+// Each has up to 5 MiB waiting; eight decode 30 million points a second, more than anybody takes.
+constexpr unsigned threads_max = 8;
+
+}  // namespace
 
 LazStream::LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, RecordPlan plan, std::vector<Chunk> chunks,
                      unsigned threads)
@@ -12,7 +18,7 @@ LazStream::LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, Recor
       layout_(std::move(layout)),
       plan_(std::move(plan)),
       chunks_(std::move(chunks)),
-      threads_(threads) {}
+      threads_(std::min(threads, threads_max)) {}
 
 Result<std::span<const std::byte>> LazStream::next(std::size_t most) {
   const bool at_begin_of_chunk = offset_ == 0 && decoded_ == 0;

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "src/io/laz/chunk_pipeline.h"
@@ -11,8 +10,9 @@
 
 namespace tessera::laz {
 
-// Reads through `chunks` in order. Whoever asks for full batches is served by `threads` threads, whoever asks for a few
-// points at a time (a sample, after a seek) by one decoder that starts at the beginning of the chunk in question.
+// Reads through `chunks` in order. Whoever asks for full batches is served by `threads` threads, but at most eight;
+// whoever asks for a few points at a time (a sample, after a seek) by one decoder that starts at the beginning of the
+// chunk in question.
 class LazStream : public RecordSource {
  public:
   // `chunks`: some or all of the file's, with points, in the order of the file.
