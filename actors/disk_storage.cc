@@ -1,8 +1,10 @@
 #include "actors/disk_storage.h"
 
+#include <boost/asio/post.hpp>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -22,8 +24,10 @@ Error failed(const std::filesystem::path& path, const char* what) {
 
 }  // namespace
 
-DiskStorage::DiskStorage(const RoutedRun& run, std::filesystem::path out, StoreOptions options)
-    : run_(run), out_(std::move(out)), options_(std::move(options)) {}
+DiskStorage::DiskStorage(const RoutedRun& run, std::filesystem::path out, StoreOptions options, std::uint32_t threads)
+    : run_(run), out_(std::move(out)), options_(std::move(options)), writers_(threads) {}
+
+DiskStorage::~DiskStorage() { writers_.join(); }
 
 std::filesystem::path DiskStorage::scratch_file(TileId tile, Scratch what) const {
   constexpr const char* folders[] = {"state", "finals", "mail"};
@@ -77,9 +81,21 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   return rows;
 }
 
-Result<TileEntry> DiskStorage::store(TileId tile, TileMesh& mesh) {
-  BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
-  return write_tile(out_, tile, mesh, rows, options_);
+Result<TileEntry> DiskStorage::write(TileId tile, const TileMesh& mesh) const {
+  try {
+    BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
+    return write_tile(out_, tile, mesh, rows, options_);
+  } catch (const std::exception& e) {
+    return error(Errc::internal, "tile " + std::to_string(tile.value) + " cannot be stored: " + e.what());
+  }
+}
+
+void DiskStorage::store(TileId tile, TileMesh mesh, Stored done) {
+  boost::asio::post(writers_, [this, tile, mesh = std::move(mesh), done = std::move(done)]() mutable {
+    const Result<TileEntry> entry = write(tile, mesh);
+    mesh = {};  // before the node believes that it is gone
+    done(entry);
+  });
 }
 
 }  // namespace tessera

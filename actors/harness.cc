@@ -34,11 +34,11 @@ class MemoryStorage final : public TileStorage {
   Result<std::vector<std::byte>> take(TileId tile, Scratch what) override {
     return std::exchange(scratch_[{tile, what}], {});
   }
-  Result<TileEntry> store(TileId tile, TileMesh& mesh) override {
+  void store(TileId tile, TileMesh mesh, Stored done) override {
     meshes_.push_back(std::move(mesh));
     TileEntry entry;
     entry.tile = tile.value;
-    return entry;
+    done(entry);
   }
   const std::vector<TileMesh>& meshes() const { return meshes_; }
 

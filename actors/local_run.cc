@@ -19,13 +19,13 @@ namespace tessera {
 namespace {
 
 // Bytes a point, measured on uniform and terrain points (bench/engine/bench_tile): the whole triangulation in memory;
-// building it and taking it apart; collecting a mesh on top of what is held.
+// building it and taking it apart; collecting a mesh on top of what is held; the mesh that is stored.
 struct Needs {
-  std::uint64_t whole, triangulate, collect;
+  std::uint64_t whole, triangulate, collect, mesh;
 };
 Needs needs(int dimension, KernelKind kernel) {
-  if (kernel == KernelKind::cgal) return dimension == 3 ? Needs{620, 900, 560} : Needs{240, 340, 160};
-  return dimension == 3 ? Needs{300, 700, 700} : Needs{130, 260, 240};
+  if (kernel == KernelKind::cgal) return dimension == 3 ? Needs{620, 900, 560, 270} : Needs{240, 340, 160, 100};
+  return dimension == 3 ? Needs{300, 700, 700, 270} : Needs{130, 260, 240, 100};
 }
 
 // What is left for tiles: libraries, buffers and the allocator's slack take the rest.
@@ -34,7 +34,7 @@ std::uint64_t tile_budget(std::uint64_t memory) {
   return memory > 2 * rest ? memory - rest : memory / 2;
 }
 
-// All tiles whole in memory, and every thread collecting one.
+// All tiles whole in memory, every thread collecting one and another one on its way to the store.
 bool fits_whole(const RoutedRun& run, const RunOptions& options) {
   const Needs need = needs(run.dimension, options.kernel);
   std::uint64_t points = 0, largest = 0;
@@ -42,7 +42,8 @@ bool fits_whole(const RoutedRun& run, const RunOptions& options) {
     points += n;
     largest = std::max(largest, n);
   }
-  return points * need.whole + options.threads * largest * need.collect <= tile_budget(options.memory_bytes);
+  return points * need.whole + options.threads * largest * (need.collect + need.mesh) <=
+         tile_budget(options.memory_bytes);
 }
 
 class LocalConfig : public caf::actor_system_config {
@@ -59,7 +60,7 @@ class LocalConfig : public caf::actor_system_config {
 Result<RunSummary> run_tiles(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                              Progress& progress, std::stop_token stop) {
   BOOST_OUTCOME_TRY(stored, stored_tiles(out));
-  DiskStorage storage(run, out, options.store);
+  DiskStorage storage(run, out, options.store, options.threads);
   TileContext context;
   context.dimension = run.dimension;
   context.kernel = options.kernel;

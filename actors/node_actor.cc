@@ -40,6 +40,10 @@ caf::behavior NodeActor::make_behavior() {
         finish(report);
         dispatch();
       },
+      [this](const TileStored& stored) {
+        finish(stored);
+        dispatch();
+      },
       [this](const Probe& probe) {
         NodeTally tally{options_.node, probe.wave, idle(), 0, 0};
         for (const Tile& t : tiles_) {
@@ -91,10 +95,7 @@ void NodeActor::finish(const TileReport& report) {
   sum.rounds = std::max<std::uint64_t>(sum.rounds, report.hops);
   const double seconds = static_cast<double>(report.microseconds) * 1e-6;
   sum.tile_seconds[report.tile] += seconds;
-  if (report.failed != 0) {
-    if (!failure_) failure_ = error(static_cast<Errc>(report.failed), report.failure);
-    return;
-  }
+  if (report.failed != 0) return fail(report.failed, report.failure);
   switch (report.work) {
     case Work::triangulate:
       tile.stage = Stage::awake;
@@ -119,13 +120,28 @@ void NodeActor::finish(const TileReport& report) {
       ++sum.sleeps;
       break;
     case Work::collect:
-      tile.stage = Stage::stored;
+      tile.stage = Stage::storing;
+      ++storing_;
       sum.collect_cpu_s += seconds;
-      sum.tiles.push_back(entry_from_numbers(report.entry));
-      if (progress_) ++progress_->tiles_stored;
       break;
   }
   report_progress();
+}
+
+void NodeActor::finish(const TileStored& stored) {
+  Tile& tile = tiles_[stored.tile];
+  --storing_;
+  memory_ -= std::exchange(tile.memory, 0);
+  if (stored.failed != 0) return fail(stored.failed, stored.failure);
+  tile.stage = Stage::stored;
+  log_.summary.tiles.push_back(entry_from_numbers(stored.entry));
+  if (progress_) ++progress_->tiles_stored;
+  report_progress();
+}
+
+// The first failure is the one to tell.
+void NodeActor::fail(std::uint8_t code, const std::string& text) {
+  if (!failure_) failure_ = error(static_cast<Errc>(code), text);
 }
 
 void NodeActor::report_progress() {
@@ -139,7 +155,7 @@ void NodeActor::dispatch() {
   if (!started_ || ended_) return;
   if (!failure_ && options_.stop.stop_requested()) failure_ = error(Errc::interrupted, "interrupted");
   if (failure_) {
-    if (working_ == 0) {
+    if (working_ + storing_ == 0) {
       ended_ = true;
       send(coordinator_, NodeFailed{options_.node, static_cast<std::uint8_t>(failure_->code), failure_->where});
     }
@@ -149,7 +165,7 @@ void NodeActor::dispatch() {
   }
   if (collecting_) {
     const bool all = std::all_of(tiles_.begin(), tiles_.end(), [](const Tile& t) { return t.stage == Stage::stored; });
-    if (all && working_ == 0) {
+    if (all) {
       ended_ = true;
       send(coordinator_, NodeFinished{options_.node});
     }
@@ -166,11 +182,14 @@ bool NodeActor::grant_one() {
   if (next_fresh_ < tiles_.size())
     return try_grant(next_fresh_, Work::triangulate, options_.triangulate_bytes * options_.points[next_fresh_]);
   if (collecting_) {
-    while (next_collect_ < tiles_.size() && tiles_[next_collect_].stage == Stage::stored) ++next_collect_;
+    const auto collected = [&](std::uint32_t t) {
+      return tiles_[t].stage == Stage::storing || tiles_[t].stage == Stage::stored;
+    };
+    while (next_collect_ < tiles_.size() && collected(next_collect_)) ++next_collect_;
     // A tile that falls asleep at this moment is left for later, not out.
     std::uint32_t t = next_collect_;
-    while (t < tiles_.size() && (tiles_[t].stage == Stage::stored || tiles_[t].working)) ++t;
-    if (t == tiles_.size()) return false;
+    while (t < tiles_.size() && (collected(t) || tiles_[t].working)) ++t;
+    if (t == tiles_.size() || storing_ > options_.threads) return false;
     return try_grant(t, Work::collect, tiles_[t].memory + options_.collect_bytes * options_.points[t]);
   }
   // The tile with most mail; one in memory counts double, for waking costs time.
@@ -203,7 +222,7 @@ bool NodeActor::try_grant(std::uint32_t tile, Work work, std::uint64_t needed) {
       grant(*candidate, Work::sleep, tiles_[*candidate].memory);
       return true;
     }
-    if (working_ > 0) return false;
+    if (working_ + storing_ > 0) return false;
   }
   grant(tile, work, needed);
   return true;

@@ -6,7 +6,8 @@
 // exchanging | TileReport   | note the tile's counters, grant the next; tell the coordinator when all is idle
 // exchanging | Probe        | answer with the sums of all tiles; idle only if no grant is out and no mail is known
 // exchanging | CollectAll   | grant collect to every tile
-// collecting | TileReport   | grant the next; NodeFinished when every tile is stored
+// collecting | TileReport   | grant the next, if not too many wait to be stored
+// collecting | TileStored   | grant the next; NodeFinished when every tile is stored
 // any        | failed TileReport | grant nothing more; NodeFailed once nothing is under way
 //
 // A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
@@ -46,7 +47,7 @@ class NodeActor : public caf::event_based_actor {
   void on_exit() override;
 
  private:
-  enum class Stage : std::uint8_t { fresh, awake, asleep, stored };
+  enum class Stage : std::uint8_t { fresh, awake, asleep, storing, stored };
   struct Tile {
     Stage stage = Stage::fresh;
     bool working = false;
@@ -61,6 +62,8 @@ class NodeActor : public caf::event_based_actor {
   void grant(std::uint32_t tile, Work work, std::uint64_t needed);
   std::optional<std::uint32_t> sleeper() const;
   void finish(const TileReport& report);
+  void finish(const TileStored& stored);
+  void fail(std::uint8_t code, const std::string& text);
   bool idle() const;
   void report_progress();
 
@@ -72,9 +75,10 @@ class NodeActor : public caf::event_based_actor {
   std::vector<Tile> tiles_;
   std::chrono::steady_clock::time_point begin_;
   bool started_ = false, collecting_ = false;
-  std::uint32_t working_ = 0;
+  std::uint32_t working_ = 0;                        // grants under way
+  std::uint32_t storing_ = 0;                        // meshes on their way to the store, beside these
   std::uint32_t next_fresh_ = 0, next_collect_ = 0;  // no fresh tile, none to be collected, comes before
-  std::uint64_t memory_ = 0;  // sum over tiles
+  std::uint64_t memory_ = 0;                         // sum over tiles
   std::optional<Error> failure_;
   bool ended_ = false;
 };

@@ -46,8 +46,14 @@ struct TileReport {
   // After triangulate:
   std::vector<std::uint64_t> duplicates;  // duplicate, kept, duplicate, kept, ...
   std::uint64_t own_points = 0;
-  // After collect: the fields of TileEntry.
-  std::vector<std::uint64_t> entry;
+};
+
+// tile -> node, some time after it has been collected: its mesh is in the store, or could not be stored.
+struct TileStored {
+  std::uint32_t tile = 0;
+  std::uint8_t failed = 0;  // an Errc, or 0
+  std::string failure;
+  std::vector<std::uint64_t> entry;  // the fields of TileEntry
 };
 
 // node -> coordinator
@@ -97,8 +103,12 @@ typename Inspector::result_type inspect(Inspector& f, MailNotice& x) {
 template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, TileReport& x) {
   return f(caf::meta::type_name("TileReport"), x.tile, x.work, x.failed, x.failure, x.memory, x.sent, x.processed,
-           x.waiting, x.microseconds, x.hops, x.received, x.inserted, x.kept, x.points_sent, x.duplicates, x.own_points,
-           x.entry);
+           x.waiting, x.microseconds, x.hops, x.received, x.inserted, x.kept, x.points_sent, x.duplicates,
+           x.own_points);
+}
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, TileStored& x) {
+  return f(caf::meta::type_name("TileStored"), x.tile, x.failed, x.failure, x.entry);
 }
 template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, IdleNotice& x) {
@@ -177,4 +187,5 @@ CAF_ADD_TYPE_ID(tessera, (tessera::RunEnded))
 CAF_ADD_TYPE_ID(tessera, (tessera::RunQuiet))
 CAF_ADD_TYPE_ID(tessera, (tessera::Start))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileReport))
+CAF_ADD_TYPE_ID(tessera, (tessera::TileStored))
 CAF_END_TYPE_ID_BLOCK(tessera)

@@ -67,7 +67,7 @@ void TileActor::work(Work work) {
   const Totals totals = state_.totals();
   report.sent = totals.sent;
   report.processed = totals.processed;
-  report.memory = state_.memory();
+  report.memory = state_.memory() + (mesh_ ? mesh_->bytes() : 0);
   report.waiting = state_.waiting_points();
   report.hops = state_.hops();
   const ExchangeCounts& counts = state_.counts();
@@ -77,6 +77,18 @@ void TileActor::work(Work work) {
   report.points_sent = counts.sent;
   told_node_ = report.waiting > 0;
   send(directory_.node, std::move(report));
+  if (mesh_) store();
+}
+
+void TileActor::store() {
+  const auto tell = [node = directory_.node, tile = self_.tile.value](const Result<TileEntry>& stored) {
+    if (stored) {
+      caf::anon_send(node, TileStored{tile, 0, "", to_numbers(stored.value())});
+    } else {
+      caf::anon_send(node, TileStored{tile, static_cast<std::uint8_t>(stored.error().code), stored.error().where, {}});
+    }
+  };
+  context_.storage->store(self_.tile, *std::exchange(mesh_, std::nullopt), tell);
 }
 
 TileReport TileActor::perform(Work work) {
@@ -90,11 +102,11 @@ TileReport TileActor::perform(Work work) {
   const WorkSpan span(context_.progress, phase_of(work), self_.tile);
   try {
     if (work == Work::collect) {
-      const auto entry = state_.collect();
-      if (entry) {
-        report.entry = to_numbers(entry.value());
+      auto mesh = state_.collect();
+      if (mesh) {
+        mesh_ = std::move(mesh.value());
       } else {
-        fail(entry.error());
+        fail(mesh.error());
       }
     } else {
       const Status done = work == Work::triangulate ? state_.triangulate()

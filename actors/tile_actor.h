@@ -6,7 +6,7 @@
 // awake   | splay        | process all mail                                    | TileReport, batches to other tiles
 // asleep  | splay        | wake, then as above                                 | TileReport, batches to other tiles
 // awake   | sleep        | write the state to scratch, free it                 | TileReport
-// any     | collect      | make the mesh and store it; only after quiescence   | TileReport
+// any     | collect      | make the mesh, have it stored; only after quiescence | TileReport, later TileStored
 //
 // Grants come from the node alone, which keeps at most as many under way as there are threads.
 #pragma once
@@ -14,6 +14,7 @@
 #include <caf/all.hpp>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "actors/protocol.h"
@@ -45,12 +46,14 @@ class TileActor : public caf::event_based_actor {
  private:
   void work(Work work);
   TileReport perform(Work work);
+  void store();
 
   Peer self_;
   const Directory& directory_;
   const TileContext& context_;
   TileState state_;
-  bool told_node_ = false;  // of waiting mail
+  std::optional<TileMesh> mesh_;  // made, not yet handed to the storage
+  bool told_node_ = false;        // of waiting mail
 };
 
 }  // namespace tessera

@@ -4,13 +4,12 @@
 #include <google/protobuf/util/delimited_message_util.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "exchange.pb.h"
 #include "src/base/check.h"
-#include "src/tile/spacing.h"
+#include "src/kernel/brio.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {
@@ -61,7 +60,6 @@ Status TileState::triangulate() {
   BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
   duplicates_ = std::move(loaded.duplicates);
   own_points_ = loaded.points.size();
-  for (const Point& p : loaded.points) own_bounds_.add(p);
   const Box& box = context_.boxes[self_.tile.value];
   triangulation_ = std::make_unique<TileTriangulation>(options());
   // Kept until collect() when the tile is not reduced; moving the vector leaves its points where they are.
@@ -78,7 +76,7 @@ Status TileState::triangulate() {
 }
 
 void TileState::receive(Batch batch) {
-  check(phase_ != Phase::stored, "no mail comes after quiescence");
+  check(phase_ != Phase::collected, "no mail comes after quiescence");
   waiting_points_ += batch.points.size();
   mail_points_ += batch.points.size();
   waiting_peers_.push_back(batch.from);
@@ -90,8 +88,8 @@ Status TileState::splay() {
   BOOST_OUTCOME_TRYV(wake());
   BOOST_OUTCOME_TRY(mail, take_mail());
   hops_ = std::max(hops_, waiting_hops_);
-  // The nearest first, for they keep those behind them from becoming neighbours: half as many are inserted in vain. At
-  // about the same distance in Hilbert order, so that each insertion starts where the last one ended.
+  // In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
+  // beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region.
   struct Item {
     std::uint64_t key;
     TileId from;
@@ -104,34 +102,20 @@ Status TileState::splay() {
     for (const SharedPoint& p : w.points) bounds.add(p.at);
   }
   const HilbertKey key(bounds, context_.dimension);
-  const double layer = 0.5 * even_spacing(own_bounds_, own_points_, context_.dimension);
   std::vector<Item> items;
   items.reserve(n);
   for (const Waiting& w : mail) {
-    for (const SharedPoint& p : w.points) {
-      items.push_back({layer_of(p.at, layer) << 56 | key(p.at) >> 8, w.from, &p});
-    }
+    for (const SharedPoint& p : w.points) items.push_back({key(p.at), w.from, &p});
   }
   std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
-  for (const Item& item : items) triangulation_->receive(item.from, std::span(item.point, 1));
+  for_each_in_brio_order<2>(
+      n, [&](std::size_t i) { triangulation_->receive(items[i].from, std::span(items[i].point, 1)); });
   for (const Peer peer : waiting_peers_) counters_.add_processed(peer);
   if (context_.progress) context_.progress->batches_processed += waiting_peers_.size();
   waiting_peers_.clear();
   waiting_points_ = 0;
   counts_ = triangulation_->counts();
   return success();
-}
-
-// 0 next to the tile's points or among them, growing with the distance: by layers at first, then by powers of two.
-std::uint64_t TileState::layer_of(const Point& p, double thickness) const {
-  double squared = 0;
-  for (int i = 0; i < context_.dimension; ++i) {
-    const double gap = std::max({own_bounds_.lo[i] - p[i], p[i] - own_bounds_.hi[i], 0.0});
-    squared += gap * gap;
-  }
-  const double layers = std::sqrt(squared) / thickness;
-  if (!(layers < 4)) return layers < 0x1p100 ? 4 + static_cast<std::uint64_t>(std::ilogb(layers)) : 127;
-  return static_cast<std::uint64_t>(layers);
 }
 
 std::vector<Batch> TileState::take_outgoing() {
@@ -232,7 +216,7 @@ Result<FinalCells> TileState::take_finals() {
   return finals;
 }
 
-Result<TileEntry> TileState::collect() {
+Result<TileMesh> TileState::collect() {
   BOOST_OUTCOME_TRYV(wake());
   if (context_.reduce) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
@@ -244,8 +228,8 @@ Result<TileEntry> TileState::collect() {
   counts_ = triangulation_->counts();
   triangulation_.reset();
   points_ = {};
-  phase_ = Phase::stored;
-  return context_.storage->store(self_.tile, mesh);
+  phase_ = Phase::collected;
+  return mesh;
 }
 
 std::size_t TileState::memory() const {

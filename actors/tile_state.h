@@ -2,8 +2,8 @@
 //
 //   fresh -- triangulate --> awake -- sleep --> asleep
 //                            awake <-- (splay or collect wakes it) -- asleep
-//                            awake -- collect --> stored
-// Mail may come in any state but stored, and waits until splay().
+//                            awake -- collect --> collected
+// Mail may come in any state but collected, and waits until splay().
 #pragma once
 
 #include <cstdint>
@@ -49,7 +49,8 @@ class TileState {
   // Processes all mail that waits. No batch is counted as processed before its points are in.
   Status splay();
   Status sleep();
-  Result<TileEntry> collect();
+  // What is to be stored. The tile has no triangulation any more.
+  Result<TileMesh> collect();
 
   // Updates the others must get, by now counted as sent.
   std::vector<Batch> take_outgoing();
@@ -65,13 +66,12 @@ class TileState {
   std::uint64_t own_points() const { return own_points_; }
 
  private:
-  enum class Phase : std::uint8_t { fresh, awake, asleep, stored };
+  enum class Phase : std::uint8_t { fresh, awake, asleep, collected };
   struct Waiting {
     TileId from;
     std::vector<SharedPoint> points;
   };
 
-  std::uint64_t layer_of(const Point& p, double thickness) const;
   Status wake();
   Status spill_mail();
   Result<std::vector<Waiting>> take_mail();
@@ -85,7 +85,6 @@ class TileState {
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;  // kept while the context does not reduce
   std::uint64_t own_points_ = 0;
-  Bounds own_bounds_;
   std::vector<Waiting> mail_;
   std::uint64_t mail_points_ = 0;     // in mail_
   std::uint64_t waiting_points_ = 0;  // in mail_ and spilled

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -28,8 +29,9 @@ class TileStorage {
   virtual Status put(TileId tile, Scratch what, std::span<const std::byte> bytes, bool append) = 0;
   // What was put, and forgets it; empty if nothing was.
   virtual Result<std::vector<std::byte>> take(TileId tile, Scratch what) = 0;
-  // Keeps the result. `mesh` may be moved from.
-  virtual Result<TileEntry> store(TileId tile, TileMesh& mesh) = 0;
+  // Keeps the result, and then tells `done`, from any thread. May return before.
+  using Stored = std::function<void(Result<TileEntry>)>;
+  virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
 };
 
 }  // namespace tessera

@@ -37,9 +37,9 @@ double peak_mb() {
 }
 
 Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
-  const auto begin = std::chrono::steady_clock::now();
   const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
-  std::filesystem::remove_all(out);
+  std::filesystem::remove_all(out);  // of an earlier run, gigabytes perhaps
+  const auto begin = std::chrono::steady_clock::now();
   CloudOptions cloud_options;
   cloud_options.dimension = o.dimension;
   BOOST_OUTCOME_TRY(cloud, Cloud::open({file.string()}, cloud_options));

@@ -107,6 +107,21 @@ class CgalKernel final : public Kernel {
     return list;
   }
 
+  CellRows take_cells() override {
+    CellRows rows;
+    std::uint32_t n = 0;
+    Traits::for_each_cell(t_, [&](Cell c) { c->number = n++; });
+    rows.resize(n);
+    Traits::for_each_cell(t_, [&](Cell c) {
+      CellRow& row = rows[c->number];
+      for (int i = 0; i <= d; ++i) {
+        row.vertices[i] = c->vertex(i)->info();
+        row.neighbors[i] = c->neighbor(i)->number;
+      }
+    });
+    return rows;
+  }
+
   std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
                               std::vector<std::uint8_t>* open) override {
     enum : std::uint8_t { unseen, is_open, is_settled };

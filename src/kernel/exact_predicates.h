@@ -107,31 +107,7 @@ inline int insphere(const Point& a, const Point& b, const Point& c, const Point&
 }
 }  // namespace filter
 
-// The sign of the area of (a, b, c): positive when counterclockwise. As CGAL::orientation.
-inline int orient2(const Point& a, const Point& b, const Point& c) {
-  const int sign = filter::orient2(a, b, c);
-  return sign != 0 ? sign : orient2_exact(a, b, c).sign;
-}
-
-// The sign of the volume of (a, b, c, d), of det(b - a, c - a, d - a). As CGAL::orientation.
-inline int orient3(const Point& a, const Point& b, const Point& c, const Point& d) {
-  const int sign = filter::orient3(a, b, c, d);
-  return sign != 0 ? sign : orient3_exact(a, b, c, d).sign;
-}
-
-// Positive when d is inside the circle of the counterclockwise (a, b, c), negative outside, 0 on it; the opposite for
-// clockwise ones. As CGAL::side_of_oriented_circle.
-inline int incircle(const Point& a, const Point& b, const Point& c, const Point& d) {
-  const int sign = filter::incircle(a, b, c, d);
-  return sign != 0 ? sign : incircle_exact(a, b, c, d).sign;
-}
-
-// Positive when e is inside the sphere of the positively oriented (a, b, c, d). As CGAL::side_of_oriented_sphere.
-inline int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
-  const int sign = filter::insphere(a, b, c, d, e);
-  return sign != 0 ? sign : insphere_exact(a, b, c, d, e).sign;
-}
-
+// Each of the following, with the stage that decided.
 inline Staged orient2_staged(const Point& a, const Point& b, const Point& c) {
   const int sign = filter::orient2(a, b, c);
   return sign != 0 ? Staged{sign, Stage::filter} : orient2_exact(a, b, c);
@@ -147,6 +123,25 @@ inline Staged incircle_staged(const Point& a, const Point& b, const Point& c, co
 inline Staged insphere_staged(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
   const int sign = filter::insphere(a, b, c, d, e);
   return sign != 0 ? Staged{sign, Stage::filter} : insphere_exact(a, b, c, d, e);
+}
+
+// The sign of the area of (a, b, c): positive when counterclockwise. As CGAL::orientation.
+inline int orient2(const Point& a, const Point& b, const Point& c) { return orient2_staged(a, b, c).sign; }
+
+// The sign of the volume of (a, b, c, d), of det(b - a, c - a, d - a). As CGAL::orientation.
+inline int orient3(const Point& a, const Point& b, const Point& c, const Point& d) {
+  return orient3_staged(a, b, c, d).sign;
+}
+
+// Positive when d is inside the circle of the counterclockwise (a, b, c), negative outside, 0 on it; the opposite for
+// clockwise ones. As CGAL::side_of_oriented_circle.
+inline int incircle(const Point& a, const Point& b, const Point& c, const Point& d) {
+  return incircle_staged(a, b, c, d).sign;
+}
+
+// Positive when e is inside the sphere of the positively oriented (a, b, c, d). As CGAL::side_of_oriented_sphere.
+inline int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
+  return insphere_staged(a, b, c, d, e).sign;
 }
 
 // The sign of the area of (a, b, c) seen along the first of the z, x, y axes along which it is not 0; 0 when collinear.

@@ -1,6 +1,14 @@
-// The cells of the flat kernel in 3D: 32 bytes each, two to a cache line.
+// What the cells of the flat kernels have in common. A Cell of dimension d has d + 1 `corners`: v[i] are its vertices,
+// positively oriented, and n[i] is across the facet opposite v[i]. Its other members:
+//   facet_of[i]     the corners but i, so that (p, v[facet_of[i][0]], ...) has the orientation of the cell with p in
+//                   place of v[i]
+//   set(vertices)   makes a slot a cell that is not marked; its neighbours are not set
+//   free(), dead()  makes a slot one without a cell; whether it is
+//   mark(open), marked(), open(), unmark()   the mark of one call
+//   vertex(i)       v[i], also while a call marks cells
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -10,35 +18,50 @@ namespace tessera::flat {
 
 using Word = std::uint32_t;
 
-// A cell and one of its facets, 4 * cell + facet: a neighbour names the facet it is seen through, so the way back needs
-// no search. With `frozen_bit` the cell is one that freeze() has handed out, by its number there.
-inline constexpr Word frozen_bit = Word{1} << 31;
+// A cell and one of its facets, 4 * cell + facet in both dimensions: a neighbour names the facet it is seen through, so
+// the way back needs no search. With `frozen_bit` the cell is one that freeze() has handed out: see CellList.
+inline constexpr Word frozen_bit = across_frozen;
 inline constexpr Word cells_max = Word{1} << 29;
-// The two top bits of v[0] mark a cell while one call runs; all others see plain vertex numbers.
-inline constexpr Word mark_shift = 30;
-inline constexpr Word vertex_mask = (Word{1} << mark_shift) - 1;
-inline constexpr Word mark_in = Word{1} << mark_shift;   // in the conflict zone
-inline constexpr Word mark_out = Word{2} << mark_shift;  // asked, and not in it
-inline constexpr Word vertices_max = vertex_mask - 1;
-inline constexpr Word dead_vertex = vertex_mask;  // v[0] of a slot without a cell
 
-// Positively oriented. n[i] is across the facet opposite v[i]. The infinite vertex is always v[3].
-struct alignas(32) Cell {
-  Word v[4];
-  Word n[4];
-  bool infinite() const { return v[3] == infinite_vertex; }
-  bool dead() const { return v[0] == dead_vertex; }
+struct Located {
+  Word cell = 0;    // in conflict with the point
+  Vertex same = 0;  // the vertex with equal coordinates, or 0
 };
-static_assert(sizeof(Cell) == 32);
 
-// The cell a neighbour word names, with its facet: spares shifting down and up again.
-inline Cell& cell_at(Cell* cells, Word facet) {
-  return *reinterpret_cast<Cell*>(reinterpret_cast<std::byte*>(cells) + std::size_t{facet & ~Word{3}} * 8);
+// The facet of `to` that is facet i of `from` seen from the other side; `corners` if there is none.
+template <class Cell>
+Word common_facet(const Cell& from, Word i, const Cell& to) {
+  constexpr int d = Cell::dimension;
+  for (Word k = 0; k < Cell::corners; ++k) {
+    int place[d], swaps = 1;  // of the vertices of the one facet in the other; negative for an odd permutation
+    int found = 0;
+    for (int a = 0; a < d; ++a) {
+      const Word v = to.v[Cell::facet_of[k][a]];
+      for (place[a] = 0; place[a] < d && from.v[Cell::facet_of[i][place[a]]] != v;) ++place[a];
+      found += place[a] < d;
+      for (int b = 0; b < a; ++b) swaps *= place[a] - place[b];
+    }
+    if (found == d && swaps < 0) return k;
+  }
+  return Cell::corners;
 }
-inline const Cell& cell_at(const Cell* cells, Word facet) { return cell_at(const_cast<Cell*>(cells), facet); }
 
-// (p, v[facet_of[i][0]], v[facet_of[i][1]], v[facet_of[i][2]]) has the orientation of the cell with p in place of v[i].
-// v[3], where the infinite vertex is, stays last.
-inline constexpr std::uint8_t facet_of[4][3] = {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {2, 1, 0}};
+// Moves the infinite vertex to the end, by an even permutation. False if it is there twice.
+template <class Cell>
+bool put_infinite_last(Cell& cell) {
+  constexpr Word last = Cell::corners - 1;
+  const Word* const end = cell.v + Cell::corners;
+  if (std::count<const Word*>(cell.v, end, infinite_vertex) > 1) return false;
+  const Word i = static_cast<Word>(std::find<const Word*>(cell.v, end, infinite_vertex) - cell.v);
+  if (i >= last) return true;
+  const Word other = i == 0 ? 1 : 0;
+  for (Word* words : {cell.v, cell.n}) {
+    const Word moved = words[i];
+    words[i] = words[other];
+    words[other] = words[last];
+    words[last] = moved;
+  }
+  return true;
+}
 
 }  // namespace tessera::flat

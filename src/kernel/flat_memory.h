@@ -51,6 +51,16 @@ class Array {
     resize(size_ + 1);
     data()[size_ - 1] = value;
   }
+  // The same bytes as elements of another kind; this array is empty afterwards.
+  template <class U>
+  Array<U> take_as() {
+    static_assert(sizeof(U) == sizeof(T) && alignof(U) <= alignof(T));
+    Array<U> other;
+    std::swap(other.mapping_, mapping_);
+    std::swap(other.size_, size_);
+    std::swap(other.high_, high_);
+    return other;
+  }
   // Gives back what lies behind the last element.
   void trim() {
     shrink_mapping(mapping_, bytes(), high_ * sizeof(T));
@@ -64,6 +74,8 @@ class Array {
   }
 
  private:
+  template <class U>
+  friend class Array;
   void swap(Array& other) noexcept {
     std::swap(mapping_, other.mapping_);
     std::swap(size_, other.size_);

@@ -4,96 +4,20 @@
 #include <cstring>
 
 #include "src/base/check.h"
+#include "src/kernel/flat_mesh_impl.h"
 #include "src/kernel/flat_predicates_3.h"
+#include "src/kernel/flat_remove_impl.h"
 
-namespace tessera::flat {
-namespace {
+namespace tessera::flat3 {
 
-// Vertices are numbered from 1.
-const Point* before(const Point* first) { return first ? first - 1 : nullptr; }
-
-}  // namespace
-
-void Points::borrow(std::span<const Point> points) {
-  own_.clear();
-  low_ = high_ = before(points.data());
-  size_ = borrowed_ = static_cast<Vertex>(points.size());
+bool Mesh::spans_more(const Point& p) const {
+  if (spanned_ < 1) return spanned_ < 0 || corner(0) != p;
+  if (spanned_ == 1) return !collinear_3(corner(0), corner(1), p);
+  return exact::orient3(corner(0), corner(1), corner(2), p) != 0;
 }
 
-void Points::copy(std::span<const Point> points) {
-  own_.clear();
-  own_.resize(points.size());
-  std::copy(points.begin(), points.end(), own_.data());
-  low_ = high_ = before(own_.data());
-  size_ = borrowed_ = static_cast<Vertex>(points.size());
-}
-
-Vertex Points::add(const Point& p) {
-  if (size_ >= vertices_max) throw KernelFull();
-  const bool all_own = own_.size() == size_;
-  own_.push_back(p);
-  ++size_;
-  if (all_own) {
-    low_ = high_ = before(own_.data());
-    borrowed_ = size_;
-  } else {
-    high_ = before(own_.data()) - borrowed_;
-  }
-  return size_;
-}
-
-void Mesh::clear() {
-  drop_cells();
-  points.copy({});
-  number_.clear();
-}
-
-void Mesh::drop_cells() {
-  cells.clear();
-  free_.clear();
-  incident_.clear();
-  indexed_ = frozen_ = false;
-  last_ = 0;
-}
-
-Array<Cell> Mesh::take_cells() {
-  Array<Cell> taken = std::move(cells);
-  drop_cells();
-  return taken;
-}
-
-void Mesh::start(std::array<Vertex, 4> v) {
-  const int side = orientation(points[v[0]], points[v[1]], points[v[2]], points[v[3]]);
-  check(side != 0 && !started(), "a triangulation starts with four points that are not coplanar");
-  if (side < 0) std::swap(v[0], v[1]);
-  simplex = v;
-  cells.reserve(8 * std::size_t{points.size()} + 64);
-  cells.resize(5);
-  Cell& inner = cells[0];
-  for (Word i = 0; i < 4; ++i) inner.v[i] = v[i];
-  // With v[i], which is inside, in front of facet i it is positive; so it is with the infinite vertex behind it.
-  for (Word i = 0; i < 4; ++i) {
-    const auto& f = facet_of[i];
-    cells[1 + i].v[0] = v[f[0]];
-    cells[1 + i].v[1] = v[f[1]];
-    cells[1 + i].v[2] = v[f[2]];
-    cells[1 + i].v[3] = infinite_vertex;
-  }
-  for (Word c = 0; c < 5; ++c) {
-    for (Word i = 0; i < 4; ++i) {  // the neighbour is the other cell with the three vertices other than v[i]
-      for (Word d = 0; d < 5; ++d) {
-        if (d == c) continue;
-        Word missing = 0, where = 0;
-        for (Word k = 0; k < 4; ++k) {
-          const bool shared = std::any_of(cells[c].v, cells[c].v + 4,
-                                          [&](const Word& w) { return &w != &cells[c].v[i] && w == cells[d].v[k]; });
-          if (!shared) ++missing, where = k;
-        }
-        if (missing == 1) cells[c].n[i] = 4 * d + where;
-      }
-    }
-  }
-  last_ = 0;
+bool Mesh::positive(const Corners& v) const {
+  return orientation(points[v[0]], points[v[1]], points[v[2]], points[v[3]]) > 0;
 }
 
 bool Mesh::conflicts(const Point& p, Word cell) const {
@@ -105,7 +29,7 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   if (side != 0) return side < 0;
   // In the plane of the facet the circle decides, with the same perturbation. It is where any sphere through the facet
   // meets the plane, and the fourth point of the sphere never decides a tie: with p in its place nothing is spanned.
-  for (const Vertex s : simplex) {
+  for (const Vertex s : simplex_) {
     const Point& apex = points[s];
     const int up = orientation(apex, a, b, d);
     if (up > 0) return in_sphere(apex, a, b, d, p) > 0;
@@ -113,17 +37,6 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   }
   check(false, "four vertices span the space");
   return false;
-}
-
-Word Mesh::new_slot() {
-  if (!free_.empty()) {
-    const Word slot = free_.back();
-    free_.pop_back();
-    return slot;
-  }
-  if (cells.size() >= cells_max) throw KernelFull();
-  cells.resize(cells.size() + 1);
-  return static_cast<Word>(cells.size() - 1);
 }
 
 // The slots of the zone first: they are in the cache.
@@ -134,11 +47,11 @@ void Mesh::take_slots(Word facets) {
   if (facets < zone_cells || !free_.empty()) {
     for (Word z = 0; z < zone_cells; ++z) free_.push_back(zone_[z] >> 2);
     for (Word f = 0; f < facets; ++f) slots_[f] = new_slot();
-    for (const Word slot : free_) cells[slot].v[0] = dead_vertex;
+    for (const Word slot : free_) cells[slot].free();
     return;
   }
   const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
-  if (added > cells_max - end) throw KernelFull();
+  if (added > flat::cells_max - end) throw KernelFull();
   cells.resize(end + added);
   const Word* const zone = zone_.data();
   Word* const slots = slots_.data();
@@ -155,14 +68,8 @@ void Mesh::fill(Vertex v) {
   }
   std::uint8_t* const number = number_.data();
   for (const Vertex w : zone_vertices()) number[w] = 0;
-  if (indexed_) {
-    while (incident_.size() <= v) incident_.push_back(0);
-    incident_[v] = slots_[0];
-    for (Word f = 0; f < facets; ++f) {
-      for (const Word w : facets_[f].v) incident_[w] = slots_[f];
-    }
-  }
   last_ = slots_[facets - 1];
+  newest_ = v;
 }
 
 // The cell over a facet of the boundary, and the way to it from outside.
@@ -238,35 +145,19 @@ void Mesh::leave() {
   last_ = zone_[0] >> 2;
 }
 
-void Mesh::insert(Vertex v) {
-  const Point p = points[v];
-  const Located found = locate(p);
-  check(found.same == 0, "the points of a kernel are distinct");
-  find_zone(p, found.cell);
-  fill(v);
-}
-
-Word Mesh::incident(Vertex v) const {
-  if (!indexed_) {
-    incident_.resize(points.size() + std::size_t{1});
-    for (Word c = 0; c < cells.size(); ++c) {
-      if (cells[c].dead()) continue;
-      for (const Word w : cells[c].v) incident_[w] = c;
-    }
-    indexed_ = true;
-  }
-  return incident_[v];
-}
-
 void Mesh::around(Vertex v, std::vector<Word>& found) const {
+  if (v == newest_) {
+    found.assign(slots_.begin(), slots_.begin() + static_cast<std::ptrdiff_t>(facets_size_));
+    return;
+  }
   found.assign(1, incident(v));
   // Marks are for the time of this call only: a const mesh looks the same before and after.
   Cell* const all = const_cast<Cell*>(cells.data());
   all[found[0]].v[0] |= mark_in;
   for (std::size_t k = 0; k < found.size(); ++k) {
     const Word slot = found[k];
-    for (int i = 0; i < 4; ++i) {
-      if (vertex(slot, i) == v) continue;
+    for (Word i = 0; i < 4; ++i) {
+      if (all[slot].vertex(i) == v) continue;
       const Word next = all[slot].n[i] >> 2;
       if (all[next].v[0] > vertex_mask) continue;
       all[next].v[0] |= mark_in;
@@ -276,45 +167,18 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
   for (const Word slot : found) all[slot].v[0] &= vertex_mask;
 }
 
-void Mesh::rebuild() {
-  indexed_ = false;
-  free_.clear();
-  last_ = 0;
-  for (Word c = 0; c < cells.size(); ++c) {
-    if (cells[c].dead()) {
-      free_.push_back(c);
-    } else {
-      last_ = c;
-    }
-  }
-}
-
-void Mesh::compact() {
-  while (!free_.empty()) {
-    const Word last = static_cast<Word>(cells.size() - 1);
-    if (cells[last].dead()) {
-      cells.resize(last);
-      free_.erase(std::find(free_.begin(), free_.end(), last));
-      continue;
-    }
-    const Word slot = free_.back();
-    free_.pop_back();
-    cells[slot] = cells[last];
-    for (Word i = 0; i < 4; ++i) {
-      const Word across = cells[slot].n[i];
-      if (!(across & frozen_bit)) cells[across >> 2].n[across & 3] = 4 * slot + i;
-    }
-    cells.resize(last);
-    if (last_ == last) last_ = slot;
-    indexed_ = false;
+void Mesh::zone_into(std::vector<Vertex>& vertices) const {
+  for (const Vertex v : zone_vertices()) {
+    if (v != infinite_vertex) vertices.push_back(v);
   }
 }
 
 std::size_t Mesh::memory() const {
-  return points.memory() + cells.bytes() + number_.capacity() + incident_.bytes() +
-         4 * (free_.capacity() + zone_.capacity() + pending_.capacity() + slots_.capacity() +
-              zone_vertices_.capacity()) +
-         sizeof(Facet) * facets_.capacity() + sizeof(Edge) * edges_.capacity() + sizeof(*this);
+  return base_memory() + number_.capacity() +
+         sizeof(Word) * (zone_.capacity() + pending_.capacity() + slots_.capacity() + zone_vertices_.capacity()) +
+         sizeof(Facet) * facets_.capacity() + sizeof(Edge) * edges_.capacity();
 }
 
-}  // namespace tessera::flat
+}  // namespace tessera::flat3
+
+template class tessera::flat::MeshBase<tessera::flat3::Mesh, tessera::flat3::Cell>;

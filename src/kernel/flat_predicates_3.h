@@ -9,7 +9,7 @@
 #include "src/base/point.h"
 #include "src/kernel/exact_predicates.h"
 
-namespace tessera::flat {
+namespace tessera::flat3 {
 
 inline constexpr double orientation_error = 50 * exact::filter::u, in_sphere_error = 400 * exact::filter::u;
 inline constexpr double underflow = exact::filter::underflow;
@@ -25,4 +25,4 @@ inline int in_sphere(const Point& a, const Point& b, const Point& c, const Point
   return exact::insphere_perturbed(a, b, c, d, e);
 }
 
-}  // namespace tessera::flat
+}  // namespace tessera::flat3

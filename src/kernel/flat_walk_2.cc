@@ -1,40 +1,22 @@
 // Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
 // (De Floriani, Falcidieno, Nagy, Pienovi 1991).
-#include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
-#include <queue>
-#include <unordered_set>
-#include <utility>
-#include <vector>
 
-#include "src/base/check.h"
 #include "src/kernel/exact_predicates.h"
 #include "src/kernel/flat_mesh_2.h"
+#include "src/kernel/flat_walk_impl.h"
 
 namespace tessera::flat2 {
-namespace {
-
-bool equal(const Point& p, const Point& q) { return p.x == q.x && p.y == q.y; }
-
-double distance_to(const Point& p, const Point& q) {
-  const double x = p.x - q.x, y = p.y - q.y;
-  return x * x + y * y;
-}
-
-}  // namespace
-
 // False if the way was blocked by frozen triangles on every side that faces p.
 bool Mesh::walk(const Point& p, Word slot, Located& found) const {
-  const Triangle* const all = triangles.data();
+  const Cell* const all = cells.data();
   if (all[slot].infinite()) {
     const Word inside = all[slot].n[all[slot].v[1] == infinite_vertex ? 1 : 2];
     if (inside & frozen_bit) return false;
     slot = inside >> 2;
   }
   Word from = 0;
-  if (const Triangle& t = all[slot]; exact::orient2(point(t.v[1]), point(t.v[2]), p) < 0) {
+  if (const Cell& t = all[slot]; exact::orient2(point(t.v[1]), point(t.v[2]), p) < 0) {
     if (t.n[0] & frozen_bit) return false;
     slot = t.n[0] >> 2;
     from = t.n[0] & 3;
@@ -46,7 +28,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   const auto relative = [&](Vertex v) { return Vector{point(v).x - p.x, point(v).y - p.y}; };
   Vector r = relative(all[slot].v[next_of[from]]), l = relative(all[slot].v[before[from]]);
   while (true) {
-    const Triangle& t = all[slot];
+    const Cell& t = all[slot];
     if (t.v[from] == infinite_vertex) {  // strictly outside the hull
       found = {slot, 0};
       return true;
@@ -67,7 +49,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     if (!(across_l | across_r)) {
       found = {slot, 0};
       for (const Vertex v : t.v) {
-        if (equal(point(v), p)) found.same = v;
+        if (flat::same_place<2>(point(v), p)) found.same = v;
       }
       return true;
     }
@@ -86,57 +68,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   }
 }
 
-Located Mesh::locate(const Point& p) {
-  Located found;
-  if (walk(p, last_, found)) return found;
-  const Word start = near_by_chance(p);
-  if (walk(p, start, found)) return found;
-  return search(p, start);
-}
-
-// Of a few triangles the one nearest to p: beyond a hole, most of the time.
-Word Mesh::near_by_chance(const Point& p) const {
-  Word best = last_;
-  double least = std::numeric_limits<double>::infinity();
-  std::uint64_t random = last_;
-  for (int k = 0; k < 64; ++k) {
-    random = random * 6364136223846793005u + 1442695040888963407u;
-    const Word slot = static_cast<Word>((random >> 33) % triangles.size());
-    if (triangles[slot].dead()) continue;
-    const double distance = distance_to(p, point(triangles[slot].v[0]));
-    if (distance < least) least = distance, best = slot;
-  }
-  return best;
-}
-
-// Nearest triangles first, from one to its neighbours. Those that are left are connected through the infinite ones.
-Located Mesh::search(const Point& p, Word start) const {
-  using Entry = std::pair<double, Word>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::unordered_set<Word> seen;
-  const auto meet = [&](Word slot) {
-    if (!seen.insert(slot).second) return;
-    double distance = std::numeric_limits<double>::infinity();
-    for (const Vertex v : triangles[slot].v) {
-      if (v != infinite_vertex) distance = std::min(distance, distance_to(p, point(v)));
-    }
-    queue.emplace(distance, slot);
-  };
-  meet(start);
-  while (!queue.empty()) {
-    const Word slot = queue.top().second;
-    queue.pop();
-    const Triangle& t = triangles[slot];
-    for (const Vertex v : t.v) {
-      if (v != infinite_vertex && equal(point(v), p)) return {slot, v};
-    }
-    if (conflicts(p, t)) return {slot, 0};
-    for (const Word across : t.n) {
-      if (!(across & frozen_bit)) meet(across >> 2);
-    }
-  }
-  check(false, "every point is in conflict with a triangle that is not frozen");
-  return {};
-}
-
 }  // namespace tessera::flat2
+
+template tessera::flat::Located tessera::flat::MeshBase<tessera::flat2::Mesh, tessera::flat2::Cell>::locate(
+    const Point&) const;

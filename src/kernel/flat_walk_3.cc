@@ -1,26 +1,14 @@
 // Point location: a visibility walk from where the last insertion was. It ends, because the triangulation is Delaunay
 // (De Floriani, Falcidieno, Nagy, Pienovi 1991; Edelsbrunner 1990: in front of a point its cells are ordered).
-#include <algorithm>
-#include <limits>
-#include <queue>
-#include <unordered_set>
-
-#include "src/base/check.h"
 #include "src/kernel/flat_mesh_3.h"
 #include "src/kernel/flat_predicates_3.h"
+#include "src/kernel/flat_walk_impl.h"
 
-namespace tessera::flat {
-namespace {
-
-double distance_to(const Point& p, const Point& q) {
-  const double x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
-  return x * x + y * y + z * z;
-}
-
-}  // namespace
+namespace tessera::flat3 {
 
 // False if the way was blocked by frozen cells on every side that faces p.
-bool Mesh::walk(const Point& p, Word slot, Located& found) {
+bool Mesh::walk(const Point& p, Word slot, Located& found) const {
+  ++turn_;
   if (cells[slot].infinite()) {
     const Word inside = cells[slot].n[3];
     if (inside & frozen_bit) return false;
@@ -38,7 +26,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) {
     for (Word j = 0; j < 4; ++j) {
       const Word i = (turn_ + j) & 3;
       if (i == step.from) continue;
-      const auto& f = facet_of[i];
+      const auto& f = Cell::facet_of[i];
       const int side = orientation(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]);
       touching |= side == 0;
       if (side >= 0) continue;
@@ -65,58 +53,7 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) {
   }
 }
 
-Located Mesh::locate(const Point& p) {
-  ++turn_;
-  Located found;
-  if (walk(p, last_, found)) return found;
-  const Word start = near_by_chance(p);
-  if (walk(p, start, found)) return found;
-  return search(p, start);
-}
+}  // namespace tessera::flat3
 
-// Of a few cells the one nearest to p: beyond a hole, most of the time.
-Word Mesh::near_by_chance(const Point& p) {
-  Word best = last_;
-  double least = std::numeric_limits<double>::infinity();
-  std::uint64_t random = turn_;
-  for (int k = 0; k < 64; ++k) {
-    random = random * 6364136223846793005u + 1442695040888963407u;
-    const Word slot = static_cast<Word>((random >> 33) % cells.size());
-    if (cells[slot].dead()) continue;
-    const double distance = distance_to(p, points[cells[slot].v[0]]);
-    if (distance < least) least = distance, best = slot;
-  }
-  ++turn_;
-  return best;
-}
-
-// Nearest cells first, from one to its neighbours. Live cells are connected through the infinite ones.
-Located Mesh::search(const Point& p, Word start) const {
-  using Entry = std::pair<double, Word>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  std::unordered_set<Word> seen;
-  const auto meet = [&](Word slot) {
-    if (!seen.insert(slot).second) return;
-    double distance = std::numeric_limits<double>::infinity();
-    for (const Word v : cells[slot].v) {
-      if (v != infinite_vertex) distance = std::min(distance, distance_to(p, points[v]));
-    }
-    queue.emplace(distance, slot);
-  };
-  meet(start);
-  while (!queue.empty()) {
-    const Word slot = queue.top().second;
-    queue.pop();
-    for (const Word v : cells[slot].v) {
-      if (v != infinite_vertex && points[v] == p) return {slot, v};
-    }
-    if (conflicts(p, slot)) return {slot, 0};
-    for (const Word across : cells[slot].n) {
-      if (!(across & frozen_bit)) meet(across >> 2);
-    }
-  }
-  check(false, "every point is in conflict with a cell that is not frozen");
-  return {};
-}
-
-}  // namespace tessera::flat
+template tessera::flat::Located tessera::flat::MeshBase<tessera::flat3::Mesh, tessera::flat3::Cell>::locate(
+    const Point&) const;

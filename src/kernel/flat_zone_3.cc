@@ -11,7 +11,7 @@
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed to functions that are always inlined
 #endif
 
-namespace tessera::flat {
+namespace tessera::flat3 {
 namespace {
 
 using Lanes = double __attribute__((vector_size(32)));
@@ -102,7 +102,7 @@ struct ZoneCode {
     // early.
     Batch batches[2];
     std::size_t turn = 0;
-    bool waiting = false;               // batches[turn] has not been acted upon
+    bool waiting = false;  // batches[turn] has not been acted upon
     // Cells of the zone there is room for: pending_ takes four times as many. zone_ may also have grown elsewhere.
     std::size_t room = std::min(m.zone_.size(), m.pending_.size() / 4);
     Word* zone = m.zone_.data();
@@ -307,6 +307,7 @@ struct ZoneCode {
 };
 
 void Mesh::find_zone(const Point& p, Word start) {
+  newest_ = 0;
   if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
   if (vectors_) {
     ZoneCode::avx2(*this, p, start);
@@ -319,6 +320,6 @@ Mesh::Step Mesh::walk_surely(const Point& p, Step step) const {
   return vectors_ ? ZoneCode::walk_avx2(*this, p, step) : ZoneCode::walk_plain(*this, p, step);
 }
 
-void Mesh::use_vectors(bool wanted) { vectors_ = wanted && ZoneCode::has_avx2(); }
+Mesh::Mesh(bool vectors) : MeshBase(vertices_max), vectors_(vectors && ZoneCode::has_avx2()) {}
 
-}  // namespace tessera::flat
+}  // namespace tessera::flat3

@@ -3,8 +3,7 @@
 #include <cassert>
 
 #include "src/kernel/cgal_kernels.h"
-#include "src/kernel/flat_kernel_2.h"
-#include "src/kernel/flat_kernel_3.h"
+#include "src/kernel/flat_kernel.h"
 
 namespace tessera {
 

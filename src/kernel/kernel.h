@@ -16,6 +16,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/base/point.h"
+#include "src/kernel/flat_memory.h"
 
 namespace tessera {
 
@@ -31,6 +32,14 @@ struct CellList {
   BigVector<std::uint32_t> neighbors;
 };
 inline constexpr std::uint32_t across_frozen = std::uint32_t{1} << 31;
+
+// The same, a cell a row, as the flat kernels keep them. In 2D the last entry of each is not used.
+struct alignas(32) CellRow {
+  static constexpr Vertex gap = ~Vertex{0};  // vertices[0] of a row without a cell
+  Vertex vertices[4];
+  std::uint32_t neighbors[4];
+};
+using CellRows = flat::Array<CellRow>;
 
 // Cells that a kernel has handed out and forgotten. Frozen cell f has vertices[(d + 1) * f ...].
 struct FrozenCells {
@@ -100,6 +109,8 @@ class Kernel {
 
   // All cells, infinite ones included, with neighbours. REQUIRES: dimension() == max_dimension().
   virtual CellList cells() const = 0;
+  // The same as rows, some of which may be gaps. The kernel can then only be destroyed, built or loaded.
+  virtual CellRows take_cells() = 0;
 
   // The cells that may still change. Goes from the infinite vertex and the vertices that are not local through every
   // cell that is not settled; a cell with a vertex that is infinite or not local never is, the others are asked. What

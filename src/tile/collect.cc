@@ -34,7 +34,7 @@ class MeshMaker {
 
  private:
   static constexpr int corners = d + 1;
-  enum : std::uint8_t { other, kept, fill };
+  enum : std::uint8_t { gap, other, kept, fill };
 
   // Where the vertices of a cell go in canonical order: the least first, then the least of the rest, by even
   // permutations. `v`: indices into the mesh.
@@ -58,7 +58,7 @@ class MeshMaker {
   std::array<std::uint32_t, corners> indices(std::size_t c) const {
     std::array<std::uint32_t, corners> v;
     for (int i = 0; i < corners; ++i) {
-      const std::uint32_t w = in_.cells.vertices[c * corners + i];
+      const std::uint32_t w = in_.cells[c].vertices[i];
       v[i] = w <= own_ ? w - 1 : index_[w - own_ - 1];
     }
     return v;
@@ -76,11 +76,15 @@ class MeshMaker {
 
   // Cells with a vertex of the tile's own are kept; foreign vertices are used if they are in one.
   void classify() {
-    const std::size_t count = in_.cells.vertices.size() / corners;
+    const std::size_t count = in_.cells.size();
     held_.resize(count);
     index_.assign(in_.foreign.size(), unused);
     for (std::size_t c = 0; c < count; ++c) {
-      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      const std::uint32_t* v = in_.cells[c].vertices;
+      if (v[0] == CellRow::gap) {
+        held_[c] = gap;
+        continue;
+      }
       int own = 0;
       bool finite = true;
       for (int i = 0; i < corners; ++i) {
@@ -122,18 +126,18 @@ class MeshMaker {
   // Kept cells know their kept neighbours already. The others, few, tell those of their neighbours that are kept.
   void link_to_others() {
     for (std::size_t c = 0; c < held_.size(); ++c) {
-      if (held_[c] == kept) continue;
-      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      if (held_[c] == kept || held_[c] == gap) continue;
+      const std::uint32_t* v = in_.cells[c].vertices;
       const bool infinite = std::find(v, v + corners, infinite_vertex) != v + corners;
       for (int i = 0; i < corners; ++i) {
-        const std::uint32_t n = in_.cells.neighbors[c * corners + i];
+        const std::uint32_t n = in_.cells[c].neighbors[i];
         if (n & across_frozen) continue;
         if (infinite && v[i] == infinite_vertex && held_[n] == fill) {
           // A final cell borders the outside: its facet is one of an infinite cell.
           borders_[facet_key(indices_but(c, i), i)] = {outside, 0};
         }
         if (held_[n] != kept) continue;
-        std::uint32_t* back = &in_.cells.neighbors[n * std::size_t{corners}];
+        std::uint32_t* back = in_.cells[n].neighbors;
         const int k = static_cast<int>(std::find(back, back + corners, c) - back);
         const auto facet = indices_but(n, -1);
         if (held_[c] == fill) {
@@ -149,7 +153,7 @@ class MeshMaker {
   std::array<std::uint32_t, corners> indices_but(std::size_t c, int but) const {
     std::array<std::uint32_t, corners> v{};
     for (int i = 0; i < corners; ++i) {
-      const std::uint32_t w = in_.cells.vertices[c * corners + i];
+      const std::uint32_t w = in_.cells[c].vertices[i];
       if (i != but) v[i] = w <= own_ ? w - 1 : index_[w - own_ - 1];
     }
     return v;
@@ -170,10 +174,11 @@ class MeshMaker {
     if (finals.vertices.empty()) return;
     const auto shift = static_cast<std::uint32_t>(held_.size());
     const std::size_t count = finals.vertices.size() / corners;
-    auto& cells = in_.cells;
+    CellRows& cells = in_.cells;
     for (std::size_t c = 0; c < held_.size(); ++c) {
+      if (held_[c] == gap) continue;
       for (int i = 0; i < corners; ++i) {
-        std::uint32_t& n = cells.neighbors[c * corners + i];
+        std::uint32_t& n = cells[c].neighbors[i];
         if (n >= first_code || !(n & across_frozen)) continue;
         const std::uint32_t facet = n & ~across_frozen;
         check(facet < finals.neighbors.size() && finals.neighbors[facet] == FinalCells::open,
@@ -182,28 +187,23 @@ class MeshMaker {
         n = shift + facet / corners;
       }
     }
-    cells.vertices.reserve(cells.vertices.size() + finals.vertices.size());
-    for (const std::uint32_t rank : finals.vertices) cells.vertices.push_back(rank + 1);
-    finals.vertices = {};
-    cells.neighbors.reserve(cells.vertices.size());
+    cells.resize(shift + count);
     for (std::size_t c = 0; c < count; ++c) {
+      CellRow& row = cells[shift + c];
+      for (int i = 0; i < corners; ++i) row.vertices[i] = finals.vertices[c * corners + i] + 1;
       for (int i = 0; i < corners; ++i) {
         const std::int32_t n = finals.neighbors[c * corners + i];
         if (n >= 0) {
-          cells.neighbors.push_back(shift + static_cast<std::uint32_t>(n));
-          continue;
+          row.neighbors[i] = shift + static_cast<std::uint32_t>(n);
+        } else if (n != FinalCells::open) {
+          row.neighbors[i] = static_cast<std::uint32_t>(n == bordering_outside ? outside : -(n + 2));
+        } else {
+          const auto border = borders_.find(facet_key(indices(shift + c), i));
+          check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
+          const auto [cell, opposite] = border->second;
+          row.neighbors[i] = static_cast<std::uint32_t>(cell);
+          if (cell != outside) cells[cell].neighbors[opposite] = shift + static_cast<std::uint32_t>(c);
         }
-        if (n != FinalCells::open) {
-          cells.neighbors.push_back(n == bordering_outside ? static_cast<std::uint32_t>(outside)
-                                                           : static_cast<std::uint32_t>(-(n + 2)));
-          continue;
-        }
-        const auto border = borders_.find(facet_key(indices(shift + c), i));
-        check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
-        const auto [cell, opposite] = border->second;
-        cells.neighbors.push_back(static_cast<std::uint32_t>(cell));
-        if (cell == outside) continue;
-        cells.neighbors[static_cast<std::size_t>(cell) * corners + opposite] = shift + static_cast<std::uint32_t>(c);
       }
     }
     held_.resize(shift + count, kept);
@@ -213,7 +213,7 @@ class MeshMaker {
   void bucket_cells() {
     end_.assign(std::size_t{own_} + 1, 0);
     const auto least = [&](std::size_t c) {
-      const std::uint32_t* v = &in_.cells.vertices[c * corners];
+      const std::uint32_t* v = in_.cells[c].vertices;
       return *std::min_element(v, v + corners) - 1;
     };
     for (std::size_t c = 0; c < held_.size(); ++c) {
@@ -230,7 +230,9 @@ class MeshMaker {
     std::array<std::uint32_t, corners> v;  // canonical
     std::array<std::uint32_t, corners> n;  // beside it
     std::uint32_t cell;
-    bool operator<(const Entry& e) const { return v[1] != e.v[1] ? v[1] < e.v[1] : v[2] < e.v[2]; }
+    // In a bucket the next two vertices tell all cells apart: a positively oriented cell is the only one on its side of
+    // the facet (least, second, third). In 2D, on its side of an edge.
+    std::uint64_t key() const { return std::uint64_t{v[1]} << 32 | v[2]; }
   };
 
   Entry entry(std::uint32_t c) const {
@@ -240,38 +242,41 @@ class MeshMaker {
     const auto at = canonical(v);
     for (int i = 0; i < corners; ++i) {
       e.v[i] = v[at[i]];
-      e.n[i] = in_.cells.neighbors[std::size_t{c} * corners + at[i]];
+      e.n[i] = in_.cells[c].neighbors[at[i]];
     }
     return e;
   }
 
-  // Buckets hold a handful of cells each, and in a bucket the next two vertices tell all apart: a positively oriented
-  // cell is the only one on its side of the facet (least, second, third). In 2D, on its side of an edge. Neighbours
-  // are written as they come, to be told their places at the end.
+  // Neighbours are written as they come, to be told their places at the end.
   void write_cells() {
     place_.assign(held_.size(), elsewhere);
     mesh_.cells.resize(order_.size() * corners);
     mesh_.neighbors.resize(order_.size() * corners);
     mesh_.cell_ghost.resize(order_.size());
     std::vector<Entry> bucket;
+    std::vector<std::uint64_t> keys;
     std::uint32_t k = 0;
     for (std::uint32_t v = 0; v < own_; ++v) {
       bucket.clear();
+      keys.clear();
       for (std::uint32_t i = k; i < end_[v]; ++i) {
         prefetch_cell(i + 32);
         bucket.push_back(entry(order_[i]));
+        keys.push_back(bucket.back().key());
       }
-      if (bucket.size() > 32) {
-        std::sort(bucket.begin(), bucket.end());
-      } else {
-        for (std::size_t i = 1; i < bucket.size(); ++i) {
-          const Entry moving = bucket[i];
-          std::size_t to = i;
-          for (; to > 0 && moving < bucket[to - 1]; --to) bucket[to] = bucket[to - 1];
-          bucket[to] = moving;
-        }
+      if (bucket.size() > 64) {
+        std::sort(bucket.begin(), bucket.end(), [](const Entry& a, const Entry& b) { return a.key() < b.key(); });
+        for (const Entry& e : bucket) write_cell(k++, e);
+        continue;
       }
-      for (const Entry& e : bucket) write_cell(k++, e);
+      // A handful most times: counting the smaller ones has no branch to be guessed wrong.
+      for (const Entry& e : bucket) {
+        std::uint32_t smaller = 0;
+        const std::uint64_t key = e.key();
+        for (const std::uint64_t other : keys) smaller += other < key;
+        write_cell(k + smaller, e);
+      }
+      k = end_[v];
     }
   }
 
@@ -288,9 +293,7 @@ class MeshMaker {
 
   // Cells in canonical order are anywhere in the input: ask for those that come soon.
   void prefetch_cell(std::uint32_t i) const {
-    if (i >= order_.size()) return;
-    __builtin_prefetch(&in_.cells.vertices[std::size_t{order_[i]} * corners]);
-    __builtin_prefetch(&in_.cells.neighbors[std::size_t{order_[i]} * corners]);
+    if (i < order_.size()) __builtin_prefetch(&in_.cells[order_[i]]);
   }
 
   void finish_neighbors() {

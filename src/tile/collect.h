@@ -17,8 +17,8 @@ struct CollectInput {
   TileId self;
   std::span<const Point> points;       // the tile's own, by rank: n
   std::span<const std::uint64_t> ids;  // by rank
-  CellList cells;                      // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
-  std::vector<std::uint8_t> fill;      // by cell: 1 for fill of a reduced tile; or empty
+  CellRows cells;                      // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
+  std::vector<std::uint8_t> fill;      // by row: 1 for fill of a reduced tile; or empty
   std::vector<SharedPoint> foreign;    // by k
   FinalCells final_cells;              // handed out earlier: they border the fill
 };

@@ -69,7 +69,8 @@ struct KnownForeign {
 std::vector<std::byte> TileTriangulation::save() const {
   Writer out;
   const KernelImage image = kernel_->save();
-  out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent_.size() * 8 + foreign_.size() * 16 +
+  const std::vector<std::uint64_t> sent = sent_.keys();
+  out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + foreign_.size() * 16 +
               open_cells_.size() * 16 + 1024);
   out.value(magic);
   out.value(options_.self.value);
@@ -90,7 +91,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   foreign.reserve(foreign_.size());
   for (const auto& [id, vertex] : foreign_) foreign.push_back({id, vertex});
   out.list(foreign);
-  out.list(std::vector<std::uint64_t>(sent_.begin(), sent_.end()));
+  out.list(sent);
   out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
   return out.take();
 }
@@ -130,7 +131,8 @@ bool TileTriangulation::load(std::span<const std::byte> bytes) {
   counts_ = counts;
   foreign_.clear();
   for (const auto& f : foreign) foreign_[f.id] = static_cast<Vertex>(f.vertex);
-  sent_ = {sent.begin(), sent.end()};
+  sent_ = {};
+  for (const std::uint64_t key : sent) sent_.add(static_cast<Vertex>(key >> 32), static_cast<std::uint32_t>(key));
   open_cells_ = {open_cells.begin(), open_cells.end()};
   updates_.clear();
   return true;

@@ -21,6 +21,10 @@ struct TileMesh {
   BigVector<std::int32_t> cells;          // m x (d+1) indices into points
   BigVector<std::uint8_t> cell_ghost;     // m: 1 = not main here
   BigVector<std::int32_t> neighbors;      // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
+
+  std::size_t bytes() const {
+    return points.size() * (sizeof(Point) + 13) + cell_ghost.size() + (cells.size() + neighbors.size()) * 4;
+  }
 };
 
 }  // namespace tessera

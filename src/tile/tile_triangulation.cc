@@ -120,13 +120,7 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
     ranks_.push_back(local ? v - 1 : 0);
     if (!local) foreign_[ids_[v]] = to[v];
   }
-  tsl::robin_set<std::uint64_t, MixHash> sent;
-  for (const std::uint64_t key : sent_) {
-    const Vertex v = to[key >> 32];
-    check(v != 0, "only vertices of cells that are not final have been shared");
-    sent.insert(std::uint64_t{v} << 32 | (key & 0xffffffffu));
-  }
-  sent_ = std::move(sent);
+  sent_.renumber(to);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
   reduced_ = true;
@@ -141,15 +135,24 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     if (!is_local(v)) return kernel_->point(v);
     return points[reduced_ ? ranks_[v] : v - 1];
   };
-  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
-    if (!reduced_) return surely_final(cell, points, box);
-    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
-  });
   // Slivers at the hull have huge spheres, which the neighbours' points will empty: telling everyone about their
   // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
   Bounds bounds;
   for (const Point& q : points) bounds.add(q);
   const double largest = 2 * even_spacing(bounds, points.size(), d);
+  // What is left has its vertices near a face of the box, and most slivers have not: a terrain's top is covered by
+  // them.
+  const auto near_face = [&](Vertex v) {
+    const Point& q = points[v - 1];
+    for (int i = 0; i < d; ++i) {
+      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < 2 * largest) return true;
+    }
+    return false;
+  };
+  const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
+    if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
+    return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
+  });
   std::array<Point, 4> p;
   for (std::size_t c = 0; c < cells.size(); c += corners) {
     const Vertex* v = &cells[c];
@@ -172,16 +175,15 @@ void TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch)
     ++counts_.received;
     check(p.tile != options_.self.value, "a tile is only told of foreign points");
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second != 0) sent_.insert(std::uint64_t{known->second} << 32 | from.value);
+      if (known->second != 0) sent_.add(known->second, from.value);
       continue;
     }
-    add_foreign(p, false, around);
-    const Vertex v = foreign_[p.id];
+    const Vertex v = add_foreign(p, false, around);
     if (v == 0) {  // rule C: not kept, but its owner hears of all it would have had as neighbours
       for (const Vertex w : around) share(w, p.tile);
       continue;
     }
-    sent_.insert(std::uint64_t{v} << 32 | from.value);
+    sent_.add(v, from.value);
     if (kernel_->dimension() < options_.dimension) {
       share_with_all();
     } else {
@@ -196,9 +198,8 @@ void TileTriangulation::receive_published(TileId from, std::span<const SharedPoi
   for (const SharedPoint& p : batch) {
     ++counts_.received;
     if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
-    add_foreign(p, true, around);
-    added.push_back(foreign_[p.id]);
-    sent_.insert(std::uint64_t{added.back()} << 32 | from.value);
+    added.push_back(add_foreign(p, true, around));
+    sent_.add(added.back(), from.value);
   }
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
@@ -214,14 +215,14 @@ void TileTriangulation::receive_published(TileId from, std::span<const SharedPoi
   }
 }
 
-void TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
+Vertex TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
   const auto mode = always ? InsertMode::always : InsertMode::if_local_neighbour;
   const Insertion result = kernel_->insert(p.at, false, mode, around);
   if (!result.inserted) {
     check(result.vertex == 0, "equal coordinates are one id");
     foreign_[p.id] = 0;
     ++counts_.refused;
-    return;
+    return 0;
   }
   check(result.vertex == ids_.size(), "vertices are numbered in the order of insertion");
   ids_.push_back(p.id);
@@ -229,6 +230,7 @@ void TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vect
   if (reduced_) ranks_.push_back(0);
   foreign_[p.id] = result.vertex;
   ++counts_.inserted;
+  return result.vertex;
 }
 
 // Rule S for a vertex that has just come: all cells around it are new, and no others.
@@ -237,17 +239,24 @@ void TileTriangulation::share_star(Vertex v) {
   const std::uint32_t self = options_.self.value;
   kernel_->star(v, star_);
   for (std::size_t c = 0; c < star_.size(); c += corners) {
-    const Vertex* cell = &star_[c];
+    std::array<Vertex, 4> cell{};  // without the infinite vertex, which has no owner
+    std::array<std::uint32_t, 4> owners{};
+    int n = 0;
     bool touches_local = false;
-    for (int i = 0; i < corners; ++i) touches_local |= is_local(cell[i]);
     for (int i = 0; i < corners; ++i) {
-      const Vertex to = cell[i];
-      if (to == infinite_vertex || owners_[to] == self) continue;
-      for (int k = 0; k < corners; ++k) {
-        const Vertex w = cell[k];
-        if (k == i || w == infinite_vertex) continue;
-        // A cell with a local vertex is shared whole; of the others, the new edges of foreign vertices.
-        if (touches_local || to == v || w == v) share(w, owners_[to]);
+      const Vertex w = star_[c + i];
+      if (w == infinite_vertex) continue;
+      cell[n] = w;
+      owners[n] = owners_[w];
+      touches_local |= owners[n++] == self;
+    }
+    for (int i = 0; i < n; ++i) {
+      if (owners[i] == self) continue;
+      for (int k = 0; k < n; ++k) {
+        // A cell with a local vertex is shared whole; of the others, the new edges of foreign vertices. Most pairs are
+        // in several cells: these end here.
+        if (!touches_local && cell[i] != v && cell[k] != v) continue;
+        if (owners[k] != owners[i] && !sent_.surely_has(cell[k], owners[i])) share(cell[k], owners[i]);
       }
     }
   }
@@ -265,7 +274,7 @@ void TileTriangulation::share_with_all() {
 
 void TileTriangulation::share(Vertex v, std::uint32_t tile) {
   if (tile == options_.self.value || owners_[v] == tile) return;
-  if (!sent_.insert(std::uint64_t{v} << 32 | tile).second) return;
+  if (!sent_.add(v, tile)) return;
   updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
   ++counts_.sent;
 }
@@ -282,15 +291,15 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
     if (is_local(v)) continue;
     input.foreign.push_back({kernel_->alive(v) ? kernel_->point(v) : Point{}, ids_[v], owners_[v], 0});
   }
-  input.cells = kernel_->cells();
+  input.cells = kernel_->take_cells();
   const bool filled = reduced_ && !kernel_->can_freeze();
   kernel_.reset();
   if (reduced_) {  // the vertices that stayed are numbered anew: back to ranks, and foreign ones behind them
-    auto& vertices = input.cells.vertices;
     const std::size_t stayed = ids_.size() - 1 - input.foreign.size();
-    if (filled) input.fill.resize(vertices.size() / corners);
-    for (std::size_t c = 0; c < vertices.size() / corners; ++c) {
-      Vertex* v = &vertices[c * corners];
+    if (filled) input.fill.resize(input.cells.size());
+    for (std::size_t c = 0; c < input.cells.size(); ++c) {
+      Vertex* v = input.cells[c].vertices;
+      if (v[0] == CellRow::gap) continue;
       if (filled) {
         const bool all_local = std::all_of(v, v + corners, [&](Vertex w) { return is_local(w); });
         input.fill[c] = all_local && !open_cells_.contains(cell_key(v, options_.dimension));
@@ -309,7 +318,7 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
 std::size_t TileTriangulation::memory() const {
   std::size_t bytes =
       (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
-  bytes += foreign_.bucket_count() * 24 + sent_.bucket_count() * 16 + open_cells_.bucket_count() * 24;
+  bytes += foreign_.bucket_count() * 24 + sent_.memory() + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(SharedPoint);
   return bytes;
 }

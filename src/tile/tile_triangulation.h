@@ -18,9 +18,11 @@
 #include <tsl/robin_map.h>
 #include <tsl/robin_set.h>
 
+#include "src/base/mix_hash.h"
 #include "src/base/point.h"
 #include "src/kernel/kernel.h"
 #include "src/tile/final_cells.h"
+#include "src/tile/sent_set.h"
 #include "src/tile/tile_mesh.h"
 
 namespace tessera {
@@ -49,15 +51,6 @@ struct ExchangeCounts {
   std::uint64_t refused = 0;  // conflict with no local star (rule C)
   std::uint64_t sent = 0;     // points put into updates
   std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; set by collect()
-};
-
-// Keys differ in a few high or low bits only, and the tables are powers of two: mix them (splitmix64's finaliser).
-struct MixHash {
-  std::size_t operator()(std::uint64_t x) const noexcept {
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-  }
 };
 
 class TileTriangulation {
@@ -103,7 +96,8 @@ class TileTriangulation {
   FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
   FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
   std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
-  void add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
+  // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
+  Vertex add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
   void share_star(Vertex v);
   void share_with_all();
   void share(Vertex v, std::uint32_t tile);
@@ -120,7 +114,7 @@ class TileTriangulation {
   std::vector<std::uint32_t> owners_;
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: rank = vertex - 1
   tsl::robin_map<std::uint64_t, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
-  tsl::robin_set<std::uint64_t, MixHash> sent_;  // vertex << 32 | tile, for vertices that tile has been told of
+  SentSet sent_;
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<std::uint32_t, std::vector<SharedPoint>> updates_;

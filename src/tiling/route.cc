@@ -16,7 +16,7 @@ namespace {
 
 // More buys nothing: writes are long enough, and fresh memory costs its first touch.
 constexpr std::uint64_t buffer_bytes_max = std::uint64_t{128} << 20;
-constexpr std::uint64_t sample_max = 1'000'000;
+constexpr std::uint64_t sample_max = 100'000;
 
 // Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.
 class RunFolder {

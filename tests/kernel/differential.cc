@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "src/kernel/flat_kernel_3.h"
+#include "src/kernel/flat_kernel.h"
 #include "src/tile/circumsphere.h"
 
 namespace tessera::testing {

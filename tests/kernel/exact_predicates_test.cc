@@ -11,6 +11,7 @@
 #include <map>
 #include <random>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -66,36 +67,22 @@ int reference(const std::array<Point, N>& points, int dimension, bool lifted) {
   return lifted ? -sign : sign;
 }
 
-struct Orient2 {
-  static constexpr std::size_t n = 3;
-  static exact::Staged staged(const std::array<Point, n>& p) { return exact::orient2_staged(p[0], p[1], p[2]); }
-  static int sign(const std::array<Point, n>& p) { return exact::orient2(p[0], p[1], p[2]); }
-  static int expected(const std::array<Point, n>& p) { return reference(p, 2, false); }
-  static std::string name() { return "orient2"; }
-};
-struct Orient3 {
-  static constexpr std::size_t n = 4;
-  static exact::Staged staged(const std::array<Point, n>& p) { return exact::orient3_staged(p[0], p[1], p[2], p[3]); }
-  static int sign(const std::array<Point, n>& p) { return exact::orient3(p[0], p[1], p[2], p[3]); }
-  static int expected(const std::array<Point, n>& p) { return reference(p, 3, false); }
-  static std::string name() { return "orient3"; }
-};
-struct Incircle {
-  static constexpr std::size_t n = 4;
-  static exact::Staged staged(const std::array<Point, n>& p) { return exact::incircle_staged(p[0], p[1], p[2], p[3]); }
-  static int sign(const std::array<Point, n>& p) { return exact::incircle(p[0], p[1], p[2], p[3]); }
-  static int expected(const std::array<Point, n>& p) { return reference(p, 2, true); }
-  static std::string name() { return "incircle"; }
-};
-struct Insphere {
-  static constexpr std::size_t n = 5;
-  static exact::Staged staged(const std::array<Point, n>& p) {
-    return exact::insphere_staged(p[0], p[1], p[2], p[3], p[4]);
+// A predicate of N points, and the determinant whose sign it is.
+template <std::size_t N, int dimension, bool lifted, auto staged_sign, auto plain_sign>
+struct Subject {
+  static constexpr std::size_t n = N;
+  static exact::Staged staged(const std::array<Point, n>& p) { return std::apply(staged_sign, p); }
+  static int sign(const std::array<Point, n>& p) { return std::apply(plain_sign, p); }
+  static int expected(const std::array<Point, n>& p) { return reference(p, dimension, lifted); }
+  static std::string name() {
+    if (lifted) return dimension == 2 ? "incircle" : "insphere";
+    return dimension == 2 ? "orient2" : "orient3";
   }
-  static int sign(const std::array<Point, n>& p) { return exact::insphere(p[0], p[1], p[2], p[3], p[4]); }
-  static int expected(const std::array<Point, n>& p) { return reference(p, 3, true); }
-  static std::string name() { return "insphere"; }
 };
+using Orient2 = Subject<3, 2, false, exact::orient2_staged, exact::orient2>;
+using Orient3 = Subject<4, 3, false, exact::orient3_staged, exact::orient3>;
+using Incircle = Subject<4, 2, true, exact::incircle_staged, exact::incircle>;
+using Insphere = Subject<5, 3, true, exact::insphere_staged, exact::insphere>;
 
 // Checks value and antisymmetry under each swap, and counts the stages.
 template <class Predicate>

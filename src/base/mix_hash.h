@@ -1,0 +1,18 @@
+// A hash for keys that differ in a few high or low bits only, in tables whose sizes are powers of two: splitmix64's
+// finaliser (Steele, Lea, Flood, OOPSLA 2014).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tessera {
+
+struct MixHash {
+  std::size_t operator()(std::uint64_t x) const noexcept {
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+  }
+};
+
+}  // namespace tessera
