@@ -50,7 +50,7 @@ class Cloud {
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
-  // seek, everything else whole.
+  // seek cheaply, everything else whole.
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:

@@ -146,6 +146,7 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
       for (std::size_t i = 0; i < size_of(column.field.stored); ++i) plan.wanted[column.field.offset + i] = true;
     BOOST_OUTCOME_TRY(opened, laz::open_laz_records(std::move(source), header, std::move(plan), hints));
     info.points = opened.points;
+    info.seek_points = opened.seek_points;
     info.points_passed_over = header.points - opened.points;
     records = std::move(opened.records);
   } else {

@@ -25,6 +25,7 @@ struct FileInfo {
   std::optional<Bounds> bounds;          // when the header says; not to be trusted
   std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
   std::vector<Attribute> attributes;     // what the file could give
+  std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
   bool levels = false;                   // COPC: the points are sorted into levels of detail
   std::uint64_t bytes = 0;
   std::int64_t modified_ns = 0;  // since 1970

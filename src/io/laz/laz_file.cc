@@ -32,7 +32,7 @@ Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const La
   if (layout.compressor == Compressor::none) {
     auto stream = std::make_unique<RecordStream>(std::move(source), header.points_at, plan.record_bytes, header.points);
     BOOST_OUTCOME_TRYV(stream->check_size());
-    return LazRecords{std::move(stream), header.points};
+    return LazRecords{.records = std::move(stream), .points = header.points};
   }
   BOOST_OUTCOME_TRY(chunks, read_chunk_table(*source, layout, header.points_at, header.points, plan.record_bytes));
   if (!header.copc.empty() && (hints.crop || hints.resolution > 0)) {
@@ -43,9 +43,10 @@ Result<LazRecords> open_laz_records(std::unique_ptr<ByteSource> source, const La
   std::erase_if(chunks, [](const Chunk& chunk) { return chunk.points == 0; });
   std::uint64_t points = 0;
   for (const auto& chunk : chunks) points += chunk.points;
+  const std::uint64_t seek_points = chunks.empty() ? 0 : points / chunks.size() / 2;
   auto stream = std::make_unique<LazStream>(std::move(source), std::move(layout), std::move(plan), std::move(chunks),
                                             std::max(1u, hints.threads));
-  return LazRecords{std::move(stream), points};
+  return LazRecords{std::move(stream), points, seek_points};
 }
 
 }  // namespace tessera::laz

@@ -15,6 +15,7 @@ namespace tessera::laz {
 struct LazRecords {
   std::unique_ptr<RecordSource> records;
   std::uint64_t points = 0;  // that `records` gives: fewer than the file has if the hints let COPC nodes be left out
+  std::uint64_t seek_points = 0;  // see FileInfo
 };
 
 // REQUIRES: header is that of `source`, and compressed. Errors bad_input: point formats with waveforms, no or a wrong
