@@ -1,4 +1,5 @@
-// bench_io [points] [seed] [folder]: how fast one thread reads each format, from files it generates (then removes).
+// bench_io [points] [seed] [folder] [file...]: how fast one thread reads each format, from files it generates (then
+// removes) and from those given, as LAZ, which it cannot write; these also with all processors.
 // Best of 3 passes, file in the page cache: it measures the decoding, not the disk. Default: 5000000 points, seed 7.
 #include <algorithm>
 #include <chrono>
@@ -6,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "src/io/cloud.h"
@@ -19,12 +21,13 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 // Points and bytes a second of reading `path` as a cloud.
-Status measure(const std::string& label, const std::filesystem::path& path,
-               const std::vector<std::string>& attributes) {
-  BOOST_OUTCOME_TRY(cloud, Cloud::open({path.string()}, {.attributes = attributes}));
+Status measure(const std::string& label, const std::filesystem::path& path, const std::vector<std::string>& attributes,
+               std::uint32_t threads = 1) {
+  BOOST_OUTCOME_TRY(cloud, Cloud::open({path.string()}, {.attributes = attributes, .threads = threads}));
   double best = 1e300, check = 0;
   std::uint64_t points = 0;
-  for (int pass = 0; pass < 3; ++pass) {
+  constexpr int passes = 3;
+  for (int pass = 0; pass < passes; ++pass) {
     const auto begin = Clock::now();
     BOOST_OUTCOME_TRY(counts, cloud.for_each_batch([&](CloudBatch& batch) -> Status {
       for (const auto& p : batch.points) check += p.at.x;
@@ -34,7 +37,7 @@ Status measure(const std::string& label, const std::filesystem::path& path,
     points = counts.read;
   }
   const auto bytes = static_cast<double>(cloud.files()[0].bytes);
-  std::printf("%-28s %8.1f MB/s %8.2f M points/s   (checksum %.17g)\n", label.c_str(), bytes / best / 1e6,
+  std::printf("%-40s %8.1f MB/s %8.2f M points/s   (checksum %.17g)\n", label.c_str(), bytes / best / 1e6,
               static_cast<double>(points) / best / 1e6, check);
   return success();
 }
@@ -47,6 +50,14 @@ void make_odd(const std::filesystem::path& path) {
                             393775.82306091185,    6328493.418841014,     3107.8627};
   file.seekp(131);
   file.write(reinterpret_cast<const char*>(header), sizeof header);
+}
+
+Status measure_given(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const std::uint32_t processors = std::max(1u, std::thread::hardware_concurrency());
+  BOOST_OUTCOME_TRYV(measure(name, path, {}));
+  BOOST_OUTCOME_TRYV(measure(name + ", all attributes", path, {"all"}));
+  return measure(name + ", " + std::to_string(processors) + " threads", path, {}, processors);
 }
 
 Status run(std::uint64_t points, std::uint64_t seed, const std::filesystem::path& folder) {
@@ -76,7 +87,9 @@ int main(int argc, char** argv) {
   const std::uint64_t points = argc > 1 ? std::stoull(argv[1]) : 5'000'000;
   const std::uint64_t seed = argc > 2 ? std::stoull(argv[2]) : 7;
   const std::filesystem::path folder = argc > 3 ? argv[3] : ".";
-  const auto status = tessera::run(points, seed, folder);
+  tessera::Status status = tessera::success();
+  if (points > 0) status = tessera::run(points, seed, folder);
+  for (int i = 4; i < argc && status.has_value(); ++i) status = tessera::measure_given(argv[i]);
   if (status.has_error()) std::fprintf(stderr, "bench_io: %s\n", status.error().where.c_str());
   return status.has_error() ? 1 : 0;
 }

@@ -52,6 +52,13 @@ std::vector<std::string_view> split_commas(std::string_view text) {
   }
 }
 
+std::optional<double> finite_number(std::string_view text) {
+  double number = 0;
+  const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (ec != std::errc{} || end != text.data() + text.size() || !std::isfinite(number)) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
 Result<std::uint64_t> parse_count(std::string_view text) {
@@ -128,12 +135,9 @@ Result<bool> parse_switch(std::string_view text) {
 Result<Box> parse_crop(std::string_view text, int dimension) {
   std::vector<double> numbers;
   for (const auto part : split_commas(text)) {
-    double number = 0;
-    const auto [end, ec] = std::from_chars(part.data(), part.data() + part.size(), number);
-    if (ec != std::errc{} || end != part.data() + part.size() || !std::isfinite(number)) {
-      return refuse(text, "is not a box: '" + std::string(part) + "' is not a number");
-    }
-    numbers.push_back(number);
+    const auto number = finite_number(part);
+    if (!number) return refuse(text, "is not a box: '" + std::string(part) + "' is not a number");
+    numbers.push_back(*number);
   }
   Box box;
   if (numbers.size() == 4) {
@@ -155,6 +159,12 @@ Result<Box> parse_crop(std::string_view text, int dimension) {
     }
   }
   return box;
+}
+
+Result<double> parse_distance(std::string_view text) {
+  const auto number = finite_number(text);
+  if (!number || *number <= 0) return refuse(text, "is not a distance, a number above 0");
+  return *number;
 }
 
 Result<std::vector<int>> parse_classes(std::string_view text) {

@@ -240,11 +240,13 @@ Status run_triangulate(TriangulateOptions options, const std::vector<std::string
 }  // namespace
 
 Command add_triangulate(CLI::App& root) {
-  auto command = new_command(root, "triangulate", "Triangulates point files into a result folder",
-                             "  tessera triangulate block/*.las -o out/\n"
-                             "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
-                             "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
-                             "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
+  auto command =
+      new_command(root, "triangulate", "Triangulates point files into a result folder",
+                  "  tessera triangulate block/*.las -o out/\n"
+                  "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
+                  "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
+                  "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
+                  "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
   add_triangulate_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app->add_option("inputs", *inputs, "LAS, PLY, XYZ/CSV or NPY files, or patterns of their names")

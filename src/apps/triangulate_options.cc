@@ -33,6 +33,8 @@ void add_cloud_options(Command& command) {
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
+  add_value(command, "resolution", "R",
+            "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
@@ -68,6 +70,10 @@ Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
     return parse_crop(text, options.cloud.dimension == 2 ? 2 : 3);
   }));
   options.cloud.crop = crop;
+  BOOST_OUTCOME_TRY(
+      resolution, settings.get("resolution", or_auto([](const std::string& text) { return parse_distance(text); }, 0)));
+  options.cloud.resolution = resolution.value_or(0);
+  options.cloud.threads = options.threads;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
@@ -120,6 +126,7 @@ std::string options_key(const TriangulateOptions& options) {
                              {"classes", options.cloud.classes},
                              {"attributes", options.cloud.attributes},
                              {"neighbors", options.neighbors}};
+  if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {
     // As text: JSON has no infinity.
     std::string text;

@@ -60,10 +60,18 @@ Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, co
   return schema;
 }
 
+// What of the options lets a reader leave out points that the filter would drop, or be faster.
+ReadHints hints_of(const CloudOptions& options) {
+  return {.crop = options.crop, .resolution = options.resolution, .threads = options.threads};
+}
+
 Status check_file(const FileInfo& file, const CloudOptions& options) {
   if (file.dimension < options.dimension)
     return error(Errc::bad_input,
                  file.path.string() + ": holds x and y only, and a 3D cloud was asked for (see --dim)");
+  if (options.resolution > 0 && !file.levels)
+    return error(Errc::usage,
+                 file.path.string() + ": is not COPC, so it has no levels for --resolution to choose from");
   if (options.classes.empty()) return success();
   const auto is_class = [](const Attribute& a) { return a.name == "classification"; };
   if (std::none_of(file.attributes.begin(), file.attributes.end(), is_class))
@@ -82,7 +90,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   for (const auto& pattern : patterns) {
     BOOST_OUTCOME_TRY(paths, expand(pattern));
     for (const auto& path : paths) {
-      BOOST_OUTCOME_TRY(reader, open_reader(path));
+      BOOST_OUTCOME_TRY(reader, open_reader(path, {}, hints_of(options)));
       BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
       add_available(reader->info(), available);
       has_z = has_z || reader->info().dimension == 3;
@@ -103,7 +111,7 @@ std::string Cloud::crs() const {
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen(const FileInfo& file, const std::vector<Attribute>& schema) const {
-  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema));
+  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints_of(options_)));
   // The partition was planned from the first look at the file; another content would be routed by a wrong plan.
   if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
     return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
@@ -118,7 +126,10 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   for (const auto& file : files_) {
     BOOST_OUTCOME_TRY(reader, reopen(file, filter.reader_schema()));
     while (true) {
+      batch.passed_over = 0;
       BOOST_OUTCOME_TRYV(reader->next(batch));
+      counts.read += batch.passed_over;
+      counts.filtered += batch.passed_over;
       if (batch.points.empty()) break;
       kept.points.clear();
       kept.rows.clear();

@@ -19,6 +19,8 @@ struct CloudOptions {
   std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
   std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
   std::vector<std::string> attributes = {};  // names to carry, or {"all"}
+  double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
+  std::uint32_t threads = 1;                 // that may decompress at once
 };
 
 // Points with their source index (rank in the whole input, filtered and rejected points counted).
@@ -30,7 +32,7 @@ struct CloudBatch {
 struct CloudCounts {
   std::uint64_t read = 0;      // points in the files
   std::uint64_t invalid = 0;   // not finite, dropped by --skip-invalid
-  std::uint64_t filtered = 0;  // outside the crop box or of another class
+  std::uint64_t filtered = 0;  // outside the crop box, of another class, or of a level finer than the resolution
 };
 
 class Cloud {
@@ -48,7 +50,7 @@ class Cloud {
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
-  // seek, everything else whole.
+  // seek cheaply, everything else whole.
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:

@@ -1,4 +1,4 @@
-// Cloud::sample: blocks spread evenly over the files that can seek, every k-th point of those that cannot.
+// Cloud::sample: blocks spread evenly over the files that can seek, every k-th point of those that cannot, or slowly.
 #include <algorithm>
 #include <cstdint>
 #include <utility>
@@ -115,7 +115,9 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
       BOOST_OUTCOME_TRY(reader, reopen(file, filter.reader_schema()));
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
-      if (seekable && file.points) {
+      // Where every seek has to decode points first, reading everything once, with all threads, may be less.
+      const bool worthwhile = quota / block_points * file.seek_points < estimate;
+      if (seekable && file.points && worthwhile) {
         BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, points));
       } else {
         BOOST_OUTCOME_TRYV(sampler.whole(quota, points));

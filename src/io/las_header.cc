@@ -5,6 +5,7 @@
 #include <cstring>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "src/io/fields.h"
 
@@ -147,7 +148,9 @@ class RecordWalk {
     const bool projection = user == "LASF_Projection" && (id == 2112 || id == 34735);
     const bool other_wkt = user == "liblas" && id == 2112;
     const bool extra = user == "LASF_Spec" && id == 4;
-    if ((!projection && !other_wkt && !extra) || length > payload_bytes_max) return success();
+    const bool laszip = user == "laszip encoded" && id == 22204;
+    const bool copc = user == "copc" && id == 1;
+    if (!(projection || other_wkt || extra || laszip || copc) || length > payload_bytes_max) return success();
     std::vector<std::byte> bytes(static_cast<std::size_t>(length));
     BOOST_OUTCOME_TRYV(source_.read(at, bytes));
     if (extra && !extra_seen_) {
@@ -157,6 +160,10 @@ class RecordWalk {
     if (projection && id == 34735) projection_.geo_tiff = epsg_of(bytes);
     if (projection && id == 2112) projection_.wkt = printable(text_of(bytes));
     if (other_wkt) projection_.other_wkt = printable(text_of(bytes));
+    if (laszip)
+      header_.laszip = std::move(bytes);
+    else if (copc)
+      header_.copc = std::move(bytes);
     return success();
   }
 
@@ -187,7 +194,7 @@ Result<LasHeader> read_las_header(const ByteSource& source) {
   const auto header_bytes = load<std::uint16_t>(h.data() + 94);
   header.points_at = load<std::uint32_t>(h.data() + 96);
   const auto vlr_count = load<std::uint32_t>(h.data() + 100);
-  const unsigned format = load<std::uint8_t>(h.data() + 104);
+  unsigned format = load<std::uint8_t>(h.data() + 104);
   header.record_bytes = load<std::uint16_t>(h.data() + 105);
 
   const std::uint16_t header_bytes_min = header.minor == 4 ? 375 : header.minor == 3 ? 235 : 227;
@@ -199,7 +206,8 @@ Result<LasHeader> read_las_header(const ByteSource& source) {
   if (header.points_at < header_bytes || header.points_at > source.size())
     return bad("the header puts the points at byte " + std::to_string(header.points_at) + ", but it is " +
                std::to_string(header_bytes) + " bytes long and the file " + std::to_string(source.size()));
-  if ((format & 0xC0u) != 0) return bad("the points are compressed (LAZ), which is not yet read; decompress it first");
+  header.compressed = (format & 0x80u) != 0;
+  format &= 0x7Fu;
   if (format > 10) return bad("point format " + std::to_string(format) + " is not known; 0 to 10 are");
   header.point_format = static_cast<int>(format);
   if (header.record_bytes < record_bytes_of_format[format])

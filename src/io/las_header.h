@@ -36,10 +36,13 @@ struct LasHeader {
   Bounds bounds;    // as declared; empty if that is no box
   std::string crs;  // WKT or "EPSG:n", or empty
   std::vector<LasField> fields;
+  bool compressed = false;        // LAZ
+  std::vector<std::byte> laszip;  // payload of the LASzip record; empty if there is none
+  std::vector<std::byte> copc;    // payload of the COPC info record; empty if there is none
 };
 
-// Errors bad_input: not LAS, a version or point format not known, compressed points, sizes and offsets that contradict
-// each other or the file. The number of points is not yet held against the file's size.
+// Errors bad_input: not LAS, a version or point format not known, sizes and offsets that contradict each other or the
+// file. The number of points is not yet held against the file's size.
 Result<LasHeader> read_las_header(const ByteSource& source);
 
 }  // namespace tessera

@@ -1,36 +1,45 @@
 #include "src/io/las_reader.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "src/io/decimal_axis.h"
 #include "src/io/fields.h"
 #include "src/io/las_header.h"
+#include "src/io/laz/laz_file.h"
 #include "src/io/record_stream.h"
 
 namespace tessera {
 namespace {
 
+struct LasColumn {
+  LasField field;
+  std::size_t row_offset;
+  AttributeType type;
+};
+
 class LasReader : public PointReader {
  public:
-  LasReader(FileInfo info, const LasHeader& header, RecordStream records, const std::vector<Attribute>& schema)
+  LasReader(FileInfo info, const LasHeader& header, std::unique_ptr<RecordSource> records,
+            std::vector<LasColumn> columns, std::size_t row_bytes)
       : info_(std::move(info)),
         axes_{DecimalAxis(header.scale[0], header.offset[0]), DecimalAxis(header.scale[1], header.offset[1]),
               DecimalAxis(header.scale[2], header.offset[2])},
         records_(std::move(records)),
-        row_bytes_(row_bytes(schema)) {
-    const auto offsets = row_offsets(schema);
-    for (std::size_t i = 0; i < schema.size(); ++i)
-      for (const auto& field : header.fields)
-        if (field.attribute.name == schema[i].name) columns_.push_back({field, offsets[i], schema[i].type});
-  }
+        row_bytes_(row_bytes),
+        columns_(std::move(columns)) {}
 
   const FileInfo& info() const override { return info_; }
 
   Status next(PointBatch& batch, std::size_t most) override {
-    BOOST_OUTCOME_TRY(block, records_.next(most));
-    const std::size_t n = block.size() / records_.record_bytes();
+    BOOST_OUTCOME_TRY(block, records_->next(most));
+    const std::size_t n = block.size() / records_->record_bytes();
+    const std::uint64_t rank =
+        n > 0 ? records_->first_of_last_block() : info_.points.value_or(0) + info_.points_passed_over;
+    batch.passed_over = next_rank_ ? rank - *next_rank_ : 0;
+    next_rank_ = rank + n;
     batch.points.resize(n);
     batch.rows.assign(n * row_bytes_, std::byte{0});
     if (n == 0) return success();
@@ -40,23 +49,18 @@ class LasReader : public PointReader {
   }
 
   Result<bool> seek(std::uint64_t index) override {
-    records_.seek(index);
+    records_->seek(index);
+    next_rank_.reset();
     return true;
   }
 
   std::string place(std::size_t index) const override {
-    return "record " + std::to_string(records_.first_of_last_block() + index);
+    return "record " + std::to_string(records_->first_of_last_block() + index);
   }
 
  private:
-  struct Column {
-    LasField field;
-    std::size_t row_offset;
-    AttributeType type;
-  };
-
   void decode_points(const std::byte* record, std::vector<Point>& points) const {
-    const std::size_t stride = records_.record_bytes();
+    const std::size_t stride = records_->record_bytes();
     const auto& [x, y, z] = axes_;
     if (x.always_fast() && y.always_fast() && z.always_fast()) {
       for (auto& p : points) {
@@ -75,11 +79,11 @@ class LasReader : public PointReader {
     }
   }
 
-  void decode_column(const Column& column, const std::byte* records, std::size_t n, std::vector<std::byte>& rows) {
+  void decode_column(const LasColumn& column, const std::byte* records, std::size_t n, std::vector<std::byte>& rows) {
     const auto& field = column.field;
     const std::byte* from = records + field.offset;
     std::byte* to = rows.data() + column.row_offset;
-    const std::size_t stride = records_.record_bytes();
+    const std::size_t stride = records_->record_bytes();
     if (field.plain()) {
       column_copy(field.stored, false, column.type)(from, stride, to, row_bytes_, n);
       return;
@@ -98,30 +102,61 @@ class LasReader : public PointReader {
 
   FileInfo info_;
   std::array<DecimalAxis, 3> axes_;
-  RecordStream records_;
+  std::unique_ptr<RecordSource> records_;
   std::size_t row_bytes_;
-  std::vector<Column> columns_;
+  std::optional<std::uint64_t> next_rank_ = 0;  // of the record after the last batch; none after a seek
+  std::vector<LasColumn> columns_;
   std::vector<double> scratch_;
 };
+
+std::vector<LasColumn> columns_of(const std::vector<Attribute>& schema, const LasHeader& header) {
+  std::vector<LasColumn> columns;
+  const auto offsets = row_offsets(schema);
+  for (std::size_t i = 0; i < schema.size(); ++i)
+    for (const auto& field : header.fields)
+      if (field.attribute.name == schema[i].name) columns.push_back({field, offsets[i], schema[i].type});
+  return columns;
+}
 
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes) {
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints) {
   BOOST_OUTCOME_TRY(header, read_las_header(*source));
+  auto columns = columns_of(attributes, header);
   FileInfo info;
   info.path = source->path();
-  info.format = "las";
-  info.detail = "LAS 1." + std::to_string(header.minor) + ", point format " + std::to_string(header.point_format);
+  info.format = header.compressed ? "laz" : "las";
+  info.detail = std::string(!header.compressed    ? "LAS"
+                            : header.copc.empty() ? "LAZ"
+                                                  : "COPC, LAZ") +
+                " 1." + std::to_string(header.minor) + ", point format " + std::to_string(header.point_format);
   info.points = header.points;
   if (!header.bounds.empty()) info.bounds = header.bounds;
   info.crs = header.crs;
+  info.levels = header.compressed && !header.copc.empty();
   for (const auto& field : header.fields) info.attributes.push_back(field.attribute);
   info.bytes = source->size();
   info.modified_ns = source->modified_ns();
-  RecordStream records(std::move(source), header.points_at, header.record_bytes, header.points);
-  BOOST_OUTCOME_TRYV(records.check_size());
-  return std::unique_ptr<PointReader>(new LasReader(std::move(info), header, std::move(records), attributes));
+
+  std::unique_ptr<RecordSource> records;
+  if (header.compressed) {
+    laz::RecordPlan plan{.record_bytes = header.record_bytes, .wanted = std::vector<bool>(header.record_bytes)};
+    for (const auto& column : columns)
+      for (std::size_t i = 0; i < size_of(column.field.stored); ++i) plan.wanted[column.field.offset + i] = true;
+    BOOST_OUTCOME_TRY(opened, laz::open_laz_records(std::move(source), header, std::move(plan), hints));
+    info.points = opened.points;
+    info.seek_points = opened.seek_points;
+    info.points_passed_over = header.points - opened.points;
+    records = std::move(opened.records);
+  } else {
+    auto stream =
+        std::make_unique<RecordStream>(std::move(source), header.points_at, header.record_bytes, header.points);
+    BOOST_OUTCOME_TRYV(stream->check_size());
+    records = std::move(stream);
+  }
+  return std::unique_ptr<PointReader>(
+      new LasReader(std::move(info), header, std::move(records), std::move(columns), row_bytes(attributes)));
 }
 
 }  // namespace tessera

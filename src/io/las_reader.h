@@ -1,4 +1,4 @@
-// LAS 1.0-1.4, point formats 0-10, uncompressed. Coordinates as decimal_axis.h defines them.
+// LAS 1.0-1.4, point formats 0-10; LAZ, point formats 0-3 and 6-8; COPC. Coordinates as decimal_axis.h defines them.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,6 @@
 namespace tessera {
 
 Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes);
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 }  // namespace tessera

@@ -30,7 +30,7 @@ bool is_text_extension(std::string_view extension) {
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
-                                                 const std::vector<Attribute>& attributes) {
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints) {
   const auto path = source->path();
   if (source->size() == 0) return error(Errc::bad_input, path.string() + ": is empty");
   std::array<char, 6> magic{};
@@ -40,7 +40,7 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
   const std::string extension = lower_extension(path);
 
   if (begin.starts_with("LASF") || extension == ".las" || extension == ".laz")
-    return open_las(std::move(source), attributes);
+    return open_las(std::move(source), attributes, hints);
   if (begin == "\x93NUMPY" || extension == ".npy") return open_npy(std::move(source), attributes);
   if (begin.starts_with("ply\n") || begin.starts_with("ply\r") || extension == ".ply")
     return open_ply(std::move(source), attributes);
@@ -51,9 +51,9 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
 }
 
 Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
-                                                 const std::vector<Attribute>& attributes) {
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints) {
   BOOST_OUTCOME_TRY(source, open_file(path));
-  return open_reader(std::move(source), attributes);
+  return open_reader(std::move(source), attributes, hints);
 }
 
 }  // namespace tessera

@@ -17,13 +17,16 @@ namespace tessera {
 
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;                   // "las", "ply", "xyz", "npy"
-  std::string detail;                   // "LAS 1.4, point format 7", "binary little endian, float"
-  int dimension = 3;                    // 2 when the file holds x and y alone
-  std::optional<std::uint64_t> points;  // when the header says
-  std::optional<Bounds> bounds;         // when the header says; not to be trusted
-  std::string crs;                      // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
-  std::vector<Attribute> attributes;    // what the file could give
+  std::string format;                    // "las", "laz", "ply", "xyz", "npy"
+  std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
+  int dimension = 3;                     // 2 when the file holds x and y alone
+  std::optional<std::uint64_t> points;   // that the reader gives, when the header says
+  std::uint64_t points_passed_over = 0;  // that it does not give, because of its hints
+  std::optional<Bounds> bounds;          // when the header says; not to be trusted
+  std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
+  std::vector<Attribute> attributes;     // what the file could give
+  std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
+  bool levels = false;                   // COPC: the points are sorted into levels of detail
   std::uint64_t bytes = 0;
   std::int64_t modified_ns = 0;  // since 1970
 };
@@ -32,6 +35,8 @@ struct FileInfo {
 struct PointBatch {
   std::vector<Point> points;
   std::vector<std::byte> rows;  // points.size() rows of the schema asked for; see attribute.h
+  // Points of the file passed over since the last batch, because of the hints. Only readers that do so set it.
+  std::uint64_t passed_over = 0;
 };
 
 class PointReader {
@@ -49,14 +54,23 @@ class PointReader {
   virtual std::string place(std::size_t index) const = 0;
 };
 
+// What a reader may make use of to read less or faster; what it gives has to be filtered all the same.
+struct ReadHints {
+  std::optional<Box> crop = {};  // closed box: points outside may be passed over
+  double resolution = 0;         // COPC: read no finer octree level than one whose points are this far apart; 0: all
+  std::uint32_t threads = 1;     // that may decompress at once
+};
+
 // Opens `path` by its content (magic), then by its extension. `attributes`: the schema of batch rows; an attribute that
 // this file lacks is zero, one of another type is converted.
 Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
-                                                 const std::vector<Attribute>& attributes = {});
+                                                 const std::vector<Attribute>& attributes = {},
+                                                 const ReadHints& hints = {});
 
 class ByteSource;
 // The same for bytes that are open already; the extension is that of source->path().
 Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
-                                                 const std::vector<Attribute>& attributes = {});
+                                                 const std::vector<Attribute>& attributes = {},
+                                                 const ReadHints& hints = {});
 
 }  // namespace tessera

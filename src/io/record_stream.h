@@ -15,7 +15,19 @@ namespace tessera {
 inline constexpr std::size_t batch_points_max = 65'536;
 inline constexpr std::size_t block_bytes_max = std::size_t{4} << 20;
 
-class RecordStream {
+// Records as LAS files and their like have them, wherever they come from.
+class RecordSource {
+ public:
+  virtual ~RecordSource() = default;
+  // The next records, at most `most` and about 4 MiB; valid until the next call. Empty at the end.
+  virtual Result<std::span<const std::byte>> next(std::size_t most) = 0;
+  virtual void seek(std::uint64_t record) = 0;
+  virtual std::size_t record_bytes() const = 0;
+  // The rank in the file of the first record of the last block.
+  virtual std::uint64_t first_of_last_block() const = 0;
+};
+
+class RecordStream : public RecordSource {
  public:
   RecordStream(std::unique_ptr<ByteSource> source, std::uint64_t offset, std::size_t record_bytes, std::uint64_t count)
       : source_(std::move(source)), offset_(offset), record_bytes_(record_bytes), count_(count) {}
@@ -23,13 +35,12 @@ class RecordStream {
   // The error "path, record 812: ..." if the file holds fewer than `count` records; it names the first one missing.
   Status check_size() const;
 
-  // The next records, at most `most` and about 4 MiB; valid until the next call. Empty at the end.
-  Result<std::span<const std::byte>> next(std::size_t most);
-  void seek(std::uint64_t record) { position_ = record < count_ ? record : count_; }
+  Result<std::span<const std::byte>> next(std::size_t most) override;
+  void seek(std::uint64_t record) override { position_ = record < count_ ? record : count_; }
+  std::size_t record_bytes() const override { return record_bytes_; }
+  std::uint64_t first_of_last_block() const override { return first_; }
 
   const ByteSource& source() const { return *source_; }
-  std::size_t record_bytes() const { return record_bytes_; }
-  std::uint64_t first_of_last_block() const { return first_; }
 
  private:
   std::unique_ptr<ByteSource> source_;

@@ -82,6 +82,12 @@ TEST(Arguments, CropRefusesWhatIsNoBox) {
   }
 }
 
+TEST(Arguments, DistancesAreFiniteAndAboveZero) {
+  EXPECT_EQ(parse_distance("0.25").value(), 0.25);
+  EXPECT_EQ(parse_distance("1e3").value(), 1000);
+  for (const auto* text : {"", "0", "-1", "nan", "inf", "1m", " 1"}) EXPECT_FALSE(parse_distance(text)) << text;
+}
+
 TEST(Arguments, ListsHaveNoEmptyPart) {
   EXPECT_EQ(parse_classes("2,9").value(), (std::vector<int>{2, 9}));
   EXPECT_EQ(parse_names("intensity,red").value(), (std::vector<std::string>{"intensity", "red"}));

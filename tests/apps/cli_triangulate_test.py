@@ -1,5 +1,6 @@
 """What a user gets: results, summaries, machine-readable lines, and the other commands on a result."""
 import json
+import pathlib
 import subprocess
 import unittest
 
@@ -51,6 +52,15 @@ class Triangulate(CliTest):
         told = self.json_lines(self.ok("info", self.out, "--json"))[0]
         self.assertGreater(told["filtered"], 1500)
         self.assertEqual(told["points"], told["vertices"] + told["filtered"])
+
+    def test_compressed_files_are_read_by_region_and_resolution(self):
+        copc = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "corpus" / "laz" / "small.copc.laz"
+        self.assertIn("COPC, LAZ 1.4, point format 6", self.ok("info", copc))
+        self.ok("triangulate", copc, "-o", self.out, "--resolution", "1", "--attributes", "intensity", "--quiet")
+        self.ok("verify", self.out, "--against-cgal", "--quiet")
+        self.assertEqual(self.json_lines(self.ok("info", self.out, "--json"))[0]["points"], 256)
+        self.refused(USAGE, "triangulate", f"{IGN}/*.las", "-o", "other", "--resolution", "1", says="is not COPC")
+        self.refused(USAGE, "triangulate", copc, "-o", "other", "--resolution", "0", says="is not a distance")
 
     def test_points_that_are_not_finite_are_skipped_when_asked_for(self):
         cloud = self.write("bad.xyz", self.xyz(n=100).read_text() + "nan 1 2\n1 inf 2\n")

@@ -109,7 +109,7 @@ class Sources(CliTest):
         self.ok("info", self.cloud, "--config", self.write("uncommented.toml", "\n".join(lines)))
 
 
-KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "class",
+KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class",
                               "attributes", "skip-invalid", "neighbors", "kernel", "quiet", "verbose", "json",
                               "against-cgal", "scratch", "format", "seed"]}
 

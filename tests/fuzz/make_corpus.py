@@ -14,6 +14,7 @@ LAS = ['ign_77050_627755.las', 'autzen_trim.las', 'pdal_epsg_4326.las', 'pdal_he
        'lone_star.las', 'lion_takanawa.copc.las', 'laspy_grid.las', 'laz_conformance/pdrf6-1.4.las',
        'laz_conformance/pdrf7-v4-1.4.las']
 TEXT = ['velodyne_400.csv', 'cities.csv']
+LAZ = ['lone_star.laz', 'autzen_trim.laz', 'laz_conformance/pdrf6-1.4.laz', 'laz_conformance/pdrf7-v4-1.4.laz']
 POINTS = 3
 
 
@@ -33,6 +34,93 @@ def small_las(data):
     if data[25] == 4:
         struct.pack_into('<QIQ', header, 235, 0, 0, POINTS)
     return bytes(header) + kept + data[points_at:points_at + POINTS * record_bytes]
+
+
+def las_head(data, points, records, count_at_247):
+    """The header and variable length records, with these replaced, for `points` points."""
+    header_bytes, = struct.unpack_from('<H', data, 94)
+    header = bytearray(data[:header_bytes])
+    vlrs = b''.join(struct.pack('<H16sHH32s', 0, user, number, len(payload), b'') + payload for user, number, payload in records)
+    struct.pack_into('<II', header, 96, header_bytes + len(vlrs), len(records))
+    struct.pack_into('<I', header, 107, 0 if count_at_247 else points)
+    if count_at_247:
+        struct.pack_into('<QIQ', header, 235, 0, 0, points)
+    return bytes(header) + vlrs
+
+
+def laszip_record(data):
+    at, = struct.unpack_from('<H', data, 94)
+    for _ in range(struct.unpack_from('<I', data, 100)[0]):
+        length, = struct.unpack_from('<H', data, at + 20)
+        if struct.unpack_from('<H', data, at + 18)[0] == 22204:
+            return bytearray(data[at + 54:at + 54 + length])
+        at += 54 + length
+
+
+def one_chunk_table(size):
+    """The chunk table of one chunk: its size after 0, coded by models that have learnt nothing yet."""
+    def flat(symbols, symbol):  # the cumulative shares of fresh models
+        scale = 0x80000000 // symbols
+        return (scale * symbol) >> 16, (scale * (symbol + 1)) >> 16 if symbol + 1 < symbols else None
+
+    low, length, shift = 0, 0xFFFFFFFF, 0
+
+    def narrow(begin, end, unit_bits):
+        nonlocal low, length, shift
+        unit = length >> unit_bits
+        high = length if end is None else end * unit
+        low, length = low + begin * unit, high - begin * unit
+        while length < 1 << 24:
+            low, length, shift = low << 8, length << 8, shift + 8
+
+    bits = (size - 1).bit_length()  # of 2^(bits-1) + 1 .. 2^bits
+    narrow(*flat(33, bits), 15)
+    correction = size - 1
+    upper = min(bits, 8)
+    narrow(*flat(1 << upper, correction >> (bits - upper)), 15)
+    if bits > upper:
+        rest = correction & ((1 << (bits - upper)) - 1)
+        length >>= bits - upper
+        low += rest * length
+        while length < 1 << 24:
+            low, length, shift = low << 8, length << 8, shift + 8
+    value = low + length // 2
+    return struct.pack('<II', 0, 1) + value.to_bytes(4 + shift // 8, 'big') + bytes(2)
+
+
+def small_laz(data, points):
+    """Formats 0 to 3: the first points, as a file that is not chunked. 6 to 8: the first chunk."""
+    record = laszip_record(data)
+    points_at, = struct.unpack_from('<I', data, 96)
+    if data[104] & 0x7F < 6:
+        struct.pack_into('<H', record, 0, 1)
+        head = las_head(data, points, [(b'laszip encoded', 22204, bytes(record))], data[25] == 4)
+        return head + data[points_at + 8:points_at + 8 + 34 + 16 * points]
+    size = 34 if data[104] & 0x7F == 6 else 40
+    layers = {34: 13, 40: 14}[size]
+    count, *lengths = struct.unpack_from('<I%dI' % layers, data, points_at + 8 + size)
+    chunk = data[points_at + 8:points_at + 8 + size + 4 + 4 * layers + sum(lengths)]
+    head = las_head(data, count, [(b'laszip encoded', 22204, bytes(record))], True)
+    return head + struct.pack('<q', len(head) + 8 + len(chunk)) + chunk + one_chunk_table(len(chunk))
+
+
+def small_copc(data):
+    """The first chunk again, as the root of an octree of one node; the hierarchy stands behind the chunk table."""
+    plain = small_laz(data, 0)
+    points_at, = struct.unpack_from('<I', plain, 96)
+    count, = struct.unpack_from('<Q', plain, 247)
+    body = plain[points_at + 8:]
+    lo, hi = struct.unpack_from('<6d', plain, 179)[1::2], struct.unpack_from('<6d', plain, 179)[0::2]
+    half = max(b - a for a, b in zip(lo, hi)) / 2 + 1
+    record = bytes(laszip_record(plain))
+    head = las_head(plain, count, [(b'copc', 1, bytes(160)), (b'laszip encoded', 22204, record)], True)
+    table, = struct.unpack_from('<q', plain, points_at)
+    chunk_bytes = table - points_at - 8
+    hierarchy_at = len(head) + 8 + len(body)
+    info = struct.pack('<5dQQ2d', *[a + half for a in lo], half, 1.0, hierarchy_at, 32, 0, 1).ljust(160, b'\0')
+    head = las_head(plain, count, [(b'copc', 1, info), (b'laszip encoded', 22204, record)], True)
+    return (head + struct.pack('<q', len(head) + 8 + chunk_bytes) + body +
+            struct.pack('<4iQii', 0, 0, 0, 0, len(head) + 8, chunk_bytes, count))
 
 
 def small_ply(data, vertex_bytes):
@@ -67,6 +155,9 @@ def main():
 
     for name in LAS:
         write('las', pathlib.Path(name).name, small_las((data / name).read_bytes()))
+    for name in LAZ:
+        write('laz', pathlib.Path(name).name, small_laz((data / name).read_bytes(), 200))
+    write('laz', 'small.copc.laz', small_copc((data / LAZ[2]).read_bytes()))
     for name in TEXT:
         write('text', name, b'\n'.join((data / name).read_bytes().split(b'\n')[:5]) + b'\n')
     write('text', 'semicolons.txt', b'# comment\n"x" ; "y" ; "z" ; "a, b"\n1;2;3;nan\n-1e300;+2.5;inf;\n')

@@ -16,13 +16,19 @@ inline void must(bool holds) {
   if (!holds) std::abort();
 }
 
+// A region and a resolution that leave out some nodes of the COPC file in the corpus.
+inline ReadHints stranger_hints() {
+  return {.crop = Box{.lo = {0, 0, -1e9}, .hi = {1e6, 1e7, 1e9}}, .resolution = 0.5, .threads = 2};
+}
+
 // Reads the bytes as a file of that name, with all its attributes, and holds the reader to its promises: a sentence
 // that names the file, or as many points as announced, in batches that are not huge; rows as long as asked for; after a
 // seek the same points again.
-inline void read_stranger(const std::uint8_t* data, std::size_t size, const std::string& name) {
+inline void read_stranger(const std::uint8_t* data, std::size_t size, const std::string& name,
+                          const ReadHints& hints = {}) {
   const auto* begin = reinterpret_cast<const std::byte*>(data);
   const auto open = [&](std::vector<Attribute> schema) {
-    return open_reader(memory_source(name, std::vector<std::byte>(begin, begin + size)), std::move(schema));
+    return open_reader(memory_source(name, std::vector<std::byte>(begin, begin + size)), std::move(schema), hints);
   };
   auto first = open({});
   if (first.has_error()) {

@@ -32,6 +32,7 @@ TEST(FuzzReplay, EveryKnownInputIsReadOrRefusedWithASentence) {
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     for (const char* name : {"stranger.las", "stranger.ply", "stranger.npy", "stranger.xyz"})
       read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), name);
+    read_stranger(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), "stranger.laz", stranger_hints());
   }
 }
 

@@ -39,8 +39,9 @@ void push(Bytes& bytes, T value, bool swapped = false) {
 }
 
 inline Result<std::unique_ptr<PointReader>> open_bytes(Bytes bytes, const std::string& name,
-                                                       std::vector<Attribute> schema = {}) {
-  return open_reader(memory_source(name, std::move(bytes)), std::move(schema));
+                                                       std::vector<Attribute> schema = {},
+                                                       const ReadHints& hints = {}) {
+  return open_reader(memory_source(name, std::move(bytes)), std::move(schema), hints);
 }
 
 struct Contents {
@@ -60,8 +61,9 @@ inline Result<Contents> read_whole(PointReader& reader) {
   }
 }
 
-inline Result<Contents> read_bytes(Bytes bytes, const std::string& name, std::vector<Attribute> schema = {}) {
-  BOOST_OUTCOME_TRY(reader, open_bytes(std::move(bytes), name, std::move(schema)));
+inline Result<Contents> read_bytes(Bytes bytes, const std::string& name, std::vector<Attribute> schema = {},
+                                   const ReadHints& hints = {}) {
+  BOOST_OUTCOME_TRY(reader, open_bytes(std::move(bytes), name, std::move(schema), hints));
   return read_whole(*reader);
 }
 

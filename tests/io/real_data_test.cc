@@ -136,12 +136,6 @@ TEST(RealLas, CarriesItsCoordinateSystemAndAttributes) {
   EXPECT_EQ(lion.value()->info().attributes.back().name, "OriginId") << "extra bytes";
 }
 
-TEST(RealLaz, IsRefusedForNow) {
-  REQUIRE_SHARED_DATA();
-  for (const char* name : {"lone_star.laz", "lone_star.copc.laz", "laz_conformance/pdrf7-v4-1.4.laz"})
-    EXPECT_NE(sentence(open_reader(data / name)).find("compressed (LAZ), which is not yet read"), std::string::npos);
-}
-
 TEST(RealPlyAndText, HaveTheirCountsAndBoxes) {
   REQUIRE_SHARED_DATA();
   struct Expected {

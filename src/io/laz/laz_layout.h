@@ -1,0 +1,49 @@
+// How the points of a LAZ file are compressed: the LASzip record ("laszip encoded", 22204).
+// Source: rapidlasso, LAZ Specification 1.4.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+
+namespace tessera::laz {
+
+enum class Compressor : std::uint16_t { none = 0, pointwise = 1, pointwise_chunked = 2, layered_chunked = 3 };
+enum class ItemType : std::uint16_t {
+  byte = 0,
+  point_10 = 6,
+  gps_time_11 = 7,
+  rgb_12 = 8,
+  point_14 = 10,
+  rgb_14 = 11,
+  rgb_nir_14 = 12,
+  byte_14 = 14
+};
+
+// Nobody has more; each costs a kilobyte of models while a chunk is decoded.
+inline constexpr std::uint16_t extra_bytes_max = 2048;
+
+struct LazItem {
+  ItemType type;
+  std::uint16_t bytes = 0, version = 0;
+};
+
+struct LazLayout {
+  Compressor compressor = Compressor::none;
+  std::uint32_t chunk_points = 0;  // UINT32_MAX: the chunk table says how many points a chunk has
+  std::vector<LazItem> items;
+  bool chunked() const {
+    return compressor == Compressor::pointwise_chunked || compressor == Compressor::layered_chunked;
+  }
+  bool variable_chunks() const { return chunked() && chunk_points == UINT32_MAX; }
+};
+
+// `record`: the payload. Errors bad_input, each naming `path`: a record that ends early, a coder or version that is not
+// known, items that do not make up records of `record_bytes` bytes in `point_format`.
+Result<LazLayout> read_laz_layout(const std::string& path, std::span<const std::byte> record, int point_format,
+                                  std::uint16_t record_bytes);
+
+}  // namespace tessera::laz
