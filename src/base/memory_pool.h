@@ -13,8 +13,7 @@ struct Mapping {
   std::size_t touched = 0;   // the first ones, at most, that have pages from earlier use
 };
 
-// A mapping of at least `bytes`, from the pool if one fits. Content undefined. Throws
-// std::bad_alloc.
+// A mapping of at least `bytes`, from the pool if one fits. Content undefined. Throws std::bad_alloc.
 Mapping map_memory(std::size_t bytes);
 // The same memory with at least `bytes`; may move. Throws std::bad_alloc.
 void grow_mapping(Mapping& mapping, std::size_t bytes);
