@@ -7,6 +7,7 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -85,6 +86,9 @@ Result<TileEntry> DiskStorage::write(TileId tile, const TileMesh& mesh) const {
   try {
     BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
     return write_tile(out_, tile, mesh, rows, options_);
+  } catch (const std::bad_alloc&) {
+    return error(Errc::memory, "out of memory while storing tile " + std::to_string(tile.value) +
+                                   ": use smaller tiles or a smaller --memory");
   } catch (const std::exception& e) {
     return error(Errc::internal, "tile " + std::to_string(tile.value) + " cannot be stored: " + e.what());
   }
