@@ -8,14 +8,10 @@
 
 #include "src/io/cloud.h"
 #include "tests/io/laz_testing.h"
+#include "tests/io/shared_data.h"
 
 namespace tessera::testing_io {
 namespace {
-
-const std::filesystem::path data = TESSERA_SHARED_DATA;
-
-#define REQUIRE_SHARED_DATA() \
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data
 
 struct Collected {
   std::vector<LocalPoint> points;

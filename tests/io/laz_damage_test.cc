@@ -10,11 +10,11 @@
 
 #include "tests/fuzz/read_stranger.h"
 #include "tests/io/laz_testing.h"
+#include "tests/io/shared_data.h"
 
 namespace tessera::testing_io {
 namespace {
 
-const std::filesystem::path data = TESSERA_SHARED_DATA;
 // 200 points of formats 1 and 3, not chunked; a chunk of 256 of formats 6 and 7; the former as COPC.
 const std::filesystem::path small = TESSERA_TEST_DATA "/../fuzz/corpus/laz";
 const std::vector<std::string> small_files{"lone_star.laz", "autzen_trim.laz", "pdrf6-1.4.laz", "pdrf7-v4-1.4.laz",
@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(Damaged, SmallLaz, testing::ValuesIn(small_files));
 
 // The coder nearly always ends at the wrong byte when one bit among the compressed ones was wrong.
 TEST(DamagedLaz, IsNearlyAlwaysNoticedThoughTheFormatHasNoChecksum) {
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
+  REQUIRE_SHARED_DATA();
   for (const char* name : {"lidr_topography.laz", "ign_77050_627755.laz"}) {
     const auto whole = file_bytes(data / name);
     const auto expected = read_bytes(whole, name).value();
@@ -91,7 +91,7 @@ TEST(DamagedLaz, IsNearlyAlwaysNoticedThoughTheFormatHasNoChecksum) {
 }
 
 TEST(DamagedLaz, CutOffInTheMiddleSaysWhere) {
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data;
+  REQUIRE_SHARED_DATA();
   auto bytes = file_bytes(data / "bcts_1.laz");
   bytes.resize(bytes.size() / 2);
   EXPECT_EQ(sentence(read_bytes(bytes, "b.laz")),

@@ -7,14 +7,10 @@
 #include <vector>
 
 #include "tests/io/laz_testing.h"
+#include "tests/io/shared_data.h"
 
 namespace tessera::testing_io {
 namespace {
-
-const std::filesystem::path data = TESSERA_SHARED_DATA;
-
-#define REQUIRE_SHARED_DATA() \
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data
 
 struct Twins {
   const char *laz, *las;

@@ -7,14 +7,10 @@
 
 #include "src/io/cloud.h"
 #include "tests/io/las_file.h"
+#include "tests/io/shared_data.h"
 
 namespace tessera::testing_io {
 namespace {
-
-const std::filesystem::path data = TESSERA_SHARED_DATA;
-
-#define REQUIRE_SHARED_DATA() \
-  if (!std::filesystem::exists(data)) GTEST_SKIP() << "no " << data
 
 Bytes file_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
