@@ -1,0 +1,7 @@
+// Everything of the public library.
+#pragma once
+
+#include "tessera/delaunay.h"
+#include "tessera/failure.h"
+#include "tessera/triangulation.h"
+#include "tessera/version.h"
