@@ -9,9 +9,11 @@ packages=(
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
   libhdf5-dev zlib1g-dev libxxhash-dev      # result files
+  libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev
   libgtest-dev python3 python3-numpy python3-h5py
+  python3-scipy gdal-bin python3-gdal python3-gmsh  # tests read exports back
   python3-vtk9 xvfb xauth                   # the demo's picture
 )
 # `./tessera.sh tidy` and the fuzz preset ask for these with --clang.

@@ -36,6 +36,7 @@ void add_cloud_options(Command& command) {
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
+  add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
 }
@@ -77,6 +78,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.classes = classes.value_or(std::vector<int>{});
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
   options.cloud.attributes = attributes.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
+  options.cloud.heights = heights.value_or(true);
   BOOST_OUTCOME_TRY(skip_invalid, settings.on("skip-invalid"));
   options.cloud.skip_invalid = skip_invalid;
   BOOST_OUTCOME_TRY(neighbors, settings.get("neighbors", [](const std::string& text) { return parse_switch(text); }));

@@ -97,8 +97,12 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
       cloud.files_.push_back(reader->info());
     }
   }
-  if (options.dimension == 2 && has_z) available.push_back({"z", AttributeType::f64});
+  const Attribute height{"z", AttributeType::f64};
+  const bool liftable = options.dimension == 2 && has_z;
+  if (liftable) available.push_back(height);
   BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
+  if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
+    schema.push_back(height);
   cloud.schema_ = std::move(schema);
   cloud.options_ = std::move(options);
   return cloud;

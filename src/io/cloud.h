@@ -14,7 +14,8 @@
 namespace tessera {
 
 struct CloudOptions {
-  int dimension = 3;                         // 2 keeps x and y; z becomes 0 (and can be carried as attribute "z")
+  int dimension = 3;                         // 2 triangulates x and y; z of the points becomes 0
+  bool heights = true;                       // 2D: carry z as the attribute "z", if any file has it
   bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
   std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
   std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all

@@ -83,7 +83,8 @@ Status PointFilter::apply(const PointBatch& batch, const PointReader& reader, st
     if (row_bytes_ > 0) {
       std::byte* to_row = to.rows.data() + kept * row_bytes_;
       std::memcpy(to_row, row, row_bytes_);
-      if (z_at_) std::memcpy(to_row + *z_at_, &p.z, sizeof p.z);
+      const double height = p.z + 0.0;  // no -0, as in coordinates
+      if (z_at_) std::memcpy(to_row + *z_at_, &height, sizeof height);
     }
     ++kept;
   }

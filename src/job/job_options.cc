@@ -12,6 +12,7 @@ std::string options_key(const JobOptions& options) {
                              {"skip_invalid", options.cloud.skip_invalid},
                              {"classes", options.cloud.classes},
                              {"attributes", options.cloud.attributes},
+                             {"z", options.cloud.heights},
                              {"neighbors", options.neighbors}};
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {

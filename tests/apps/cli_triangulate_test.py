@@ -137,12 +137,12 @@ class Others(CliTest):
 
     def test_every_export_format_can_be_written(self):
         self.ok("triangulate", self.xyz(n=500), "-o", self.out, "--tiles", "2", "--quiet")
-        for name in ["mesh.ply", "mesh.off", "mesh.vtu"]:
+        for name in ["mesh.ply", "mesh.off", "mesh.vtu", "mesh.mesh", "mesh.msh"]:
             self.ok("export", self.out, "-o", name)
             self.assertGreater((self.folder / name).stat().st_size, 10_000)
         self.refused(USAGE, "export", self.out, "-o", "mesh.ply", says=["mesh.ply", "--overwrite"])
         self.ok("export", self.out, "-o", "mesh.ply", "--overwrite")
-        self.refused(USAGE, "export", self.out, "-o", "mesh.geojson", says="GeoJSON")
+        self.refused(USAGE, "export", self.out, "-o", "mesh.geojson", says=["geojson", "3D"])
         self.refused(IO, "export", self.folder / "nothing", "-o", "x.ply", says="nothing")
 
     def test_generated_clouds_depend_on_kind_and_seed_alone(self):

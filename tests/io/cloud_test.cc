@@ -164,10 +164,18 @@ TEST_F(CloudOfFiles, CarriesAttributesOfSeveralFilesInOneSchema) {
             "no input file has an attribute 'j'; there are i");
 }
 
-TEST_F(CloudOfFiles, OffersTheHeightAsAnAttributeIn2D) {
+TEST_F(CloudOfFiles, CarriesTheHeightAsAnAttributeIn2D) {
   file("a.xyz", "1 2 3\n4 5 6\n");
-  const auto cloud = Cloud::open({at("a.xyz")}, {.dimension = 2, .attributes = {"all"}});
-  ASSERT_EQ(cloud.value().schema(), (std::vector<Attribute>{{"z", AttributeType::f64}}));
+  file("flat.xyz", "1 2\n");
+  const std::vector<Attribute> height{{"z", AttributeType::f64}};
+  const auto schema = [&](const CloudOptions& options) { return Cloud::open({at("a.xyz")}, options).value().schema(); };
+  EXPECT_EQ(schema({.dimension = 2, .attributes = {"all"}}), height);
+  EXPECT_EQ(schema({.dimension = 2, .heights = false, .attributes = {"z"}}), height);
+  EXPECT_TRUE(schema({.dimension = 2, .heights = false}).empty());
+  EXPECT_TRUE(schema({.dimension = 3}).empty());
+  EXPECT_TRUE(Cloud::open({at("flat.xyz")}, {.dimension = 2}).value().schema().empty());
+  const auto cloud = Cloud::open({at("a.xyz")}, {.dimension = 2});
+  ASSERT_EQ(cloud.value().schema(), height);
   const auto all = collect(cloud.value());
   Bytes heights;
   push(heights, 3.0);

@@ -94,82 +94,17 @@ def check_vtkhdf(folder, dimension):
         assert all(group[name].is_virtual for name in ("Points", "Connectivity", "Offsets", "Types"))
         assert len(group["NumberOfCells"]) == len(manifest["tiles"])
         assert (group["Types"][:] == cell_type).all()
-    return manifest, hull
-
-
-def grid_arrays(grid, corners):
-    points = vtk_to_numpy(grid.GetPoints().GetData())
-    return points, vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, corners)
-
-
-def check_exports(folder, dimension, manifest, hull):
-    corners = dimension + 1
-    counts = manifest["counts"]
-
-    def check_mesh(points, cells):
-        assert len(points) == counts["vertices"] and len(np.unique(points, axis=0)) == len(points)
-        assert len(cells) == counts["cells"]
-        volume = volumes(points, cells)
-        assert (volume > 0).all() and abs(volume.sum() / hull - 1) < 1e-6
-
-    def read_xml(reader, name):
-        reader.SetFileName(os.path.join(folder, name))
-        reader.Update()
-        return reader.GetOutput()
-
-    grid = read_xml(vtk.vtkXMLUnstructuredGridReader(), "mesh.vtu")
-    check_mesh(*grid_arrays(grid, corners))
-    assert sorted(vtk_to_numpy(grid.GetPointData().GetArray("id"))) == list(range(counts["vertices"]))
-    assert grid.GetPointData().GetArray("gps_time").GetDataTypeAsString() == "double"
-    assert all(grid.GetCellType(i) == (5 if dimension == 2 else 10) for i in range(grid.GetNumberOfCells()))
-
-    grid = read_xml(vtk.vtkXMLPUnstructuredGridReader(), "parts/triangulation.pvtu")
-    points, cells = grid_arrays(grid, corners)
-    assert len(cells) == counts["cells"]
-    assert abs(volumes(points, cells).sum() / hull - 1) < 1e-6
-    assert set(vtk_to_numpy(grid.GetPointData().GetArray("id"))) == set(range(counts["vertices"]))
-
-    with open(os.path.join(folder, "mesh.off")) as file:
-        lines = file.read().split("\n")
-    assert lines[0] == "OFF" and lines[1] == "%d %d 0" % (counts["vertices"], counts["cells"])
-    points = np.array([line.split() for line in lines[2:2 + counts["vertices"]]], dtype=float)
-    cells = np.array([line.split() for line in lines[2 + counts["vertices"]:] if line], dtype=int)
-    assert (cells[:, 0] == corners).all()
-    check_mesh(points, cells[:, 1:])
-
-    with open(os.path.join(folder, "mesh.ply"), "rb") as file:
-        header, body = file.read().split(b"end_header\n", 1)
-    assert b"format binary_little_endian 1.0" in header and b"property ushort intensity" in header
-    vertex = np.dtype([("xyz", "<f8", 3), ("intensity", "<u2"), ("gps_time", "<f8")])
-    cell = np.dtype([("n", "u1"), ("v", "<u4", corners)])
-    n = counts["vertices"]
-    assert len(body) == n * vertex.itemsize + counts["cells"] * cell.itemsize
-    cells = np.frombuffer(body[n * vertex.itemsize:], cell)
-    assert (cells["n"] == corners).all()
-    check_mesh(np.frombuffer(body[:n * vertex.itemsize], vertex)["xyz"], cells["v"])
-
-    if dimension == 2:
-        reader = vtk.vtkPLYReader()
-        reader.SetFileName(os.path.join(folder, "mesh.ply"))
-        reader.Update()
-        assert reader.GetOutput().GetNumberOfPolys() == counts["cells"]
-        with open(os.path.join(folder, "mesh.geojson")) as file:
-            collection = json.load(file)
-        rings = np.array([f["geometry"]["coordinates"][0] for f in collection["features"]])
-        assert rings.shape == (counts["cells"], 4, 2) and (rings[:, 0] == rings[:, 3]).all()
-        assert abs(volumes(rings.reshape(-1, 2), np.arange(len(rings) * 4).reshape(-1, 4)[:, :3]).sum() / hull - 1) < 1e-6
 
 
 def main():
     writer, dimension = sys.argv[1], int(sys.argv[2])
     with tempfile.TemporaryDirectory() as base:
         folder = os.path.join(base, "out")
-        subprocess.run([writer, folder, str(dimension), "export"], check=True)
+        subprocess.run([writer, folder, str(dimension)], check=True)
         check_vtkhdf(folder, dimension)
         moved = os.path.join(base, "moved")
         os.rename(folder, moved)
-        manifest, hull = check_vtkhdf(moved, dimension)
-        check_exports(os.path.join(moved, "export"), dimension, manifest, hull)
+        check_vtkhdf(moved, dimension)
 
 
 main()

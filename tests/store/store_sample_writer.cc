@@ -1,17 +1,14 @@
-// Writes a small result for the tests in Python: store_sample_writer FOLDER DIMENSION. With a third argument, also
-// exports it to every format its dimension allows, into FOLDER/export.
+// Writes a small result for the tests in Python: store_sample_writer FOLDER DIMENSION.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <string>
 
-#include "src/store/export.h"
 #include "tests/store/sample_result.h"
 
 int main(int argc, char** argv) {
   using namespace tessera;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: store_sample_writer FOLDER DIMENSION [export]\n");
+    std::fprintf(stderr, "usage: store_sample_writer FOLDER DIMENSION\n");
     return EXIT_FAILURE;
   }
   const std::filesystem::path out = argv[1];
@@ -24,18 +21,5 @@ int main(int argc, char** argv) {
         {static_cast<double>(corner & 1), static_cast<double>(corner >> 1 & 1), static_cast<double>(corner >> 2 & 1)});
   const auto meshes = test::sample_tiles(points, dimension, 5);
   test::store_sample(out, meshes, options);
-  if (argc == 3) return EXIT_SUCCESS;
-
-  std::filesystem::create_directories(out / "export");
-  for (const std::string name : {"ply", "off", "vtu", "parts", "geojson"}) {
-    if (name == "geojson" && dimension == 3) continue;
-    const auto format = parse_export_format(name == "parts" ? "vtu" : name).value();
-    const auto target = out / "export" / (name == "parts" ? "parts" : "mesh." + name);
-    const auto result = export_result(out, format, target, {});
-    if (!result) {
-      std::fprintf(stderr, "%s\n", result.error().where.c_str());
-      return EXIT_FAILURE;
-    }
-  }
   return EXIT_SUCCESS;
 }

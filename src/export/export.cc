@@ -1,0 +1,226 @@
+#include "src/export/export.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+#include <vector>
+
+#include "src/export/crs.h"
+#include "src/export/mesh_reader.h"
+#include "src/store/files.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace exports {
+namespace {
+
+// Where the result goes: a file, or a folder.
+struct Target {
+  const Format* format = nullptr;
+  fs::path path;
+  bool folder = false;
+};
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+const Format* find_format(const std::string& name, const std::string& ending) {
+  for (const auto& format : formats()) {
+    if (!name.empty() ? name == format.name : ending == format.ending || ending == format.ending2) return &format;
+  }
+  return nullptr;
+}
+
+Result<Target> find_target(const fs::path& path, const std::string& name) {
+  std::error_code code;
+  Target target{.path = path.has_filename() ? path : path.parent_path()};
+  const std::string ending = lower(path.extension().string());
+  target.folder = !path.has_filename() || ending.empty() || fs::is_directory(path, code);
+  if (name.empty() && target.folder)
+    return error(Errc::usage,
+                 path.string() + ": is a folder or has no ending, so add --format: " + export_format_names());
+  target.format = find_format(name, ending);
+  if (target.format == nullptr)
+    return error(Errc::usage, "'" + (name.empty() ? ending.substr(1) : name) + "' is not a format to export to: give " +
+                                  export_format_names());
+  if (target.format->shape == Shape::folder && !target.folder)
+    return error(Errc::usage, path.string() + ": " + target.format->name +
+                                  " is a folder of arrays: give a name without an ending, and --format " +
+                                  target.format->name);
+  // The table of a .vrt has the same name.
+  if (!target.folder && ending == target.format->ending2) target.path.replace_extension(target.format->ending);
+  return target;
+}
+
+fs::path index_beside(const Target& target) {
+  return fs::path(target.path).replace_extension(target.format->index_ending);
+}
+
+Status check_free(const Target& target, bool overwrite) {
+  if (overwrite) return success();
+  std::error_code code;
+  const auto taken = [](const fs::path& path) {
+    return error(Errc::usage, path.string() + ": exists already; --overwrite replaces it");
+  };
+  if (target.folder) {
+    if (fs::exists(target.path, code) && !fs::is_empty(target.path, code))
+      return error(Errc::usage, target.path.string() + ": is not empty; --overwrite replaces files of the same names");
+    return success();
+  }
+  if (fs::exists(target.path, code)) return taken(target.path);
+  if (target.format->index_of_one && fs::exists(index_beside(target), code)) return taken(index_beside(target));
+  return success();
+}
+
+Status check_fits(const fs::path& out, const Manifest& manifest, const Format& format) {
+  const auto advise = [&](const std::string& why) {
+    return error(Errc::usage, out.string() + ": " + why + "; " + format.instead + " can");
+  };
+  if (manifest.dimension == 3 && !format.in_3d)
+    return advise(std::string("is a 3D result, and ") + format.name + " has no tetrahedra");
+  if (std::max(manifest.vertices, manifest.cells) > format.most)
+    return advise("has more vertices or cells than the " + std::to_string(format.most) + " that readers of " +
+                  format.name + " can number");
+  return success();
+}
+
+// A folder under a temporary name, removed with all that is in it unless it was moved to its place.
+class NewFolder {
+ public:
+  static Result<NewFolder> create(const fs::path& target) {
+    fs::path temporary = target;
+    temporary += ".tmp-" + std::to_string(::getpid());
+    BOOST_OUTCOME_TRYV(store::make_directories(temporary));
+    return NewFolder(target, std::move(temporary));
+  }
+  NewFolder(NewFolder&& other) noexcept
+      : target_(std::move(other.target_)), path_(std::exchange(other.path_, fs::path())) {}
+  NewFolder& operator=(NewFolder&&) = delete;
+  ~NewFolder() {
+    std::error_code code;
+    if (!path_.empty()) fs::remove_all(path_, code);
+  }
+  const fs::path& path() const { return path_; }
+
+  // As a whole when there is none of that name; else file by file into it.
+  Status publish() {
+    std::error_code code;
+    if (!fs::exists(target_, code)) {
+      fs::rename(path_, target_, code);
+    } else {
+      std::vector<fs::path> files;
+      for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
+      for (const auto& file : files)
+        if (!code) fs::rename(file, target_ / file.filename(), code);
+    }
+    if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
+    if (!fs::exists(path_, code)) path_.clear();
+    return store::sync_folder(target_);
+  }
+
+ private:
+  NewFolder(fs::path target, fs::path path) : target_(std::move(target)), path_(std::move(path)) {}
+  fs::path target_, path_;
+};
+
+Result<Exported> export_file(const MeshSource& source, const Target& target) {
+  const Format& format = source.format;
+  const MeshHead head = head_of(source.manifest, format, source.heights);
+  Exported exported{.vertices = head.vertices, .cells = head.cells, .files = 1};
+  BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
+  BOOST_OUTCOME_TRYV(read_merged(source, *writer));
+  BOOST_OUTCOME_TRY(bytes, writer->finish());
+  exported.bytes = bytes;
+  if (format.index_of_one) {
+    const std::string text = format.index(head, {target.path.filename().string()});
+    BOOST_OUTCOME_TRYV(store::write_whole(index_beside(target), text));
+    exported.bytes += text.size();
+    ++exported.files;
+  }
+  return exported;
+}
+
+Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
+  BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
+  Exported exported;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < source.manifest.tiles.size(); ++i) {
+    const auto name =
+        tile_file("", TileId{source.manifest.tiles[i].tile}).filename().replace_extension(source.format.ending);
+    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / name));
+    exported.vertices += piece.own_vertices;
+    exported.cells += piece.cells;
+    exported.bytes += piece.bytes;
+    names.push_back(name.string());
+  }
+  if (exported.vertices != source.manifest.vertices || exported.cells != source.manifest.cells)
+    return error(Errc::corrupt, source.out.string() + ": the tiles do not hold what the manifest counts");
+  if (source.format.index != nullptr) {
+    const MeshHead head = head_of(source.manifest, source.format, source.heights);
+    const std::string text = source.format.index(head, names);
+    const auto name = std::string("triangulation") + source.format.index_ending;
+    BOOST_OUTCOME_TRYV(store::write_whole(folder.path() / name, text));
+    exported.bytes += text.size();
+    names.push_back(name);
+  }
+  exported.files = names.size();
+  BOOST_OUTCOME_TRYV(folder.publish());
+  return exported;
+}
+
+Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
+  BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
+  const MeshHead head = head_of(source.manifest, source.format, source.heights);
+  Exported exported{.vertices = head.vertices, .cells = head.cells};
+  BOOST_OUTCOME_TRY(writer, source.format.open(folder.path(), head));
+  BOOST_OUTCOME_TRYV(read_merged(source, *writer));
+  BOOST_OUTCOME_TRY(bytes, writer->finish());
+  exported.bytes = bytes;
+  std::error_code code;
+  exported.files =
+      static_cast<std::uint64_t>(std::distance(fs::directory_iterator(folder.path(), code), fs::directory_iterator()));
+  BOOST_OUTCOME_TRYV(folder.publish());
+  return exported;
+}
+
+}  // namespace
+}  // namespace exports
+
+Result<Exported> export_result(const fs::path& out, const fs::path& path, const ExportOptions& options,
+                               std::stop_token stop) {
+  BOOST_OUTCOME_TRY(target, exports::find_target(path, options.format));
+  BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
+  const exports::MeshSource source{
+      .out = out, .manifest = manifest, .format = *target.format, .heights = options.heights, .stop = stop};
+  auto exported = !target.folder                                   ? export_file(source, target)
+                  : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
+                                                                   : export_tiles(source, target);
+  if (exported && target.format->corners) exported.value().note = exports::crs_note(manifest.crs);
+  return exported;
+}
+
+std::string export_format_names() {
+  std::string names;
+  for (const auto& format : exports::formats()) names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+std::string export_format_help() {
+  std::string help;
+  for (const auto& format : exports::formats()) {
+    std::string name = format.name;
+    name.resize(8, ' ');
+    help += "  " + name + "  " + format.summary + "\n";
+  }
+  return help;
+}
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+// A result as files other programs read: main cells only, streamed tile by tile. docs/formats.md says what each format
+// keeps.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stop_token>
+#include <string>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+struct ExportOptions {
+  std::string format = {};  // one of export_format_names(); empty: as the ending of the target says
+  bool heights = true;      // 2D: the attribute "z", if there is one, becomes the third coordinate
+  bool overwrite = false;   // replace files
+};
+
+struct Exported {
+  std::uint64_t vertices = 0, cells = 0;
+  std::uint64_t files = 0;
+  std::uint64_t bytes = 0;  // written, all files together
+  std::string note = {};    // a sentence about what the format could not keep here; often empty
+};
+
+// Writes the result folder `out` to `target`. A target with an ending is one file, in which every vertex has one
+// number; one that is a folder, ends in '/', or has no ending becomes a folder with a file for each tile (npy: a folder
+// of arrays for all). Written under temporary names and renamed at the end. Memory is that of the largest tile plus 16
+// bytes for each vertex that tiles share.
+// Errors: usage, before anything is read, for an unknown format or a target that exists; usage for a format that cannot
+// hold the result; corrupt for a damaged tile; io; interrupted.
+Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
+                               const ExportOptions& options, std::stop_token stop);
+
+std::string export_format_names();  // "ply, vtu, ..."
+std::string export_format_help();   // a line for each
+
+}  // namespace tessera

@@ -1,0 +1,61 @@
+#include "src/export/gdal_library.h"
+
+#include <dlfcn.h>
+
+#include "src/export/crs.h"
+
+namespace tessera::exports {
+
+namespace {
+
+Result<GdalLibrary> load() {
+  // Never closed again: GDAL keeps threads and caches.
+  void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr)
+    return error(Errc::io, std::string("this format needs GDAL (Debian's package libgdal32): ") + ::dlerror());
+  GdalLibrary gdal;
+  const char* missing = nullptr;
+  const auto find = [&]<class Function>(Function& function, const char* name) {
+    function = reinterpret_cast<Function>(::dlsym(handle, name));
+    if (function == nullptr) missing = name;
+  };
+#define TESSERA_GDAL_FIND(name) find(gdal.name, #name);
+  TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_FIND)
+#undef TESSERA_GDAL_FIND
+  if (missing != nullptr) return error(Errc::io, std::string(TESSERA_GDAL_SONAME) + " has no function " + missing);
+  return gdal;
+}
+
+void keep_quiet(CPLErr, CPLErrorNum, const char*) {}
+
+}  // namespace
+
+Result<const GdalLibrary*> gdal_library() {
+  static const Result<GdalLibrary> gdal = load();
+  if (!gdal) return gdal.error();
+  return &gdal.value();
+}
+
+GdalQuiet::GdalQuiet(const GdalLibrary& gdal) : gdal_(gdal) {
+  gdal_.CPLPushErrorHandler(keep_quiet);
+  gdal_.CPLErrorReset();
+}
+
+GdalQuiet::~GdalQuiet() { gdal_.CPLPopErrorHandler(); }
+
+std::string GdalQuiet::message() const {
+  const std::string message = gdal_.CPLGetLastErrorMsg();
+  return message.empty() ? "GDAL gives no reason" : message;
+}
+
+Result<SpatialReference> SpatialReference::parse(const GdalLibrary& gdal, const std::string& text) {
+  const GdalQuiet quiet(gdal);
+  SpatialReference reference(gdal, gdal.OSRNewSpatialReference(nullptr));
+  if (gdal.OSRSetFromUserInput(reference.get(), text.empty() ? undefined_crs : text.c_str()) != OGRERR_NONE)
+    return error(Errc::bad_input, "the coordinate system of the result is not understood: " + quiet.message());
+  // Coordinates are x, y as they were read, whatever order an authority gives the axes.
+  gdal.OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
+
+}  // namespace tessera::exports

@@ -1,0 +1,73 @@
+// GDAL, loaded when first needed: linked, it would add 40 ms to every start of the program, and machines without it
+// could run nothing. The C interface of its C++ library, since functions are looked up by name.
+#pragma once
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+
+#include <string>
+
+#include "src/base/result.h"
+
+namespace tessera::exports {
+
+#define TESSERA_GDAL_FUNCTIONS(F)                                                                                     \
+  F(GDALAllRegister)                                                                                                  \
+  F(GDALGetDriverByName)                                                                                              \
+  F(GDALCreate) F(GDALClose) F(GDALDatasetCreateLayer) F(GDALDatasetStartTransaction) F(GDALDatasetCommitTransaction) \
+      F(OGR_L_CreateField) F(OGR_L_CreateFeature) F(OGR_L_GetLayerDefn) F(OGR_Fld_Create) F(OGR_Fld_Destroy)          \
+          F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly)    \
+              F(OGR_G_CreateFromWkb) F(OSRNewSpatialReference) F(OSRDestroySpatialReference) F(OSRSetFromUserInput)   \
+                  F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRIsCompound) \
+                      F(OSRStripVertical) F(OSRExportToWkt) F(OSRSetAxisMappingStrategy) F(CPLPushErrorHandler)       \
+                          F(CPLPopErrorHandler) F(CPLErrorReset) F(CPLGetLastErrorMsg)                                \
+                              F(CPLSetThreadLocalConfigOption) F(VSIFree)
+
+struct GdalLibrary {
+#define TESSERA_GDAL_MEMBER(name) decltype(&::name) name = nullptr;
+  TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_MEMBER)
+#undef TESSERA_GDAL_MEMBER
+};
+
+// Error io when GDAL is not installed.
+Result<const GdalLibrary*> gdal_library();
+
+// While it lives, GDAL prints nothing on this thread.
+class GdalQuiet {
+ public:
+  explicit GdalQuiet(const GdalLibrary& gdal);
+  ~GdalQuiet();
+  GdalQuiet(const GdalQuiet&) = delete;
+  GdalQuiet& operator=(const GdalQuiet&) = delete;
+  // What GDAL said last.
+  std::string message() const;
+
+ private:
+  const GdalLibrary& gdal_;
+};
+
+// A coordinate system of GDAL's, freed when it goes.
+class SpatialReference {
+ public:
+  // WKT of any kind, or "EPSG:n"; empty: the undefined Cartesian one. Error bad_input when GDAL does not understand it.
+  static Result<SpatialReference> parse(const GdalLibrary& gdal, const std::string& text);
+  SpatialReference(SpatialReference&& other) noexcept : gdal_(other.gdal_), handle_(other.handle_) {
+    other.handle_ = nullptr;
+  }
+  SpatialReference& operator=(SpatialReference&&) = delete;
+  ~SpatialReference() {
+    if (handle_ != nullptr) gdal_.OSRDestroySpatialReference(handle_);
+  }
+  OGRSpatialReferenceH get() const { return handle_; }
+
+ private:
+  SpatialReference(const GdalLibrary& gdal, OGRSpatialReferenceH handle) : gdal_(gdal), handle_(handle) {}
+  const GdalLibrary& gdal_;
+  OGRSpatialReferenceH handle_;
+};
+
+}  // namespace tessera::exports

@@ -1,0 +1,67 @@
+// What stands between a result and a file format: a writer is told the head, then every vertex, then every cell.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+
+namespace tessera::exports {
+
+// An attribute of the vertices that the file is to hold.
+struct Column {
+  std::string name;
+  AttributeType type = AttributeType::f64;
+  std::size_t offset = 0;  // in VertexView::row
+};
+
+struct MeshHead {
+  int dimension = 3;
+  bool heights = false;  // 2D: points have a z that is no part of the triangulation
+  std::uint64_t vertices = 0, cells = 0;
+  std::uint64_t ids = 0;  // every id is less
+  bool neighbors = false;
+  std::vector<Column> columns;
+  std::string crs;
+  std::string software_version;
+  std::size_t corners() const { return static_cast<std::size_t>(dimension) + 1; }
+};
+
+struct VertexView {
+  Point at;  // z: the height, if there are heights; else 0 in 2D
+  std::uint64_t id = 0;
+  const std::byte* row = nullptr;
+};
+
+// The first dimension + 1 entries count.
+struct CellView {
+  static constexpr std::int64_t outside = -1, elsewhere = -2;
+  std::uint32_t tile = 0;
+  int own = 0;                              // how many of its vertices its tile owns
+  std::array<std::uint64_t, 4> ids{};       // source indices
+  std::array<std::uint64_t, 4> numbers{};   // of the vertices, in the order they were given; formats with a vertex list
+  std::array<Point, 4> at{};                // formats without one
+  std::array<std::int64_t, 4> neighbors{};  // numbers of cells, `outside`, or `elsewhere`: a main cell of another tile
+};
+
+// Errors are kept until check() or finish(): vertex() and cell() are called millions of times.
+class MeshWriter {
+ public:
+  virtual ~MeshWriter() = default;
+  virtual void vertex(const VertexView& vertex) = 0;
+  virtual void cell(const CellView& cell) = 0;
+  // The first error so far.
+  virtual Status check() = 0;
+  // Completes the file under its name and returns its bytes; without this call nothing is left.
+  virtual Result<std::uint64_t> finish() = 0;
+};
+
+using OpenedWriter = Result<std::unique_ptr<MeshWriter>>;
+
+}  // namespace tessera::exports

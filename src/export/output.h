@@ -1,0 +1,73 @@
+// Buffered output to a file that appears whole or not at all.
+#pragma once
+
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/store/files.h"
+
+namespace tessera::exports {
+
+// A file under a temporary name, written through one Stream or more.
+class OutputFile {
+ public:
+  static Result<OutputFile> create(const std::filesystem::path& target);
+  int fd() const { return file_.get(); }
+  const std::filesystem::path& target() const { return target_; }
+  // Syncs and renames; the size.
+  Result<std::uint64_t> finish();
+
+ private:
+  OutputFile(std::filesystem::path target, store::TemporaryFile temporary, store::FileHandle file)
+      : target_(std::move(target)), temporary_(std::move(temporary)), file_(std::move(file)) {}
+  std::filesystem::path target_;
+  store::TemporaryFile temporary_;
+  store::FileHandle file_;
+};
+
+// Bytes that follow each other from some place of a file on. The first error is kept.
+class Stream {
+ public:
+  Stream(const OutputFile& file, std::uint64_t offset) : fd_(file.fd()), path_(file.target()), offset_(offset) {}
+  void text(std::string_view text) { bytes(std::as_bytes(std::span(text.data(), text.size()))); }
+  template <class T>
+  void value(const T& value) {
+    bytes(std::as_bytes(std::span(&value, 1)));
+  }
+  // The shortest digits that read back as the same number.
+  template <class T>
+  void digits(T value) {
+    char buffer[32];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
+    text({buffer, static_cast<std::size_t>(end - buffer)});
+  }
+  void bytes(std::span<const std::byte> bytes) {
+    if (buffer_.size() + bytes.size() > buffer_bytes) write();
+    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  }
+  std::uint64_t offset() const { return offset_ + buffer_.size(); }
+  const Status& status() const { return status_; }
+  Status flush();
+
+ private:
+  static constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
+  void write();
+  int fd_;
+  std::filesystem::path path_;
+  std::uint64_t offset_;
+  std::vector<std::byte> buffer_;
+  Status status_ = success();
+};
+
+// `text` as XML's text or attribute value.
+std::string xml_text(std::string_view text);
+
+}  // namespace tessera::exports

@@ -1,0 +1,132 @@
+// Text formats of one build: a head, a line a vertex, a line between, a line a cell, an end. Coordinates have the
+// shortest digits that read back as the same double.
+//   OFF            3D: each tetrahedron as its list of vertices
+//   OBJ            2D only; numbers from 1
+//   MEDIT .mesh    version 2 (double precision). Always three coordinates: Gmsh reads no other. Reference 1 for all.
+//   Gmsh .msh      2.2 in text: of Gmsh's formats the one that HXT, Gmsh and meshio all read (HXT knows no other). All
+//                  elements belong to one entity.
+#include <string_view>
+
+#include "src/export/formats.h"
+#include "src/export/output.h"
+
+namespace tessera::exports {
+
+namespace {
+
+struct Syntax {
+  std::string before_vertices;
+  bool numbered = false;  // lines begin with their number, from 1
+  std::string_view vertex_start, vertex_end;
+  std::string before_cells;
+  std::string_view cell_start, cell_end;
+  std::uint64_t first_number = 1;  // of vertices
+  std::string_view end;
+};
+
+class TextMeshWriter : public MeshWriter {
+ public:
+  TextMeshWriter(OutputFile file, const MeshHead& head, Syntax syntax)
+      : file_(std::move(file)), stream_(file_, 0), syntax_(std::move(syntax)), corners_(head.corners()) {
+    stream_.text(syntax_.before_vertices);
+  }
+
+  void vertex(const VertexView& vertex) override {
+    if (syntax_.numbered) {
+      stream_.digits(++vertices_);
+      stream_.text(" ");
+    }
+    stream_.text(syntax_.vertex_start);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (axis > 0) stream_.text(" ");
+      stream_.digits(vertex.at[axis]);
+    }
+    stream_.text(syntax_.vertex_end);
+  }
+  void cell(const CellView& cell) override {
+    if (cells_++ == 0) stream_.text(syntax_.before_cells);
+    if (syntax_.numbered) {
+      stream_.digits(cells_);
+      stream_.text(" ");
+    }
+    stream_.text(syntax_.cell_start);
+    for (std::size_t k = 0; k < corners_; ++k) {
+      if (k > 0) stream_.text(" ");
+      stream_.digits(cell.numbers[k] + syntax_.first_number);
+    }
+    stream_.text(syntax_.cell_end);
+  }
+  Status check() override { return stream_.status(); }
+  Result<std::uint64_t> finish() override {
+    if (cells_ == 0) stream_.text(syntax_.before_cells);
+    stream_.text(syntax_.end);
+    BOOST_OUTCOME_TRYV(stream_.flush());
+    return file_.finish();
+  }
+
+ private:
+  OutputFile file_;
+  Stream stream_;
+  Syntax syntax_;
+  std::size_t corners_;
+  std::uint64_t vertices_ = 0, cells_ = 0;
+};
+
+OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, Syntax syntax) {
+  BOOST_OUTCOME_TRY(file, OutputFile::create(path));
+  return std::make_unique<TextMeshWriter>(std::move(file), head, std::move(syntax));
+}
+
+}  // namespace
+
+OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head) {
+  return open_text(
+      path, head,
+      {.before_vertices = "OFF\n" + std::to_string(head.vertices) + " " + std::to_string(head.cells) + " 0\n",
+       .vertex_start = "",
+       .vertex_end = "\n",
+       .before_cells = "",
+       .cell_start = head.dimension == 2 ? "3 " : "4 ",
+       .cell_end = "\n",
+       .first_number = 0,
+       .end = ""});
+}
+
+OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head) {
+  return open_text(path, head,
+                   {.before_vertices = "# tessera " + head.software_version + "\n",
+                    .vertex_start = "v ",
+                    .vertex_end = "\n",
+                    .before_cells = "",
+                    .cell_start = "f ",
+                    .cell_end = "\n",
+                    .end = ""});
+}
+
+OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head) {
+  const std::string kind = head.dimension == 2 ? "Triangles" : "Tetrahedra";
+  return open_text(
+      path, head,
+      {.before_vertices = "MeshVersionFormatted 2\nDimension 3\nVertices\n" + std::to_string(head.vertices) + "\n",
+       .vertex_start = "",
+       .vertex_end = " 1\n",
+       .before_cells = kind + "\n" + std::to_string(head.cells) + "\n",
+       .cell_start = "",
+       .cell_end = " 1\n",
+       .end = "End\n"});
+}
+
+OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head) {
+  return open_text(
+      path, head,
+      {.before_vertices = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(head.vertices) + "\n",
+       .numbered = true,
+       .vertex_start = "",
+       .vertex_end = "\n",
+       .before_cells = "$EndNodes\n$Elements\n" + std::to_string(head.cells) + "\n",
+       .cell_start = head.dimension == 2 ? "2 2 1 1 " : "4 2 1 1 ",  // type, two tags, physical, elementary
+       .cell_end = "\n",
+       .end = "$EndElements\n"});
+}
+
+}  // namespace tessera::exports

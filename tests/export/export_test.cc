@@ -1,0 +1,137 @@
+// Refusals, names, and what is left behind. What the formats hold is read back by other people's readers: by CGAL in
+// read_by_cgal_test.cc, by VTK, GDAL, Gmsh and NumPy in read_back_test.py.
+#include "src/export/export.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "src/export/crs.h"
+#include "tests/store/sample_result.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+using test::sample_points;
+using test::sample_tiles;
+using test::Shape;
+using test::store_sample;
+using test::TemporaryFolder;
+
+const char* const flat_formats[] = {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv"};
+
+void store_flat(const fs::path& out, std::size_t n = 200) {
+  store_sample(out, sample_tiles(sample_points(Shape::uniform, 2, n), 2, 4));
+}
+
+void store_solid(const fs::path& out) { store_sample(out, sample_tiles(sample_points(Shape::uniform, 3, 60), 3, 2)); }
+
+TEST(Export, FormatsWithoutTetrahedraRefuseThemInOneSentence) {
+  const TemporaryFolder folder, target;
+  store_solid(folder.path());
+  for (const std::string name : {"obj", "geojson", "gpkg", "csv"}) {
+    const auto result = export_result(folder.path(), target.path() / ("a." + name), {}, {});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Errc::usage);
+    EXPECT_NE(result.error().where.find(name), std::string::npos);
+  }
+  EXPECT_TRUE(fs::is_empty(target.path()));
+}
+
+TEST(Export, AnUnknownFormatIsRefusedBeforeAnythingIsRead) {
+  for (const std::string target : {"a.stl", "a", "tiles/", "arrays.npy"}) {
+    const auto result = export_result("no such folder", target, {}, {});
+    ASSERT_FALSE(result) << target;
+    EXPECT_EQ(result.error().code, Errc::usage) << target;
+  }
+  EXPECT_EQ(export_result("no such folder", "a.ply", {.format = "las"}, {}).error().code, Errc::usage);
+  EXPECT_EQ(export_result("no such folder", "a.ply", {}, {}).error().code, Errc::io);
+}
+
+TEST(Export, ADamagedTileLeavesNothingHalfWritten) {
+  const TemporaryFolder folder;
+  store_flat(folder.path());
+  fs::resize_file(tile_file(folder.path(), TileId{2}), 3000);
+  for (const std::string name : {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv", "npy"}) {
+    const TemporaryFolder target;
+    for (const std::string& path : {"mesh." + name, std::string("tiles")}) {
+      if (path == "mesh.npy") continue;
+      const auto result = export_result(folder.path(), target.path() / path, {.format = name}, {});
+      ASSERT_FALSE(result) << name;
+      EXPECT_EQ(result.error().code, Errc::corrupt) << name;
+      EXPECT_TRUE(fs::is_empty(target.path())) << name;
+    }
+  }
+}
+
+TEST(Export, StopsWhenAskedAndLeavesNothing) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  std::stop_source stop;
+  stop.request_stop();
+  for (const std::string name : flat_formats) {
+    const auto result = export_result(folder.path(), target.path() / ("a." + name), {}, stop.get_token());
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(result.error().code, Errc::interrupted) << name;
+    EXPECT_TRUE(fs::is_empty(target.path())) << name;
+  }
+}
+
+TEST(Export, WhatExistsIsReplacedOnlyOnDemand) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  for (const std::string name : {"a.ply", "a.vrt", "a.gpkg", "tiles"}) {
+    const ExportOptions options{.format = name == "tiles" ? "vtu" : ""};
+    ASSERT_TRUE(export_result(folder.path(), target.path() / name, options, {})) << name;
+    const auto again = export_result(folder.path(), target.path() / name, options, {});
+    ASSERT_FALSE(again) << name;
+    EXPECT_NE(again.error().where.find("--overwrite"), std::string::npos);
+    ASSERT_TRUE(export_result(folder.path(), target.path() / name, {.format = options.format, .overwrite = true}, {}));
+  }
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(target.path())) names.insert(entry.path().filename());
+  EXPECT_EQ(names, (std::set<std::string>{"a.csv", "a.gpkg", "a.ply", "a.vrt", "tiles"}));
+}
+
+TEST(Export, AFolderThatDoesNotExistIsAnIoError) {
+  const TemporaryFolder folder;
+  store_flat(folder.path());
+  for (const std::string name : flat_formats) {
+    const auto result = export_result(folder.path(), folder.path() / "no" / ("a." + name), {}, {});
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(result.error().code, Errc::io) << name;
+  }
+}
+
+TEST(Export, ACoordinateSystemThatGdalDoesNotUnderstandIsNamed) {
+  const TemporaryFolder folder, target;
+  auto manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 20), 2, 1));
+  manifest.crs = "PROJCS[nonsense";
+  ASSERT_TRUE(finish_store(folder.path(), manifest, {}));
+  for (const std::string name : {"a.geojson", "a.gpkg"}) {
+    const auto result = export_result(folder.path(), target.path() / name, {}, {});
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(result.error().code, Errc::bad_input);
+    EXPECT_NE(result.error().where.find("coordinate system"), std::string::npos);
+  }
+  EXPECT_TRUE(fs::is_empty(target.path()));
+}
+
+TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {
+  using exports::crs_name_or_wkt;
+  EXPECT_EQ(crs_name_or_wkt("EPSG:2154").value(), "urn:ogc:def:crs:EPSG::2154");
+  EXPECT_EQ(crs_name_or_wkt("EPSG:5698").value(), "urn:ogc:def:crs:EPSG::2154") << "Lambert-93 with heights";
+  EXPECT_EQ(crs_name_or_wkt("").value(), exports::undefined_crs);
+  const std::string own =
+      R"(PROJCS["mine",GEOGCS["g",DATUM["d",SPHEROID["s",6378137,298.2]],PRIMEM["Greenwich",0],)"
+      R"(UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",12],)"
+      R"(PARAMETER["central_meridian",3],PARAMETER["scale_factor",0.99],PARAMETER["false_easting",5000],)"
+      R"(PARAMETER["false_northing",10],UNIT["metre",1]])";
+  EXPECT_TRUE(crs_name_or_wkt(own).value().starts_with("PROJCS[\"mine\""));
+  const std::string compound = "COMPD_CS[\"c\"," + own + R"(,VERT_CS["h",VERT_DATUM["v",2005],UNIT["metre",1]]])";
+  EXPECT_TRUE(crs_name_or_wkt(compound).value().starts_with("PROJCS[\"mine\""));
+}
+
+}  // namespace
+}  // namespace tessera
