@@ -2,24 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
+#include <utility>
 
 #include "src/apps/plan.h"
 
 namespace tessera {
 
-Result<Cloud> open_cloud(TriangulateOptions& options) {
-  if (options.cloud.dimension == 0) {
-    CloudOptions anything;
-    anything.dimension = 2;
-    BOOST_OUTCOME_TRY(files, Cloud::open(options.inputs, anything));
-    const bool flat =
-        std::all_of(files.files().begin(), files.files().end(), [](const auto& f) { return f.dimension == 2; });
-    options.cloud.dimension = flat ? 2 : 3;
-    if (flat && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
-      return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
-    }
+Result<Cloud> open_cloud(TriangulateOptions& options, std::stop_token stop) {
+  if (!options.out.empty()) {
+    // Where the result goes there is room for the points.
+    std::error_code gone;
+    const auto out = std::filesystem::absolute(options.out, gone);
+    options.cloud.spool_folder = std::filesystem::is_directory(out, gone) ? out : (out / "..").lexically_normal();
   }
-  return Cloud::open(options.inputs, options.cloud);
+  const bool open_dimension = options.cloud.dimension == 0;
+  BOOST_OUTCOME_TRY(cloud, Cloud::open(options.inputs, options.cloud, std::move(stop)));
+  options.cloud.dimension = cloud.options().dimension;
+  if (open_dimension && options.cloud.dimension == 2 && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
+    return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
+  }
+  return std::move(cloud);
 }
 
 Result<std::uint64_t> tile_limit(const TriangulateOptions& options, const Cloud& cloud) {

@@ -36,6 +36,9 @@ Status read_cloud_options(Settings& settings, TriangulateOptions& options);
 void add_triangulate_options(Command& command);
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs);
 
+// Whether the points come from standard input, which cannot be read again.
+bool reads_standard_input(const TriangulateOptions& options);
+
 // Equal keys = the same result: everything above that it depends on, as text.
 std::string options_key(const TriangulateOptions& options);
 
