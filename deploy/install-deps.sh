@@ -8,7 +8,7 @@ packages=(
   libcaf-dev                                # actors
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
-  libhdf5-dev zlib1g-dev libxxhash-dev      # result files
+  libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev

@@ -36,7 +36,9 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   options.kernel = o.kernel == "cgal" ? KernelKind::cgal : KernelKind::flat;
   BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
   Progress progress;
-  const auto open = [&](JobOptions& job) { return open_cloud({file.string()}, job); };
+  const auto open = [&](JobOptions& job, const std::stop_token& stop) {
+    return open_cloud({file.string()}, job, stop);
+  };
   BOOST_OUTCOME_TRY(done, run_job(options, open, folder, progress, {}));
   const JobSummary& s = *done;
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));  // has the times that were summed over threads

@@ -97,15 +97,16 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
   require(coordinates.size() % static_cast<std::size_t>(dimension) == 0,
           "the array: its length, " + std::to_string(coordinates.size()) + ", is no multiple of the dimension, " +
               std::to_string(dimension));
-  return TriangulationMaker::make(options, [&](JobOptions& job) {
-    return Cloud::open_source([=] { return array_source("the array", coordinates, dimension); }, job.cloud);
+  return TriangulationMaker::make(options, [&](JobOptions& job, const std::stop_token&) {
+    return Cloud::open_source(array_source("the array", coordinates, dimension), job.cloud);
   });
 }
 
 Triangulation triangulate(const std::vector<std::string>& inputs, const TriangulationOptions& options) {
   require(options.dimension == 0 || options.dimension == 2 || options.dimension == 3, "dimension: must be 0, 2 or 3");
   require(!inputs.empty(), "no input file is given");
-  return TriangulationMaker::make(options, [&](JobOptions& job) { return open_cloud(inputs, job); });
+  return TriangulationMaker::make(
+      options, [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(inputs, job, stop); });
 }
 
 }  // namespace tessera

@@ -31,6 +31,7 @@ Json to_json(const FileInfo& file) {
   return {{"path", file.path.string()},
           {"format", file.format},
           {"detail", file.detail},
+          {"packing", file.packing},
           {"dimension", file.dimension},
           {"bytes", file.bytes},
           {"points", file.points ? Json(*file.points) : Json()},
@@ -42,7 +43,8 @@ Json to_json(const FileInfo& file) {
 std::string to_text(const FileInfo& file) {
   std::string names;
   for (const auto& attribute : file.attributes) names += (names.empty() ? "" : ", ") + attribute.name;
-  return file.path.string() + "\n  format      " + file.detail + " (" + human_bytes(file.bytes) + ")\n  points      " +
+  return file.path.string() + "\n  format      " + file.detail + " (" +
+         (file.packing.empty() ? "" : file.packing + ", ") + human_bytes(file.bytes) + ")\n  points      " +
          (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
          (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " +
          (names.empty() ? "none" : names) + "\n" +

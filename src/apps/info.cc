@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "src/apps/command.h"
 #include "src/apps/triangulate_options.h"
+#include "src/io/inputs.h"
 
 namespace tessera {
 namespace {
@@ -18,13 +18,12 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   JobOptions options;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
   BOOST_OUTCOME_TRY(json, settings.on("json"));
-  if (what.empty())
+  if (what.empty() && options.cloud.input_list.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
-  std::error_code ec;
-  const bool folder =
-      std::any_of(what.begin(), what.end(), [&](const auto& path) { return std::filesystem::is_directory(path, ec); });
-  if (folder && what.size() > 1) return error(Errc::usage, "give one result folder, or input files, not both");
+  const bool folder = std::any_of(what.begin(), what.end(), [](const auto& path) { return is_result_folder(path); });
+  if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
+    return error(Errc::usage, "give one result folder, or input files, not both");
   BOOST_OUTCOME_TRY(text,
                     folder ? describe_result(what.front(), json) : describe_inputs(what, std::move(options), json));
   std::fputs(text.c_str(), stdout);
@@ -38,11 +37,13 @@ Command add_info(CLI::App& root) {
       new_command(root, "info", "Tells what is in input files or a result folder",
                   "  tessera info scan.las\n"
                   "  tessera info block/*.las --memory 4G --threads 8      (what triangulating them would take)\n"
+                  "  tessera info block/ --recursive\n"
                   "  tessera info out/ --json");
   add_cloud_options(command);
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("what", *what, "input files, or one result folder")->type_name("FILE|FOLDER");
+  command.app->add_option("what", *what, "input files, folders of them, - for standard input; or one result folder")
+      ->type_name("FILE|FOLDER");
   command.run = [settings = command.settings.get(), what](const std::vector<std::string>&) {
     return run_info(*settings, *what);
   };

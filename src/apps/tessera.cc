@@ -1,5 +1,8 @@
 // The command `tessera`: reads the command line, the environment and the configuration file, runs one subcommand, and
 // turns its error into one line on stderr and an exit status (docs/exit-status.md).
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
@@ -56,7 +59,16 @@ Status run(const Command& command, const std::vector<Command>& commands, const s
   return success();
 }
 
+// A standard stream that is closed would become the number of the next file that is opened, and points be read from it
+// or lines written into it. For reading alone: what is written there still fails.
+void occupy_standard_streams() {
+  int file = 0;
+  while (file >= 0 && file <= STDERR_FILENO) file = ::open("/dev/null", O_RDONLY);
+  if (file > STDERR_FILENO) ::close(file);
+}
+
 int tessera_main(int argc, char** argv) {
+  occupy_standard_streams();
   // A write beyond the limit of `ulimit -f` shall be an error with a sentence, not the end.
   std::signal(SIGXFSZ, SIG_IGN);
   start_log();

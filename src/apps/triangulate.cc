@@ -33,13 +33,17 @@ Status run_triangulate(TriangulateOptions options) {
   BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(options.out, options.resume, options.overwrite));
   ProgressDisplay display(progress, progress_style(options.output), options.output.json ? stdout : stderr);
   options.job.log = log_debug;
-  const auto open = [&](JobOptions& job) { return open_cloud(options.inputs, job); };
+  const auto open = [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(options.inputs, job, stop); };
   const auto summary = run_job(options.job, open, folder, progress, interrupt.token());
   display.stop();
   if (!summary) {
     if (summary.error().code != Errc::interrupted) {
       folder.abandon();
       return summary.error();
+    }
+    if (reads_standard_input(options)) {
+      folder.abandon();
+      return error(Errc::interrupted, "interrupted; standard input cannot be read again, so nothing is kept");
     }
     const bool resumable = folder.interrupted();
     return error(Errc::interrupted, resumable ? "interrupted; the same command with --resume continues"
@@ -55,16 +59,21 @@ Status run_triangulate(TriangulateOptions options) {
 }  // namespace
 
 Command add_triangulate(CLI::App& root) {
-  auto command =
-      new_command(root, "triangulate", "Triangulates point files into a result folder",
-                  "  tessera triangulate block/*.las -o out/\n"
-                  "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
-                  "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
-                  "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
-                  "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
+  auto command = new_command(
+      root, "triangulate", "Triangulates point files into a result folder",
+      "  tessera triangulate block/*.las -o out/\n"
+      "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
+      "  tessera triangulate block/ --recursive -o out/                      (all point files in a folder)\n"
+      "  zcat scan.xyz.gz | tessera triangulate - -o out/\n"
+      "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
+      "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
+      "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
   add_triangulate_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("inputs", *inputs, "LAS, PLY, XYZ/CSV or NPY files, or patterns of their names")
+  command.app
+      ->add_option("inputs", *inputs,
+                   "LAS, LAZ, COPC, PLY, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
+                   "their names; - for standard input")
       ->type_name("FILE");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(options, read_triangulate_options(*settings, *inputs));

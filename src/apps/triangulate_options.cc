@@ -1,5 +1,6 @@
 #include "src/apps/triangulate_options.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/apps/arguments.h"
@@ -23,6 +24,11 @@ Result<KernelKind> parse_kernel(const std::string& text) {
 }  // namespace
 
 void add_cloud_options(Command& command) {
+  add_value(
+      command, "input-list", "FILE",
+      "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
+      true);
+  add_switch(command, "recursive", "take the files in subfolders of input folders, too");
   add_value(command, "dim", "2|3",
             "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
   add_value(command, "max-points-per-tile", "N",
@@ -74,6 +80,9 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
       resolution, settings.get("resolution", or_auto([](const std::string& text) { return parse_distance(text); }, 0)));
   options.cloud.resolution = resolution.value_or(0);
   options.cloud.threads = options.threads;
+  options.cloud.input_list = settings.text("input-list").value_or("");
+  BOOST_OUTCOME_TRY(recursive, settings.on("recursive"));
+  options.cloud.recursive = recursive;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
@@ -103,7 +112,8 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
   options.job.kernel = kernel.value_or(KernelKind::flat);
   BOOST_OUTCOME_TRY(output, output_options(settings));
   options.output = output;
-  if (inputs.empty()) return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");
+  if (inputs.empty() && options.job.cloud.input_list.empty())
+    return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");
   for (const auto& input : inputs) {
     if (input.empty()) return error(Errc::usage, "an input file has an empty name");
   }
@@ -116,7 +126,13 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
     return error(Errc::usage, "--resume and --overwrite contradict each other: give one of them");
   options.resume = resume;
   options.overwrite = overwrite;
+  if (resume && reads_standard_input(options))
+    return error(Errc::usage, "--resume: standard input cannot be read again; save it in a file, and triangulate that");
   return options;
+}
+
+bool reads_standard_input(const TriangulateOptions& options) {
+  return std::find(options.inputs.begin(), options.inputs.end(), "-") != options.inputs.end();
 }
 
 }  // namespace tessera

@@ -27,4 +27,7 @@ Status read_cloud_options(Settings& settings, JobOptions& options);
 void add_triangulate_options(Command& command);
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs);
 
+// Whether the points come from standard input, which cannot be read again.
+bool reads_standard_input(const TriangulateOptions& options);
+
 }  // namespace tessera

@@ -1,37 +1,15 @@
 #include "src/io/cloud.h"
 
-#include <glob.h>
-#include <sys/stat.h>
-
 #include <algorithm>
-#include <map>
+#include <memory>
 #include <utility>
 
-#include "src/io/byte_source.h"
-#include "src/io/point_filter.h"
+#include "src/io/in_order.h"
+#include "src/io/inputs.h"
+#include "src/io/spool.h"
 
 namespace tessera {
 namespace {
-
-bool exists(const std::string& path) {
-  struct stat status {};
-  return ::lstat(path.c_str(), &status) == 0;
-}
-
-// The files a pattern stands for, sorted by bytes: the order gives the points their ids, so no locale may change it.
-Result<std::vector<std::string>> expand(const std::string& pattern) {
-  // A name may hold the characters of a pattern; what exists is meant literally.
-  if (exists(pattern) || pattern.find_first_of("*?[") == std::string::npos) return std::vector{pattern};
-  glob_t found{};
-  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found);
-  std::vector<std::string> paths(found.gl_pathv, found.gl_pathv + (code == 0 ? found.gl_pathc : 0));
-  ::globfree(&found);
-  if (code == GLOB_NOMATCH || (code == 0 && paths.empty()))
-    return error(Errc::io, pattern + ": no file matches this pattern");
-  if (code != 0) return error(Errc::io, pattern + ": the folders of this pattern cannot be read");
-  std::sort(paths.begin(), paths.end());
-  return paths;
-}
 
 // The type that holds an attribute of all files: theirs if they agree, double if not.
 void add_available(const FileInfo& file, std::vector<Attribute>& available) {
@@ -61,8 +39,30 @@ Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, co
 }
 
 // What of the options lets a reader leave out points that the filter would drop, or be faster.
-ReadHints hints_of(const CloudOptions& options) {
-  return {.crop = options.crop, .resolution = options.resolution, .threads = options.threads};
+ReadHints hints_of(const CloudOptions& options, std::uint32_t threads) {
+  return {.crop = options.crop, .resolution = options.resolution, .threads = threads};
+}
+
+struct Opened {
+  FileInfo info;
+  std::shared_ptr<const ByteSource> spooled;  // none if the file itself can be read again
+};
+
+Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool) {
+  Opened opened;
+  std::shared_ptr<const ByteSource> source;
+  if (input.standard_input) {
+    BOOST_OUTCOME_TRY(all, spool.standard_input());
+    opened.spooled = source = std::move(all);
+  } else {
+    BOOST_OUTCOME_TRY(file, open_file(input.path));
+    source = std::move(file);
+    BOOST_OUTCOME_TRY(content, spool.unpacked(source));
+    if (content != source) opened.spooled = source = std::move(content);
+  }
+  BOOST_OUTCOME_TRY(reader, open_reader(share(std::move(source)), {}, hints));
+  opened.info = reader->info();
+  return opened;
 }
 
 Status check_file(const FileInfo& file, const CloudOptions& options) {
@@ -81,21 +81,33 @@ Status check_file(const FileInfo& file, const CloudOptions& options) {
 
 }  // namespace
 
-Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions options) {
-  if (options.dimension != 2 && options.dimension != 3) return error(Errc::usage, "the dimension must be 2 or 3");
-  if (patterns.empty()) return error(Errc::usage, "no input file was given");
+Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop) {
+  if (options.dimension != 0 && options.dimension != 2 && options.dimension != 3)
+    return error(Errc::usage, "the dimension must be 2 or 3");
   Cloud cloud;
+  Spool spool(options.spool_folder, stop);
+  BOOST_OUTCOME_TRY(
+      inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
+  const auto hints = hints_of(options, 1);
+  const auto open_one = [&](std::size_t i) -> Result<Opened> {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
+    auto opened = open_input(inputs[i], hints, spool);
+    if (opened.has_error()) return inputs[i].explained(opened.error());
+    return opened;
+  };
+  BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t, Opened opened) -> Status {
+    cloud.files_.push_back(std::move(opened.info));
+    cloud.spooled_.push_back(std::move(opened.spooled));
+    return success();
+  }));
+  const bool has_z =
+      std::any_of(cloud.files_.begin(), cloud.files_.end(), [](const auto& file) { return file.dimension == 3; });
+  if (options.dimension == 0) options.dimension = has_z ? 3 : 2;
   std::vector<Attribute> available;
-  bool has_z = false;
-  for (const auto& pattern : patterns) {
-    BOOST_OUTCOME_TRY(paths, expand(pattern));
-    for (const auto& path : paths) {
-      BOOST_OUTCOME_TRY(reader, open_reader(path, {}, hints_of(options)));
-      BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
-      add_available(reader->info(), available);
-      has_z = has_z || reader->info().dimension == 3;
-      cloud.files_.push_back(reader->info());
-    }
+  for (std::size_t i = 0; i < cloud.files_.size(); ++i) {
+    if (const auto status = check_file(cloud.files_[i], options); status.has_error())
+      return inputs[i].explained(status.error());
+    add_available(cloud.files_[i], available);
   }
   const Attribute height{"z", AttributeType::f64};
   const bool liftable = options.dimension == 2 && has_z;
@@ -108,13 +120,13 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   return cloud;
 }
 
-Result<Cloud> Cloud::open_source(OpenSource source, CloudOptions options) {
+Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
   Cloud cloud;
-  BOOST_OUTCOME_TRY(reader, open_reader(source(), {}, hints_of(options)));
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, hints_of(options, 1)));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
   BOOST_OUTCOME_TRY(schema, choose(options.attributes, reader->info().attributes));
-  cloud.source_ = std::move(source);
   cloud.files_.push_back(reader->info());
+  cloud.spooled_.push_back(std::move(source));
   cloud.schema_ = std::move(schema);
   cloud.options_ = std::move(options);
   return cloud;
@@ -126,37 +138,16 @@ std::string Cloud::crs() const {
   return "";
 }
 
-Result<std::unique_ptr<PointReader>> Cloud::reopen(const FileInfo& file, const std::vector<Attribute>& schema) const {
-  BOOST_OUTCOME_TRY(reader, source_ ? open_reader(source_(), schema, hints_of(options_))
-                                    : open_reader(file.path, schema, hints_of(options_)));
+Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
+                                                   std::uint32_t threads) const {
+  const FileInfo& file = files_[index];
+  const auto hints = hints_of(options_, threads);
+  if (spooled_[index]) return open_reader(share(spooled_[index]), schema, hints);
+  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints));
   // The partition was planned from the first look at the file; another content would be routed by a wrong plan.
   if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
     return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
   return std::move(reader);
-}
-
-Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&)>& visit) const {
-  const PointFilter filter(options_, schema_);
-  CloudCounts counts;
-  PointBatch batch;
-  CloudBatch kept;
-  for (const auto& file : files_) {
-    BOOST_OUTCOME_TRY(reader, reopen(file, filter.reader_schema()));
-    while (true) {
-      batch.passed_over = 0;
-      BOOST_OUTCOME_TRYV(reader->next(batch));
-      counts.read += batch.passed_over;
-      counts.filtered += batch.passed_over;
-      if (batch.points.empty()) break;
-      kept.points.clear();
-      kept.rows.clear();
-      BOOST_OUTCOME_TRYV(filter.apply(batch, *reader, counts.read, kept, counts));
-      if (!kept.points.empty()) {
-        BOOST_OUTCOME_TRYV(visit(kept));
-      }
-    }
-  }
-  return counts;
 }
 
 }  // namespace tessera

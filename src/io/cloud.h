@@ -6,22 +6,29 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "src/io/byte_source.h"
 #include "src/io/reader.h"
 
 namespace tessera {
 
 struct CloudOptions {
-  int dimension = 3;                         // 2 triangulates x and y; z of the points becomes 0
+  // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
+  int dimension = 3;
   bool heights = true;                       // 2D: carry z as the attribute "z", if any file has it
   bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
   std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
   std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
   std::vector<std::string> attributes = {};  // names to carry, or {"all"}
   double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
-  std::uint32_t threads = 1;                 // that may decompress at once
+  std::uint32_t threads = 1;                 // that may open, read and unpack files at once
+  std::string input_list = {};               // a file that names further inputs, see InputQuestion
+  bool recursive = false;                    // folders with their subfolders
+  // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
+  std::filesystem::path spool_folder = {};
 };
 
 // Points with their source index (rank in the whole input, filtered and rejected points counted).
@@ -38,20 +45,24 @@ struct CloudCounts {
 
 class Cloud {
  public:
-  // Expands globs ("block/*.las"), opens every file's header and settles the schema. Errors: nothing matches, unknown
-  // format, a file without z for a 3D cloud or without classes to choose from, an attribute that no file has.
-  static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options);
+  // Finds the files that `patterns` mean (see InputQuestion), opens every file's header, unpacks compressed files and
+  // reads standard input to its end, and settles schema and dimension. Errors: those of find_inputs, Spool and the
+  // readers, of the first such file in order; a file without z for a 3D cloud or without classes to choose from; an
+  // attribute that no file has. `stop` ends it soon, with Errc::interrupted.
+  static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop = {});
 
-  // A cloud of one input that is not a file: `source` opens it whenever it is read.
-  using OpenSource = std::function<std::unique_ptr<ByteSource>()>;
-  static Result<Cloud> open_source(OpenSource source, CloudOptions options);
+  // A cloud of one input that is not a file. Errors as above.
+  static Result<Cloud> open_source(std::shared_ptr<const ByteSource> source, CloudOptions options);
 
   const std::vector<FileInfo>& files() const { return files_; }
   const std::vector<Attribute>& schema() const { return schema_; }
   const CloudOptions& options() const { return options_; }
   std::string crs() const;  // of the first file that has one
 
-  // Every point in order, in batches; `visit` may stop by returning an error. Coordinates have no -0.
+  // Every point in order, in batches; `visit`, which is called on the calling thread, may stop by returning an error.
+  // Coordinates have no -0. With several threads, small files are read ahead, each by one thread; large ones are read
+  // by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if there is one, do not
+  // depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
@@ -59,10 +70,12 @@ class Cloud {
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:
-  Result<std::unique_ptr<PointReader>> reopen(const FileInfo& file, const std::vector<Attribute>& schema) const;
+  // The reader of file `index`, which may use that many threads itself.
+  Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
+                                              std::uint32_t threads) const;
 
-  OpenSource source_;  // instead of files
   std::vector<FileInfo> files_;
+  std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again
   std::vector<Attribute> schema_;
   CloudOptions options_;
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/io/cloud.h"
+#include "src/io/in_order.h"
 #include "src/io/point_filter.h"
 #include "src/io/random.h"
 
@@ -17,7 +18,7 @@ constexpr std::uint64_t block_points = 256;
 constexpr std::uint64_t line_bytes = 32;
 
 std::uint64_t estimated_points(const FileInfo& file) {
-  return file.points ? *file.points : std::max<std::uint64_t>(1, file.bytes / line_bytes);
+  return file.points ? *file.points : std::max<std::uint64_t>(1, file.content_bytes / line_bytes);
 }
 
 // Points kept so far, thinned to every second one whenever there are twice as many as wanted.
@@ -109,20 +110,29 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
   // A filter may leave little of a sample that was taken before it: then take more, in the end everything.
   for (double share = static_cast<double>(wanted) / static_cast<double>(total);;) {
     points.clear();
-    for (const auto& file : files_) {
+    const auto sample_of = [&](std::size_t i) -> Result<std::vector<Point>> {
+      std::vector<Point> sample;
+      const FileInfo& file = files_[i];
       const auto estimate = estimated_points(file);
       const auto quota = static_cast<std::uint64_t>(std::min(share, 1.0) * static_cast<double>(estimate)) + 1;
-      BOOST_OUTCOME_TRY(reader, reopen(file, filter.reader_schema()));
+      // One file is read by all threads, several by one each.
+      BOOST_OUTCOME_TRY(reader, reopen(i, filter.reader_schema(), files_.size() == 1 ? options_.threads : 1));
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
-      // Where every seek has to decode points first, reading everything once, with all threads, may be less.
+      // Where every seek has to decode points first, reading everything once may be less.
       const bool worthwhile = quota / block_points * file.seek_points < estimate;
       if (seekable && file.points && worthwhile) {
-        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, points));
+        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, sample));
       } else {
-        BOOST_OUTCOME_TRYV(sampler.whole(quota, points));
+        BOOST_OUTCOME_TRYV(sampler.whole(quota, sample));
       }
-    }
+      return sample;
+    };
+    BOOST_OUTCOME_TRYV(
+        in_order(files_.size(), options_.threads, sample_of, [&](std::size_t, std::vector<Point> sample) -> Status {
+          points.insert(points.end(), sample.begin(), sample.end());
+          return success();
+        }));
     if (share >= 1 || points.size() >= wanted / 2) break;
     share *= points.empty() ? 16 : 1.1 * static_cast<double>(wanted) / static_cast<double>(points.size());
   }

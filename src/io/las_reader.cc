@@ -124,9 +124,7 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
                                               const std::vector<Attribute>& attributes, const ReadHints& hints) {
   BOOST_OUTCOME_TRY(header, read_las_header(*source));
   auto columns = columns_of(attributes, header);
-  FileInfo info;
-  info.path = source->path();
-  info.format = header.compressed ? "laz" : "las";
+  FileInfo info = info_of(*source, header.compressed ? "laz" : "las");
   info.detail = std::string(!header.compressed    ? "LAS"
                             : header.copc.empty() ? "LAZ"
                                                   : "COPC, LAZ") +
@@ -136,8 +134,6 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
   info.crs = header.crs;
   info.levels = header.compressed && !header.copc.empty();
   for (const auto& field : header.fields) info.attributes.push_back(field.attribute);
-  info.bytes = source->size();
-  info.modified_ns = source->modified_ns();
 
   std::unique_ptr<RecordSource> records;
   if (header.compressed) {

@@ -179,14 +179,10 @@ Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source
   if (header->fortran_order) return bad("is in Fortran order; save numpy.ascontiguousarray(a) instead");
 
   const auto real = type[2] == '4' ? AttributeType::f32 : AttributeType::f64;
-  FileInfo info;
-  info.path = source->path();
-  info.format = "npy";
+  FileInfo info = info_of(*source, "npy");
   info.detail = "NumPy " + type + ", n x " + std::to_string(header->shape[1]);
   info.dimension = static_cast<int>(header->shape[1]);
   info.points = header->shape[0];
-  info.bytes = source->size();
-  info.modified_ns = source->modified_ns();
   RecordStream records(std::move(source), text_at + text_bytes, size_of(real) * header->shape[1], header->shape[0]);
   BOOST_OUTCOME_TRYV(records.check_size());
   return std::unique_ptr<PointReader>(

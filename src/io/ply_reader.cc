@@ -94,9 +94,7 @@ Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source
   BOOST_OUTCOME_TRY(header, read_ply_header(*source));
   const auto& vertex = header.elements[header.vertex];
   const PlyColumns columns = columns_of(vertex);
-  FileInfo info;
-  info.path = source->path();
-  info.format = "ply";
+  FileInfo info = info_of(*source, "ply");
   if (!columns.coordinates[0] || !columns.coordinates[1])
     return error(Errc::bad_input,
                  info.path.string() + ": the vertices have no property '" + (columns.coordinates[0] ? "y" : "x") + "'");
@@ -107,8 +105,6 @@ Result<std::unique_ptr<PointReader>> open_ply(std::unique_ptr<ByteSource> source
   info.dimension = columns.coordinates[2] ? 3 : 2;
   info.points = vertex.count;
   for (const auto& extra : columns.extras) info.attributes.push_back(extra.attribute);
-  info.bytes = source->size();
-  info.modified_ns = source->modified_ns();
   BOOST_OUTCOME_TRY(vertices, open_ply_vertices(std::move(source), header));
   return std::unique_ptr<PointReader>(new PlyReader(std::move(info), std::move(vertices), columns, attributes));
 }

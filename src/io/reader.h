@@ -27,8 +27,10 @@ struct FileInfo {
   std::vector<Attribute> attributes;     // what the file could give
   std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
   bool levels = false;                   // COPC: the points are sorted into levels of detail
-  std::uint64_t bytes = 0;
-  std::int64_t modified_ns = 0;  // since 1970
+  std::string packing;                   // "gzip" or "zstd" when the file is compressed as a whole
+  std::uint64_t bytes = 0;               // of the file as it is
+  std::uint64_t content_bytes = 0;       // of what is in it: `bytes` unless it is compressed
+  std::int64_t modified_ns = 0;          // since 1970
 };
 
 // Points in file order. Non-finite coordinates are passed on: the caller rejects or refuses them.
@@ -61,14 +63,17 @@ struct ReadHints {
   std::uint32_t threads = 1;     // that may decompress at once
 };
 
-// Opens `path` by its content (magic), then by its extension. `attributes`: the schema of batch rows; an attribute that
-// this file lacks is zero, one of another type is converted.
+// Opens `path`, which is not compressed (see Spool), by its content, then by its name. `attributes`: the schema of
+// batch rows; an attribute that this file lacks is zero, one of another type is converted.
 Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
                                                  const std::vector<Attribute>& attributes = {},
                                                  const ReadHints& hints = {});
 
 class ByteSource;
-// The same for bytes that are open already; the extension is that of source->path().
+// What a source says of itself.
+FileInfo info_of(const ByteSource& source, std::string format);
+
+// The same for bytes that are open already.
 Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
                                                  const std::vector<Attribute>& attributes = {},
                                                  const ReadHints& hints = {});

@@ -137,11 +137,7 @@ Status check_is_text(const ByteSource& source) {
 Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
                                                const std::vector<Attribute>& attributes) {
   BOOST_OUTCOME_TRYV(check_is_text(*source));
-  FileInfo info;
-  info.path = source->path();
-  info.format = "xyz";
-  info.bytes = source->size();
-  info.modified_ns = source->modified_ns();
+  FileInfo info = info_of(*source, "xyz");
 
   LineReader lines(std::move(source));
   BOOST_OUTCOME_TRY(first, next_content(lines));

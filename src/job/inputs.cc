@@ -2,24 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "src/job/plan.h"
 
 namespace tessera {
 
-Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options) {
-  if (options.cloud.dimension == 0) {
-    CloudOptions anything;
-    anything.dimension = 2;
-    BOOST_OUTCOME_TRY(files, Cloud::open(inputs, anything));
-    const bool flat =
-        std::all_of(files.files().begin(), files.files().end(), [](const auto& f) { return f.dimension == 2; });
-    options.cloud.dimension = flat ? 2 : 3;
-    if (flat && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
-      return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
-    }
+Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop) {
+  const bool open_dimension = options.cloud.dimension == 0;
+  BOOST_OUTCOME_TRY(cloud, Cloud::open(inputs, options.cloud, std::move(stop)));
+  options.cloud.dimension = cloud.options().dimension;
+  if (open_dimension && options.cloud.dimension == 2 && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
+    return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
   }
-  return Cloud::open(inputs, options.cloud);
+  return std::move(cloud);
 }
 
 Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,8 @@
 
 namespace tessera {
 
-// Opens the inputs, files and patterns; settles the dimension when it was left open (2 when no file holds z).
-Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options);
+// Opens the inputs, as Cloud::open takes them; settles the dimension when it was left open (2 when no file holds z).
+Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop = {});
 
 // Points a tile may hold, as asked for or chosen. Error memory when it cannot be worked on within the memory.
 Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud);

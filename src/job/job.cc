@@ -1,8 +1,10 @@
 #include "src/job/job.h"
 
 #include <chrono>
+#include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -127,7 +129,11 @@ Result<JobSummary> make_result(const JobOptions& options, const Cloud& cloud, Re
 
 Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& open, ResultFolder& folder,
                                           Progress& progress, const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(cloud, open(options));
+  // Where the result goes there is room for what has to be unpacked.
+  std::error_code ignored;
+  const auto out = std::filesystem::absolute(folder.path(), ignored);
+  options.cloud.spool_folder = std::filesystem::is_directory(out, ignored) ? out : (out / "..").lexically_normal();
+  BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
   if (folder.resuming() && folder.state() == FolderState::finished) {
     // Stopped between its last two steps: the result is whole, only the run folder is left.

@@ -15,7 +15,7 @@
 namespace tessera {
 
 // Opens the points of a job, and settles options.cloud.dimension when it is 0. See open_cloud().
-using OpenCloud = std::function<Result<Cloud>(JobOptions& options)>;
+using OpenCloud = std::function<Result<Cloud>(JobOptions& options, const std::stop_token& stop)>;
 
 // Makes the result, or goes on with the run that `folder` holds. Nothing when that result was complete already. After
 // an error the caller says what shall stay: folder.abandon(), or, when it is `interrupted`, folder.interrupted().

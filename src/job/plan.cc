@@ -25,7 +25,7 @@ std::uint64_t expected_points(const std::vector<FileInfo>& files) {
   std::uint64_t points = 0;
   for (const auto& file : files) {
     // 28 bytes a point: three numbers of eight digits and their separators. Only text leaves it open.
-    points += file.points ? *file.points : file.bytes / 28;
+    points += file.points ? *file.points : file.content_bytes / 28;
   }
   return points;
 }

@@ -156,7 +156,8 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   RunFolder files(folder);
   BOOST_OUTCOME_TRYV(files.prepare(row > 0));
   std::uint64_t points_max = 0;  // a file cannot hold more points than bytes, whatever its header says
-  for (const FileInfo& file : cloud.files()) points_max += std::min(file.points.value_or(file.bytes), file.bytes);
+  for (const FileInfo& file : cloud.files())
+    points_max += std::min(file.points.value_or(file.content_bytes), file.content_bytes);
   {
     BOOST_OUTCOME_TRY(survey, survey_cloud(cloud, options, stop));
     progress.points_total = survey.total;

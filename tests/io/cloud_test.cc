@@ -66,8 +66,6 @@ TEST_F(CloudOfFiles, RefusesWhatIsNotThereOrNotAFile) {
   EXPECT_EQ(sentence(collect({at("none.las")})), at("none.las") + ": cannot be opened: No such file or directory");
   EXPECT_EQ(collect({at("none.las")}).error().code, Errc::io);
   EXPECT_EQ(sentence(collect({at("*.las")})), at("*.las") + ": no file matches this pattern");
-  EXPECT_EQ(sentence(collect({folder_.path().string()})),
-            folder_.path().string() + ": is a directory; name the files in it, as in '" + at("*.las") + "'");
   file("empty.las", "");
   EXPECT_EQ(sentence(collect({at("empty.las")})), at("empty.las") + ": is empty");
   file("what.bin", "some bytes of no format");

@@ -45,7 +45,7 @@ TEST(Plan, ACloudOfFewPointsNeedsLittleMemory) {
 TEST(Plan, PointsOfTextFilesAreGuessedFromTheirSize) {
   FileInfo told, text;
   told.points = 1000;
-  text.bytes = 28'000;
+  text.content_bytes = 28'000;
   EXPECT_EQ(expected_points({told, text}), 2000u);
 }
 

@@ -1,0 +1,91 @@
+// Work done by several threads whose results are used by one, in order.
+#pragma once
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstddef>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+// Calls take(i, make(i)) for i = 0 .. n-1: `make`, which gives a Result, on up to `threads` threads, at most twice as
+// many ahead; `take`, which gives a Status, on the calling thread by ascending i. The error is that of the lowest i,
+// whatever the threads; nothing of a higher i is taken then.
+template <class Make, class Take>
+Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& take) {
+  using Made = decltype(make(std::size_t{}));
+  if (threads <= 1 || n <= 1) {
+    for (std::size_t i = 0; i < n; ++i) {
+      BOOST_OUTCOME_TRY(made, make(i));
+      BOOST_OUTCOME_TRYV(take(i, std::move(made)));
+    }
+    return success();
+  }
+  struct Shared {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<std::optional<Made>> slots;
+    std::size_t next = 0, front = 0;  // the next to be made, and to be taken
+    bool stop = false;
+  } shared;
+  shared.slots.resize(2 * std::size_t{threads});
+
+  const auto work = [&] {
+    std::unique_lock lock(shared.mutex);
+    while (true) {
+      shared.changed.wait(
+          lock, [&] { return shared.stop || shared.next == n || shared.next < shared.front + shared.slots.size(); });
+      if (shared.stop || shared.next == n) return;
+      const std::size_t i = shared.next++;
+      lock.unlock();
+      Made made = [&]() -> Made {
+        try {
+          return make(i);
+        } catch (const std::bad_alloc&) {
+          return error(Errc::memory, "no memory is left to read the input files");
+        }
+      }();
+      lock.lock();
+      // What comes after an error is not needed; what comes before has been begun.
+      shared.stop = shared.stop || made.has_error();
+      shared.slots[i % shared.slots.size()].emplace(std::move(made));
+      shared.changed.notify_all();
+    }
+  };
+  struct Workers {
+    ~Workers() {
+      {
+        const std::lock_guard lock(shared.mutex);
+        shared.stop = true;
+      }
+      shared.changed.notify_all();
+    }
+    Shared& shared;
+    std::vector<std::jthread> threads;
+  } workers{shared, {}};
+  const auto useful = static_cast<unsigned>(std::min<std::size_t>(threads, n));
+  for (unsigned t = 0; t < useful; ++t) workers.threads.emplace_back(work);
+
+  for (std::size_t i = 0; i < n; ++i) {
+    std::unique_lock lock(shared.mutex);
+    auto& slot = shared.slots[i % shared.slots.size()];
+    shared.changed.wait(lock, [&] { return slot.has_value(); });
+    Made made = std::move(*slot);
+    slot.reset();
+    shared.front = i + 1;
+    shared.changed.notify_all();
+    lock.unlock();
+    if (made.has_error()) return std::move(made).error();
+    BOOST_OUTCOME_TRYV(take(i, std::move(made).value()));
+  }
+  return success();
+}
+
+}  // namespace tessera
