@@ -13,8 +13,9 @@ Result<Cloud> open_cloud(TriangulateOptions& options, std::stop_token stop) {
   if (!options.out.empty()) {
     // Where the result goes there is room for the points.
     std::error_code gone;
-    const auto out = std::filesystem::absolute(options.out, gone);
-    options.cloud.spool_folder = std::filesystem::is_directory(out, gone) ? out : (out / "..").lexically_normal();
+    auto folder = std::filesystem::absolute(options.out, gone).lexically_normal();
+    if (!folder.has_filename()) folder = folder.parent_path();  // "out/"
+    options.cloud.spool_folder = std::filesystem::is_directory(folder, gone) ? folder : folder.parent_path();
   }
   const bool open_dimension = options.cloud.dimension == 0;
   BOOST_OUTCOME_TRY(cloud, Cloud::open(options.inputs, options.cloud, std::move(stop)));
