@@ -38,11 +38,6 @@ Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, co
   return schema;
 }
 
-// What of the options lets a reader leave out points that the filter would drop, or be faster.
-ReadHints hints_of(const CloudOptions& options, std::uint32_t threads) {
-  return {.crop = options.crop, .resolution = options.resolution, .threads = threads};
-}
-
 struct Opened {
   FileInfo info;
   std::shared_ptr<const ByteSource> spooled;  // none if the file itself can be read again
@@ -88,7 +83,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   Spool spool(options.spool_folder, stop);
   BOOST_OUTCOME_TRY(
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
-  const auto hints = hints_of(options, 1);
+  const ReadHints hints{.crop = options.crop, .resolution = options.resolution};
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
     auto opened = open_input(inputs[i], hints, spool);
@@ -139,9 +134,10 @@ std::string Cloud::crs() const {
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
-                                                   std::uint32_t threads) const {
+                                                   ReadHints hints) const {
   const FileInfo& file = files_[index];
-  const auto hints = hints_of(options_, threads);
+  hints.crop = options_.crop;
+  hints.resolution = options_.resolution;
   if (spooled_[index]) return open_reader(share(spooled_[index]), schema, hints);
   BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints));
   // The partition was planned from the first look at the file; another content would be routed by a wrong plan.

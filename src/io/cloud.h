@@ -60,9 +60,9 @@ class Cloud {
   std::string crs() const;  // of the first file that has one
 
   // Every point in order, in batches; `visit`, which is called on the calling thread, may stop by returning an error.
-  // Coordinates have no -0. With several threads, small files are read ahead, each by one thread; large ones are read
-  // by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if there is one, do not
-  // depend on the number of threads.
+  // Coordinates have no -0. With several threads, small files and parts of text are read ahead, each by one thread;
+  // other large files are read by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if
+  // there is one, do not depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
@@ -70,9 +70,9 @@ class Cloud {
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:
-  // The reader of file `index`, which may use that many threads itself.
+  // The reader of file `index`; `hints` without what the options say.
   Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
-                                              std::uint32_t threads) const;
+                                              ReadHints hints) const;
 
   std::vector<FileInfo> files_;
   std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again

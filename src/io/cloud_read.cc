@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <new>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -18,14 +19,31 @@ namespace {
 
 using Sink = std::function<Status(CloudBatch&)>;
 
-// A file that is read ahead as a whole. What its header promises is checked when it is opened; text holds no more
-// points than two bytes each.
-constexpr std::uint64_t small_text_bytes = std::uint64_t{1} << 20;
-constexpr std::uint64_t small_rows_bytes = std::uint64_t{8} << 20;
+// Rows of text whose header names many columns may be much larger than their lines.
+constexpr std::size_t text_row_bytes_max = 128;
+constexpr std::uint64_t rows_bytes_max = std::uint64_t{8} << 20;
 
-bool is_small(const FileInfo& file, const std::vector<Attribute>& schema) {
-  if (!file.points) return file.content_bytes <= small_text_bytes;
-  return *file.points <= batch_points_max && *file.points * row_bytes(schema) <= small_rows_bytes;
+// A file, or a part of one, that one thread reads.
+struct Unit {
+  std::size_t file;
+  std::optional<std::uint64_t> part;  // none: the whole file
+  bool ahead;                         // small enough to be read before it is needed
+};
+
+std::vector<Unit> units_of(const std::vector<FileInfo>& files, const std::vector<Attribute>& schema) {
+  std::vector<Unit> units;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const FileInfo& file = files[i];
+    if (file.points) {
+      const bool small = *file.points <= batch_points_max && *file.points * row_bytes(schema) <= rows_bytes_max;
+      units.push_back({i, {}, small});
+    } else if (row_bytes(schema) > text_row_bytes_max) {
+      units.push_back({i, {}, false});
+    } else {
+      for (std::uint64_t part = 0; part < file.parts; ++part) units.push_back({i, part, true});
+    }
+  }
+  return units;
 }
 
 // Gives `sink` what the filter keeps of a file whose points have ids from first_id on, and counts it.
@@ -74,7 +92,7 @@ Status read_file_ahead(PointReader& reader, const PointFilter& filter, std::uint
   return queue.status();
 }
 
-struct SmallFile {
+struct ReadUnit {
   std::vector<CloudBatch> batches;  // with ids from 0 on
   CloudCounts counts;
 };
@@ -83,40 +101,47 @@ struct SmallFile {
 
 Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&)>& visit) const {
   const PointFilter filter(options_, schema_);
+  const std::vector<Unit> units = units_of(files_, filter.reader_schema());
   CloudCounts counts;
-  const auto add = [&](const CloudCounts& of_file) {
-    counts.read += of_file.read;
-    counts.invalid += of_file.invalid;
-    counts.filtered += of_file.filtered;
+  const auto add = [&](const CloudCounts& more) {
+    counts.read += more.read;
+    counts.invalid += more.invalid;
+    counts.filtered += more.filtered;
   };
-  const auto read_small = [&](std::size_t i) -> Result<SmallFile> {
-    SmallFile file;
-    if (!is_small(files_[i], filter.reader_schema())) return file;
-    BOOST_OUTCOME_TRY(reader, reopen(i, filter.reader_schema(), 1));
-    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, file.counts, [&](CloudBatch& batch) -> Status {
-      file.batches.push_back(std::move(batch));
+  const auto read_unit = [&](const Unit& unit) -> Result<ReadUnit> {
+    ReadUnit made;
+    BOOST_OUTCOME_TRY(reader, reopen(unit.file, filter.reader_schema(), ReadHints{.threads = 1, .part = unit.part}));
+    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, made.counts, [&](CloudBatch& batch) -> Status {
+      made.batches.push_back(std::move(batch));
       batch = {};
       return success();
     }));
-    return file;
+    return made;
   };
-  const auto deliver = [&](std::size_t i, SmallFile file) -> Status {
-    if (is_small(files_[i], filter.reader_schema())) {
-      for (auto& batch : file.batches) {
-        for (auto& p : batch.points) p.id += counts.read;
-        BOOST_OUTCOME_TRYV(visit(batch));
-      }
-      add(file.counts);
-      return success();
+  const auto read_ahead = [&](std::size_t i) -> Result<ReadUnit> {
+    if (!units[i].ahead) return ReadUnit{};
+    auto made = read_unit(units[i]);
+    if (made.has_value() || made.error().code != Errc::bad_input || units[i].part.value_or(0) == 0) return made;
+    // Only who has read all that is before it knows the line.
+    BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), ReadHints{.threads = 1}));
+    CloudCounts ignored;
+    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, ignored, [](CloudBatch&) -> Status { return success(); }));
+    return made;
+  };
+  const auto deliver = [&](std::size_t i, ReadUnit made) -> Status {
+    for (auto& batch : made.batches) {
+      for (auto& p : batch.points) p.id += counts.read;
+      BOOST_OUTCOME_TRYV(visit(batch));
     }
-    BOOST_OUTCOME_TRY(reader, reopen(i, filter.reader_schema(), options_.threads));
-    CloudCounts of_file;
-    const auto read = options_.threads > 1 ? read_file_ahead : read_file;
-    BOOST_OUTCOME_TRYV(read(*reader, filter, counts.read, of_file, visit));
-    add(of_file);
+    if (!units[i].ahead) {
+      BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), ReadHints{.threads = options_.threads}));
+      const auto read = options_.threads > 1 ? read_file_ahead : read_file;
+      BOOST_OUTCOME_TRYV(read(*reader, filter, counts.read, made.counts, visit));
+    }
+    add(made.counts);
     return success();
   };
-  BOOST_OUTCOME_TRYV(in_order(files_.size(), options_.threads, read_small, deliver));
+  BOOST_OUTCOME_TRYV(in_order(units.size(), options_.threads, read_ahead, deliver));
   return counts;
 }
 

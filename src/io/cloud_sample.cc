@@ -116,7 +116,8 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
       const auto estimate = estimated_points(file);
       const auto quota = static_cast<std::uint64_t>(std::min(share, 1.0) * static_cast<double>(estimate)) + 1;
       // One file is read by all threads, several by one each.
-      BOOST_OUTCOME_TRY(reader, reopen(i, filter.reader_schema(), files_.size() == 1 ? options_.threads : 1));
+      BOOST_OUTCOME_TRY(reader,
+                        reopen(i, filter.reader_schema(), {.threads = files_.size() == 1 ? options_.threads : 1}));
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
       // Where every seek has to decode points first, reading everything once may be less.

@@ -8,13 +8,13 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t line_bytes_max = std::size_t{1} << 20;
+constexpr std::size_t usual_block_bytes = std::size_t{1} << 18;
 
 }  // namespace
 
 LineReader::LineReader(std::unique_ptr<ByteSource> source, std::uint64_t offset)
     : source_(std::move(source)), start_(offset), position_(offset) {
-  // Twice the longest line; less for small files.
-  block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(2 * line_bytes_max, source_->size() + 1)));
+  block_.resize(static_cast<std::size_t>(std::min<std::uint64_t>(usual_block_bytes, source_->size() + 1)));
 }
 
 void LineReader::rewind() {
@@ -31,6 +31,8 @@ Status LineReader::fill() {
   std::memmove(block_.data(), block_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
+  // A long line, which does not fit in half of the block.
+  if (end_ > block_.size() / 2) block_.resize(2 * block_.size());
   const auto n = static_cast<std::size_t>(std::min<std::uint64_t>(block_.size() - end_, source_->size() - position_));
   BOOST_OUTCOME_TRYV(source_->read(position_, std::as_writable_bytes(std::span(block_).subspan(end_, n))));
   position_ += n;
@@ -44,13 +46,12 @@ Result<std::optional<std::string_view>> LineReader::next() {
     return static_cast<const char*>(std::memchr(block_.data() + from, '\n', end_ - from));
   };
   const char* end = find_end(begin_);
-  if (end == nullptr && position_ < source_->size()) {
+  while (end == nullptr && position_ < source_->size() && end_ - begin_ <= line_bytes_max) {
     const std::size_t known = end_ - begin_;
-    if (known <= line_bytes_max) {
-      BOOST_OUTCOME_TRYV(fill());
-    }
+    BOOST_OUTCOME_TRYV(fill());
     end = find_end(begin_ + known);
   }
+  line_at_ = position_ - (end_ - begin_);
   if (end == nullptr && begin_ == end_ && position_ >= source_->size()) {
     BOOST_OUTCOME_TRYV(source_->check_unchanged());
     return std::optional<std::string_view>();

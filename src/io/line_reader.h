@@ -22,9 +22,12 @@ class LineReader {
   Result<std::optional<std::string_view>> next();
   // Number of the line next() returned last, from 1 for the one at `offset`.
   std::uint64_t number() const { return number_; }
+  // Where in the source that line begins.
+  std::uint64_t line_at() const { return line_at_; }
   // Starts again at the first line.
   void rewind();
   const ByteSource& source() const { return *source_; }
+  std::unique_ptr<ByteSource> take_source() { return std::move(source_); }  // the end of this reader
   // "cloud.xyz, line 812: " + what.
   Error bad_line(const std::string& what) const;
   // Makes the line at `offset` number lines_before + 1.
@@ -38,7 +41,7 @@ class LineReader {
   std::uint64_t position_;  // of the first byte not yet in block_
   std::vector<char> block_;
   std::size_t begin_ = 0, end_ = 0;  // what of block_ is not yet returned
-  std::uint64_t number_ = 0, first_number_ = 0;
+  std::uint64_t number_ = 0, first_number_ = 0, line_at_ = 0;
 };
 
 }  // namespace tessera

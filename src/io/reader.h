@@ -26,6 +26,7 @@ struct FileInfo {
   std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
   std::vector<Attribute> attributes;     // what the file could give
   std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
+  std::uint64_t parts = 1;               // text: the parts in which it can be read, see ReadHints
   bool levels = false;                   // COPC: the points are sorted into levels of detail
   std::string packing;                   // "gzip" or "zstd" when the file is compressed as a whole
   std::uint64_t bytes = 0;               // of the file as it is
@@ -61,6 +62,9 @@ struct ReadHints {
   std::optional<Box> crop = {};  // closed box: points outside may be passed over
   double resolution = 0;         // COPC: read no finer octree level than one whose points are this far apart; 0: all
   std::uint32_t threads = 1;     // that may decompress at once
+  // Read this part alone, of those that FileInfo tells of: the parts one after the other give what the whole gives, but
+  // the lines that errors and place() name are counted from the begin of the part.
+  std::optional<std::uint64_t> part = {};
 };
 
 // Opens `path`, which is not compressed (see Spool), by its content, then by its name. `attributes`: the schema of

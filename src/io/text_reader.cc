@@ -15,6 +15,8 @@
 namespace tessera {
 namespace {
 
+constexpr std::uint64_t part_bytes = std::uint64_t{1} << 20;
+
 bool has_content(std::string_view line) {
   const std::size_t first = line.find_first_not_of(" \t");
   if (first == std::string_view::npos) return false;
@@ -26,7 +28,7 @@ bool has_content(std::string_view line) {
 Result<std::optional<std::string_view>> next_content(LineReader& lines) {
   while (true) {
     BOOST_OUTCOME_TRY(line, lines.next());
-    if (line && lines.number() == 1 && line->starts_with("\xEF\xBB\xBF")) line->remove_prefix(3);  // UTF-8 BOM
+    if (line && lines.line_at() == 0 && line->starts_with("\xEF\xBB\xBF")) line->remove_prefix(3);  // UTF-8 BOM
     if (!line || has_content(*line)) return line;
   }
 }
@@ -37,8 +39,15 @@ std::string shown(std::string_view field) {
 
 class TextReader : public PointReader {
  public:
-  TextReader(FileInfo info, LineReader lines, TextColumns columns, const std::vector<Attribute>& schema)
-      : info_(std::move(info)), lines_(std::move(lines)), columns_(std::move(columns)), row_bytes_(row_bytes(schema)) {
+  // Of the lines that follow, those that begin before `end`, but the one at `header_at`.
+  TextReader(FileInfo info, LineReader lines, std::uint64_t header_at, std::uint64_t end, TextColumns columns,
+             const std::vector<Attribute>& schema)
+      : info_(std::move(info)),
+        lines_(std::move(lines)),
+        header_at_(header_at),
+        end_(end),
+        columns_(std::move(columns)),
+        row_bytes_(row_bytes(schema)) {
     for (const auto c : columns_.coordinates) fields_used_ = std::max(fields_used_, c + 1);
     const auto offsets = row_offsets(schema);
     for (std::size_t i = 0; i < schema.size(); ++i) {
@@ -62,10 +71,11 @@ class TextReader : public PointReader {
     while (batch.points.size() < most) {
       BOOST_OUTCOME_TRY(line, next_content(lines_));
       if (!line) break;
-      if (columns_.has_header && !header_passed_) {
-        header_passed_ = true;
-        continue;
+      if (lines_.line_at() >= end_) {
+        BOOST_OUTCOME_TRYV(lines_.source().check_unchanged());
+        break;
       }
+      if (columns_.has_header && lines_.line_at() == header_at_) continue;
       BOOST_OUTCOME_TRYV(add(*line, batch));
     }
     return success();
@@ -116,13 +126,13 @@ class TextReader : public PointReader {
 
   FileInfo info_;
   LineReader lines_;
+  std::uint64_t header_at_, end_;
   TextColumns columns_;
   std::size_t row_bytes_;
   std::size_t fields_used_ = 0;
   std::vector<Cell> cells_;
   std::vector<std::string_view> fields_;
   std::vector<std::uint64_t> numbers_;  // the lines of the last batch's points
-  bool header_passed_ = false;
 };
 
 Status check_is_text(const ByteSource& source) {
@@ -135,13 +145,16 @@ Status check_is_text(const ByteSource& source) {
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
-                                               const std::vector<Attribute>& attributes) {
+                                               const std::vector<Attribute>& attributes,
+                                               std::optional<std::uint64_t> part) {
   BOOST_OUTCOME_TRYV(check_is_text(*source));
   FileInfo info = info_of(*source, "xyz");
+  info.parts = (source->size() + part_bytes - 1) / part_bytes;
 
   LineReader lines(std::move(source));
   BOOST_OUTCOME_TRY(first, next_content(lines));
   if (!first) return error(Errc::bad_input, info.path.string() + ": holds no points, only blank lines and comments");
+  const std::uint64_t header_at = lines.line_at();
   std::string header;
   std::string numbers(*first);
   if (is_header(*first)) {
@@ -154,6 +167,12 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   const std::string wrong = settle_columns(header, numbers, columns);
   if (!wrong.empty()) return lines.bad_line(wrong);
   lines.rewind();
+  const std::uint64_t end = part ? (*part + 1) * part_bytes : UINT64_MAX;
+  if (part && *part > 0) {
+    // The line that begins before the part ends in it, or just before it.
+    lines = LineReader(lines.take_source(), *part * part_bytes - 1);
+    BOOST_OUTCOME_TRYV(lines.next());
+  }
 
   info.dimension = static_cast<int>(columns.coordinates.size());
   const char* parted = columns.delimiter == Delimiter::comma       ? "commas"
@@ -163,7 +182,7 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   info.detail = std::string("text, columns parted by ") + parted + (columns.has_header ? ", with header" : "");
   for (const auto& extra : columns.extras) info.attributes.push_back(extra.attribute);
   return std::unique_ptr<PointReader>(
-      new TextReader(std::move(info), std::move(lines), std::move(columns), attributes));
+      new TextReader(std::move(info), std::move(lines), header_at, end, std::move(columns), attributes));
 }
 
 }  // namespace tessera

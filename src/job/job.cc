@@ -131,8 +131,9 @@ Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& o
                                           Progress& progress, const std::stop_token& stop) {
   // Where the result goes there is room for what has to be unpacked.
   std::error_code ignored;
-  const auto out = std::filesystem::absolute(folder.path(), ignored);
-  options.cloud.spool_folder = std::filesystem::is_directory(out, ignored) ? out : (out / "..").lexically_normal();
+  auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
+  if (!place.has_filename()) place = place.parent_path();  // "out/"
+  options.cloud.spool_folder = std::filesystem::is_directory(place, ignored) ? place : place.parent_path();
   BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
   if (folder.resuming() && folder.state() == FolderState::finished) {

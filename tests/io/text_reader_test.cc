@@ -125,5 +125,40 @@ TEST(SplitLine, KeepsDelimitersWithinQuotes) {
   EXPECT_EQ(fields, (std::vector<std::string_view>{"1", "2"}));
 }
 
+// All parts of a text, one after the other.
+Contents read_parts(const std::string& text, const std::vector<Attribute>& schema) {
+  Contents all;
+  const auto parts = open_bytes(bytes_of(text), "a.csv").value()->info().parts;
+  for (std::uint64_t part = 0; part < parts; ++part) {
+    const auto reader = open_bytes(bytes_of(text), "a.csv", schema, {.part = part});
+    const auto read = read_whole(*reader.value()).value();
+    all.points.insert(all.points.end(), read.points.begin(), read.points.end());
+    all.rows.insert(all.rows.end(), read.rows.begin(), read.rows.end());
+  }
+  return all;
+}
+
+TEST(TextReader, GivesInPartsWhatItGivesAsAWhole) {
+  constexpr std::size_t part = 1 << 20;
+  std::string many = "x,y,z,w\r\n";
+  for (int i = 0; i < 90'000; ++i)
+    many += std::to_string(i) + ",2,3," + std::to_string(i % 7) + (i % 5 == 0 ? "\r\n\n# no point\n" : "\r\n");
+  const std::string comment = "#" + std::string(part - 10, ' ') + "\n";
+  std::vector<std::string> texts{many, comment + comment + "x,y,z,w\n1,2,3,4\n" + comment + "5,6,7,8"};
+  // The border of the first two parts within, before and behind the end of a line.
+  for (std::size_t shift = 0; shift < 9; ++shift)
+    texts.push_back("1,2,3\n4,5," + std::string(part - 16 + shift, ' ') + "6\n7,8,9\n");
+  for (const std::string& text : texts) {
+    for (const auto& schema : {std::vector<Attribute>{}, std::vector<Attribute>{{"w", AttributeType::f64}}}) {
+      const auto whole = read_text(text, "a.csv", schema);
+      ASSERT_EQ(sentence(whole), "");
+      const auto parts = read_parts(text, schema);
+      EXPECT_EQ(parts.points, whole.value().points);
+      EXPECT_EQ(parts.rows, whole.value().rows);
+      EXPECT_GE(whole.value().points.size(), 2u);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tessera::testing_io

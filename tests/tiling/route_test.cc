@@ -202,6 +202,39 @@ TEST_F(Route, RoutesSeveralFilesAsOneCloud) {
   EXPECT_EQ(progress_.points_total, 3000u);
 }
 
+// Several formats, small files and one that is read while it is routed, points twice in a file and across files.
+TEST_F(Route, WritesTheSameBytesWhateverTheThreads) {
+  std::filesystem::create_directory(folder_ / "in");
+  const auto points = make_cloud("uniform", 3, 100'000);
+  write_npy(points, 3, "in/20.npy");
+  for (std::size_t i = 0; i < 30; ++i) {
+    const std::vector<Point> some(points.begin() + static_cast<std::ptrdiff_t>(i * 40),
+                                  points.begin() + static_cast<std::ptrdiff_t>(i * 40 + 100));
+    if (i % 2 == 0) {
+      write_npy(some, 3, "in/" + std::to_string(10 + i) + "_small.npy");
+    } else {
+      std::ofstream out(folder_ / "in" / (std::to_string(10 + i) + ".xyz"));
+      out.precision(17);
+      for (const Point& p : some) out << p.x << ' ' << p.y << ' ' << p.z << " 7\n" << (i == 5 ? "nan 1 2 3\n" : "");
+    }
+  }
+  std::map<std::string, std::string> expected;
+  for (const std::uint32_t threads : {1u, 2u, 5u}) {
+    CloudOptions options{.skip_invalid = true, .attributes = {"column_4"}, .threads = threads};
+    const auto run = route(open_cloud((folder_ / "in").string(), options), run_folder(), {.max_points_per_tile = 9000},
+                           progress_, {});
+    ASSERT_TRUE(run) << run.error().where;
+    std::map<std::string, std::string> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(run_folder())) {
+      std::ifstream in(entry.path(), std::ios::binary);
+      if (entry.is_regular_file()) files[entry.path()] = {std::istreambuf_iterator<char>(in), {}};
+    }
+    EXPECT_GT(files.size(), 20u);
+    if (expected.empty()) expected = files;
+    EXPECT_TRUE(files == expected) << threads << " threads";
+  }
+}
+
 TEST_F(Route, StopsWhenAskedAndLeavesNothing) {
   std::stop_source stop;
   stop.request_stop();
