@@ -96,7 +96,9 @@ class NewFolder {
   static Result<NewFolder> create(const fs::path& target) {
     fs::path temporary = target;
     temporary += ".tmp-" + std::to_string(::getpid());
-    BOOST_OUTCOME_TRYV(store::make_directories(temporary));
+    std::error_code code;
+    fs::create_directory(temporary, code);
+    if (code) return error(Errc::io, target.string() + ": cannot make the folder: " + code.message());
     return NewFolder(target, std::move(temporary));
   }
   NewFolder(NewFolder&& other) noexcept
@@ -108,19 +110,23 @@ class NewFolder {
   }
   const fs::path& path() const { return path_; }
 
-  // As a whole when there is none of that name; else file by file into it.
-  Status publish() {
+  // As a whole when there is none of that name; else file by file into it. Error usage when older files with `ending`
+  // would stay among the new ones.
+  Status publish(const std::string& ending) {
     std::error_code code;
     if (!fs::exists(target_, code)) {
       fs::rename(path_, target_, code);
     } else {
+      for (const auto& entry : fs::directory_iterator(target_, code))
+        if (entry.path().extension() == ending && !fs::exists(path_ / entry.path().filename(), code))
+          return error(Errc::usage, entry.path().string() + ": would stay among the new files; remove it first");
       std::vector<fs::path> files;
-      for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
+      if (!code)
+        for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
       for (const auto& file : files)
         if (!code) fs::rename(file, target_ / file.filename(), code);
     }
     if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
-    if (!fs::exists(path_, code)) path_.clear();
     return store::sync_folder(target_);
   }
 
@@ -170,7 +176,7 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
     names.push_back(name);
   }
   exported.files = names.size();
-  BOOST_OUTCOME_TRYV(folder.publish());
+  BOOST_OUTCOME_TRYV(folder.publish(source.format.ending));
   return exported;
 }
 
@@ -185,7 +191,7 @@ Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
   std::error_code code;
   exported.files =
       static_cast<std::uint64_t>(std::distance(fs::directory_iterator(folder.path(), code), fs::directory_iterator()));
-  BOOST_OUTCOME_TRYV(folder.publish());
+  BOOST_OUTCOME_TRYV(folder.publish(source.format.ending));
   return exported;
 }
 
