@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -90,6 +91,15 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
   return success();
 }
 
+// Error usage when `folder` has files of an older export that those named will not replace.
+Status check_leftovers(const fs::path& folder, const Format& format, const std::set<std::string>& names) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.path().extension() == format.ending && !names.contains(entry.path().filename()))
+      return error(Errc::usage, entry.path().string() + ": would stay among the new files; remove it first");
+  return success();
+}
+
 // A folder under a temporary name, removed with all that is in it unless it was moved to its place.
 class NewFolder {
  public:
@@ -110,19 +120,14 @@ class NewFolder {
   }
   const fs::path& path() const { return path_; }
 
-  // As a whole when there is none of that name; else file by file into it. Error usage when older files with `ending`
-  // would stay among the new ones.
-  Status publish(const std::string& ending) {
+  // As a whole when there is none of that name; else file by file into it.
+  Status publish() {
     std::error_code code;
     if (!fs::exists(target_, code)) {
       fs::rename(path_, target_, code);
     } else {
-      for (const auto& entry : fs::directory_iterator(target_, code))
-        if (entry.path().extension() == ending && !fs::exists(path_ / entry.path().filename(), code))
-          return error(Errc::usage, entry.path().string() + ": would stay among the new files; remove it first");
       std::vector<fs::path> files;
-      if (!code)
-        for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
+      for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
       for (const auto& file : files)
         if (!code) fs::rename(file, target_ / file.filename(), code);
     }
@@ -153,17 +158,17 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
 }
 
 Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
+  std::vector<std::string> names;
+  for (const auto& entry : source.manifest.tiles)
+    names.push_back(tile_file("", TileId{entry.tile}).filename().replace_extension(source.format.ending));
+  BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < source.manifest.tiles.size(); ++i) {
-    const auto name =
-        tile_file("", TileId{source.manifest.tiles[i].tile}).filename().replace_extension(source.format.ending);
-    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / name));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / names[i]));
     exported.vertices += piece.own_vertices;
     exported.cells += piece.cells;
     exported.bytes += piece.bytes;
-    names.push_back(name.string());
   }
   if (exported.vertices != source.manifest.vertices || exported.cells != source.manifest.cells)
     return error(Errc::corrupt, source.out.string() + ": the tiles do not hold what the manifest counts");
@@ -176,7 +181,7 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
     names.push_back(name);
   }
   exported.files = names.size();
-  BOOST_OUTCOME_TRYV(folder.publish(source.format.ending));
+  BOOST_OUTCOME_TRYV(folder.publish());
   return exported;
 }
 
@@ -189,9 +194,11 @@ Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   exported.bytes = bytes;
   std::error_code code;
-  exported.files =
-      static_cast<std::uint64_t>(std::distance(fs::directory_iterator(folder.path(), code), fs::directory_iterator()));
-  BOOST_OUTCOME_TRYV(folder.publish(source.format.ending));
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path(), code)) names.insert(entry.path().filename());
+  BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, names));
+  exported.files = names.size();
+  BOOST_OUTCOME_TRYV(folder.publish());
   return exported;
 }
 
