@@ -164,8 +164,9 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;
+  std::uint64_t done = 0;
   for (std::size_t i = 0; i < names.size(); ++i) {
-    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / names[i]));
+    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / names[i], done));
     exported.vertices += piece.own_vertices;
     exported.cells += piece.cells;
     exported.bytes += piece.bytes;
@@ -211,8 +212,12 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
-  const exports::MeshSource source{
-      .out = out, .manifest = manifest, .format = *target.format, .heights = options.heights, .stop = stop};
+  const exports::MeshSource source{.out = out,
+                                   .manifest = manifest,
+                                   .format = *target.format,
+                                   .heights = options.heights,
+                                   .stop = stop,
+                                   .progress = options.progress};
   auto exported = !target.folder                                   ? export_file(source, target)
                   : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
                                                                    : export_tiles(source, target);
