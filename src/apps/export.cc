@@ -1,12 +1,16 @@
 // tessera export: a result folder as a file for other programs.
 #include "src/export/export.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/apps/arguments.h"
@@ -18,6 +22,19 @@
 namespace tessera {
 namespace {
 
+// A line on the terminal, redrawn when its percentage changes; nothing elsewhere.
+std::function<void(double)> progress_line(const OutputOptions& output) {
+  if (output.quiet || output.json || output.verbose || isatty(STDERR_FILENO) == 0) return {};
+  return [shown = -1](double fraction) mutable {
+    const int percent = static_cast<int>(fraction * 100);
+    if (percent == shown) return;
+    shown = percent;
+    // The end is not the end: a spatial index may follow, and writing back to disk.
+    const std::string text = percent < 100 ? "exporting " + std::to_string(percent) + " %" : "finishing     ";
+    std::fprintf(stderr, "\r%s", text.c_str());
+  };
+}
+
 Status run_export(Settings& settings, const std::string& folder) {
   const std::filesystem::path target = settings.text("output").value_or("");
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera export --help'");
@@ -27,11 +44,15 @@ Status run_export(Settings& settings, const std::string& folder) {
   if (output.verbose) log_everything();
 
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
-  const ExportOptions options{
-      .format = settings.text("format").value_or(""), .heights = heights.value_or(true), .overwrite = overwrite};
+  const ExportOptions options{.format = settings.text("format").value_or(""),
+                              .heights = heights.value_or(true),
+                              .overwrite = overwrite,
+                              .progress = progress_line(output)};
 
   const Interrupt interrupt;
-  BOOST_OUTCOME_TRY(exported, export_result(folder, target, options, interrupt.token()));
+  auto result = export_result(folder, target, options, interrupt.token());
+  if (options.progress) std::fprintf(stderr, "\r\x1b[K");
+  BOOST_OUTCOME_TRY(exported, std::move(result));
   if (output.json) {
     const nlohmann::ordered_json object{{"event", "exported"},           {"output", target.string()},
                                         {"vertices", exported.vertices}, {"cells", exported.cells},

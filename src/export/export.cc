@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -90,13 +91,24 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
   return success();
 }
 
+// Error usage when `folder` has files of an older export that those named will not replace.
+Status check_leftovers(const fs::path& folder, const Format& format, const std::set<std::string>& names) {
+  std::error_code code;
+  for (const auto& entry : fs::directory_iterator(folder, code))
+    if (entry.path().extension() == format.ending && !names.contains(entry.path().filename()))
+      return error(Errc::usage, entry.path().string() + ": would stay among the new files; remove it first");
+  return success();
+}
+
 // A folder under a temporary name, removed with all that is in it unless it was moved to its place.
 class NewFolder {
  public:
   static Result<NewFolder> create(const fs::path& target) {
     fs::path temporary = target;
     temporary += ".tmp-" + std::to_string(::getpid());
-    BOOST_OUTCOME_TRYV(store::make_directories(temporary));
+    std::error_code code;
+    fs::create_directory(temporary, code);
+    if (code) return error(Errc::io, target.string() + ": cannot make the folder: " + code.message());
     return NewFolder(target, std::move(temporary));
   }
   NewFolder(NewFolder&& other) noexcept
@@ -120,7 +132,6 @@ class NewFolder {
         if (!code) fs::rename(file, target_ / file.filename(), code);
     }
     if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
-    if (!fs::exists(path_, code)) path_.clear();
     return store::sync_folder(target_);
   }
 
@@ -147,17 +158,18 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
 }
 
 Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
+  std::vector<std::string> names;
+  for (const auto& entry : source.manifest.tiles)
+    names.push_back(tile_file("", TileId{entry.tile}).filename().replace_extension(source.format.ending));
+  BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < source.manifest.tiles.size(); ++i) {
-    const auto name =
-        tile_file("", TileId{source.manifest.tiles[i].tile}).filename().replace_extension(source.format.ending);
-    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / name));
+  std::uint64_t done = 0;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / names[i], done));
     exported.vertices += piece.own_vertices;
     exported.cells += piece.cells;
     exported.bytes += piece.bytes;
-    names.push_back(name.string());
   }
   if (exported.vertices != source.manifest.vertices || exported.cells != source.manifest.cells)
     return error(Errc::corrupt, source.out.string() + ": the tiles do not hold what the manifest counts");
@@ -183,8 +195,10 @@ Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   exported.bytes = bytes;
   std::error_code code;
-  exported.files =
-      static_cast<std::uint64_t>(std::distance(fs::directory_iterator(folder.path(), code), fs::directory_iterator()));
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder.path(), code)) names.insert(entry.path().filename());
+  BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, names));
+  exported.files = names.size();
   BOOST_OUTCOME_TRYV(folder.publish());
   return exported;
 }
@@ -198,8 +212,12 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
-  const exports::MeshSource source{
-      .out = out, .manifest = manifest, .format = *target.format, .heights = options.heights, .stop = stop};
+  const exports::MeshSource source{.out = out,
+                                   .manifest = manifest,
+                                   .format = *target.format,
+                                   .heights = options.heights,
+                                   .stop = stop,
+                                   .progress = options.progress};
   auto exported = !target.folder                                   ? export_file(source, target)
                   : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
                                                                    : export_tiles(source, target);

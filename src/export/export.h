@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <stop_token>
 #include <string>
 
@@ -12,9 +13,10 @@
 namespace tessera {
 
 struct ExportOptions {
-  std::string format = {};  // one of export_format_names(); empty: as the ending of the target says
-  bool heights = true;      // 2D: the attribute "z", if there is one, becomes the third coordinate
-  bool overwrite = false;   // replace files
+  std::string format = {};                    // one of export_format_names(); empty: as the ending of the target says
+  bool heights = true;                        // 2D: the attribute "z", if there is one, becomes the third coordinate
+  bool overwrite = false;                     // replace files
+  std::function<void(double)> progress = {};  // is told the part that is done, 0..1, now and then; or null
 };
 
 struct Exported {

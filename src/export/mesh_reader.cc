@@ -56,24 +56,30 @@ class Rows {
   std::optional<std::size_t> height_at_;
 };
 
-// Asks now and then, not at each of millions, whether to go on.
+// Asks now and then, not at each of millions, whether to go on; and tells how far it is.
 class Watch {
  public:
-  Watch(const MeshSource& source, MeshWriter& writer) : stop_(source.stop), writer_(writer) {}
+  // `done`: the vertices and cells that earlier watches have seen.
+  Watch(const MeshSource& source, MeshWriter& writer, std::uint64_t done = 0)
+      : source_(source), writer_(writer), done_(done) {}
   Status step() {
-    constexpr unsigned every = 1 << 16;
-    if (++steps_ % every != 0) return success();
+    constexpr std::uint64_t every = 1 << 16;
+    if (++done_ % every != 0) return success();
     return look();
   }
   Status look() {
-    if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
+    if (source_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
+    const auto& manifest = source_.manifest;
+    const std::uint64_t all = manifest.cells + (source_.format.corners ? 0 : manifest.vertices) + 1;
+    if (source_.progress) source_.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all)));
     return writer_.check();
   }
+  std::uint64_t done() const { return done_; }
 
  private:
-  std::stop_token stop_;
+  const MeshSource& source_;
   MeshWriter& writer_;
-  unsigned steps_ = 0;
+  std::uint64_t done_;
 };
 
 // More than announced would run into the next array of a file.
@@ -207,7 +213,7 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
   return watch.look();
 }
 
-Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const fs::path& path) {
+Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const fs::path& path, std::uint64_t& done) {
   const Rows rows(source);
   BOOST_OUTCOME_TRY(tile, load(source, index, true));
   BOOST_OUTCOME_TRYV(rows.lift(source, tile));
@@ -225,7 +231,7 @@ Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const
   for (auto& number : numbers)
     if (number != unused) number = head.vertices++;
   BOOST_OUTCOME_TRY(writer, source.format.open(path, head));
-  Watch watch(source, *writer);
+  Watch watch(source, *writer, done);
   if (!source.format.corners) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (numbers[i] == unused) continue;
@@ -235,6 +241,7 @@ Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const
   }
   BOOST_OUTCOME_TRYV(give_cells(source, tile, index, 0, numbers, *writer, watch));
   BOOST_OUTCOME_TRYV(watch.look());
+  done = watch.done();
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   piece.bytes = bytes;
   return piece;

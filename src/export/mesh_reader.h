@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <stop_token>
 
 #include "src/export/formats.h"
@@ -19,6 +20,7 @@ struct MeshSource {
   const Format& format;
   bool heights = true;
   std::stop_token stop = {};
+  std::function<void(double)> progress = {};  // or null
 };
 
 // All tiles to one writer, whose head is head_of(): own vertices tile by tile, then the cells. Reads the tiles up to
@@ -29,7 +31,9 @@ Status read_merged(const MeshSource& source, MeshWriter& writer);
 struct TilePiece {
   std::uint64_t own_vertices = 0, cells = 0, bytes = 0;
 };
-// One tile to a file of its own: its main cells and the vertices they use, numbered from 0.
-Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const std::filesystem::path& path);
+// One tile to a file of its own: its main cells and the vertices they use, numbered from 0. `done`: how many vertices
+// and cells all calls together have written, for the progress.
+Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const std::filesystem::path& path,
+                              std::uint64_t& done);
 
 }  // namespace tessera::exports

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 
 namespace tessera::exports {
@@ -30,10 +31,11 @@ Result<std::uint64_t> OutputFile::finish() {
   return static_cast<std::uint64_t>(status.st_size);
 }
 
-void Stream::write() {
-  if (status_) status_ = store::write_at(fd_, buffer_, offset_, path_);
-  offset_ += buffer_.size();
-  buffer_.clear();
+void Stream::write(std::size_t wanted) {
+  if (status_) status_ = store::write_at(fd_, std::span(buffer_).first(used_), offset_, path_);
+  offset_ += used_;
+  used_ = 0;
+  if (buffer_.size() < std::max(buffer_bytes, wanted)) buffer_.resize(std::max(buffer_bytes, wanted));
 }
 
 Status Stream::flush() {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -45,25 +46,29 @@ class Stream {
   // The shortest digits that read back as the same number.
   template <class T>
   void digits(T value) {
-    char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-    text({buffer, static_cast<std::size_t>(end - buffer)});
+    constexpr std::size_t most = 32;
+    if (buffer_.size() - used_ < most) write();
+    char* at = reinterpret_cast<char*>(buffer_.data()) + used_;
+    used_ += static_cast<std::size_t>(std::to_chars(at, at + most, value).ptr - at);
   }
   void bytes(std::span<const std::byte> bytes) {
-    if (buffer_.size() + bytes.size() > buffer_bytes) write();
-    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+    if (buffer_.size() - used_ < bytes.size()) write(bytes.size());
+    std::memcpy(buffer_.data() + used_, bytes.data(), bytes.size());
+    used_ += bytes.size();
   }
-  std::uint64_t offset() const { return offset_ + buffer_.size(); }
+  std::uint64_t offset() const { return offset_ + used_; }
   const Status& status() const { return status_; }
   Status flush();
 
  private:
   static constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
-  void write();
+  // Empties the buffer, and has room for `wanted` bytes then.
+  void write(std::size_t wanted = 0);
   int fd_;
   std::filesystem::path path_;
   std::uint64_t offset_;
   std::vector<std::byte> buffer_;
+  std::size_t used_ = 0;
   Status status_ = success();
 };
 

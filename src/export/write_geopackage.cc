@@ -100,7 +100,7 @@ class GeoPackageWriter : public MeshWriter {
         heights_(heights) {}
 
   // GDAL wants the ending.
-  static fs::path temporary_name(fs::path path) { return path.replace_extension(".tmp.gpkg"); }
+  static fs::path temporary_name(const fs::path& path) { return store::temporary_name(path).string() + ".gpkg"; }
 
   Error refused(const std::string& what) const {
     return error(Errc::io, path_.string() + ": " + what + ": " + quiet_.message());

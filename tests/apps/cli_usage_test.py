@@ -110,7 +110,7 @@ class Sources(CliTest):
 
 
 KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class",
-                              "attributes", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
+                              "attributes", "z", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
                               "against-cgal", "scratch", "format", "seed"]}
 
 if __name__ == "__main__":

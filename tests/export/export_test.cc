@@ -94,13 +94,31 @@ TEST(Export, WhatExistsIsReplacedOnlyOnDemand) {
   EXPECT_EQ(names, (std::set<std::string>{"a.csv", "a.gpkg", "a.ply", "a.vrt", "tiles"}));
 }
 
+TEST(Export, FilesOfAnotherExportDoNotStayAmongNewOnes) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  const fs::path tiles = target.path() / "tiles";
+  ASSERT_TRUE(export_result(folder.path(), tiles, {.format = "ply"}, {}));
+  fs::copy(tiles / "000000.ply", tiles / "000017.ply");
+  const auto result = export_result(folder.path(), tiles, {.format = "ply", .overwrite = true}, {});
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().where.find("000017.ply"), std::string::npos);
+  fs::rename(tiles / "000017.ply", tiles / "notes.txt");
+  EXPECT_TRUE(export_result(folder.path(), tiles, {.format = "ply", .overwrite = true}, {}));
+  EXPECT_TRUE(fs::exists(tiles / "notes.txt"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(target.path()), fs::directory_iterator()), 1);
+}
+
 TEST(Export, AFolderThatDoesNotExistIsAnIoError) {
   const TemporaryFolder folder;
   store_flat(folder.path());
   for (const std::string name : flat_formats) {
-    const auto result = export_result(folder.path(), folder.path() / "no" / ("a." + name), {}, {});
-    ASSERT_FALSE(result) << name;
-    EXPECT_EQ(result.error().code, Errc::io) << name;
+    for (const std::string& file : {"a." + name, std::string("tiles")}) {
+      const auto result = export_result(folder.path(), folder.path() / "no" / file, {.format = name}, {});
+      ASSERT_FALSE(result) << name;
+      EXPECT_EQ(result.error().code, Errc::io) << name;
+      EXPECT_FALSE(fs::exists(folder.path() / "no"));
+    }
   }
 }
 

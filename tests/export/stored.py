@@ -1,6 +1,7 @@
 """The result that the command wrote, as h5py reads it, and results to export."""
 import json
 import pathlib
+import shutil
 
 import h5py
 import numpy as np
@@ -30,12 +31,6 @@ class Stored:
             self.points = {i: (x, y, self.attributes["z"][i]) for i, (x, y, _) in self.points.items()}
         self.cells = sorted(map(tuple, np.concatenate(cells).tolist()))
 
-    def volume(self, flat=True):
-        ids = np.array(self.cells)
-        lookup = np.array([self.points[i] for i in sorted(self.points)])
-        corners = lookup[np.searchsorted(sorted(self.points), ids)]
-        return volumes(corners[:, :, :self.dimension]).sum()
-
 
 def volumes(corners):
     """Of cells given as an array m x (d+1) x d: signed areas or volumes."""
@@ -49,6 +44,7 @@ class ExportTest(CliTest):
         return Stored(self.out)
 
     def export(self, target, *options):
+        shutil.rmtree(self.folder / target, ignore_errors=True)  # a folder of an earlier export
         self.ok("export", self.out, "-o", target, "--quiet", "--overwrite", *options)
         return self.folder / target
 
