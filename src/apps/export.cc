@@ -44,8 +44,10 @@ Status run_export(Settings& settings, const std::string& folder) {
   if (output.verbose) log_everything();
 
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
+  BOOST_OUTCOME_TRY(index, settings.get("index", [](const std::string& text) { return parse_switch(text); }));
   const ExportOptions options{.format = settings.text("format").value_or(""),
                               .heights = heights.value_or(true),
+                              .spatial_index = index.value_or(true),
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
@@ -80,6 +82,8 @@ Command add_export(CLI::App& root) {
   add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
             'o', true);
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
+  add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
+             false, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();

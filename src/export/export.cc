@@ -142,7 +142,7 @@ class NewFolder {
 
 Result<Exported> export_file(const MeshSource& source, const Target& target) {
   const Format& format = source.format;
-  const MeshHead head = head_of(source.manifest, format, source.heights);
+  const MeshHead head = head_of(source);
   Exported exported{.vertices = head.vertices, .cells = head.cells, .files = 1};
   BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
   BOOST_OUTCOME_TRYV(read_merged(source, *writer));
@@ -174,7 +174,7 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
   if (exported.vertices != source.manifest.vertices || exported.cells != source.manifest.cells)
     return error(Errc::corrupt, source.out.string() + ": the tiles do not hold what the manifest counts");
   if (source.format.index != nullptr) {
-    const MeshHead head = head_of(source.manifest, source.format, source.heights);
+    const MeshHead head = head_of(source);
     const std::string text = source.format.index(head, names);
     const auto name = std::string("triangulation") + source.format.index_ending;
     BOOST_OUTCOME_TRYV(store::write_whole(folder.path() / name, text));
@@ -188,7 +188,7 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
 
 Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
-  const MeshHead head = head_of(source.manifest, source.format, source.heights);
+  const MeshHead head = head_of(source);
   Exported exported{.vertices = head.vertices, .cells = head.cells};
   BOOST_OUTCOME_TRY(writer, source.format.open(folder.path(), head));
   BOOST_OUTCOME_TRYV(read_merged(source, *writer));
@@ -212,12 +212,8 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
-  const exports::MeshSource source{.out = out,
-                                   .manifest = manifest,
-                                   .format = *target.format,
-                                   .heights = options.heights,
-                                   .stop = stop,
-                                   .progress = options.progress};
+  const exports::MeshSource source{
+      .out = out, .manifest = manifest, .format = *target.format, .options = options, .stop = stop};
   auto exported = !target.folder                                   ? export_file(source, target)
                   : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
                                                                    : export_tiles(source, target);

@@ -15,6 +15,7 @@ namespace tessera {
 struct ExportOptions {
   std::string format = {};                    // one of export_format_names(); empty: as the ending of the target says
   bool heights = true;                        // 2D: the attribute "z", if there is one, becomes the third coordinate
+  bool spatial_index = true;                  // of a GeoPackage
   bool overwrite = false;                     // replace files
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1, now and then; or null
 };

@@ -22,7 +22,7 @@ bool is_height(const Attribute& attribute) { return attribute.name == "z" && att
 class Rows {
  public:
   explicit Rows(const MeshSource& source) : stride_(row_bytes(source.manifest.schema)) {
-    if (source.manifest.dimension != 2 || !source.heights || source.format.heights_apart) return;
+    if (source.manifest.dimension != 2 || !source.options.heights || source.format.heights_apart) return;
     std::size_t offset = 0;
     for (const auto& attribute : source.manifest.schema) {
       if (is_height(attribute)) height_at_ = offset;
@@ -71,7 +71,8 @@ class Watch {
     if (source_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
     const auto& manifest = source_.manifest;
     const std::uint64_t all = manifest.cells + (source_.format.corners ? 0 : manifest.vertices) + 1;
-    if (source_.progress) source_.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all)));
+    if (source_.options.progress)
+      source_.options.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all)));
     return writer_.check();
   }
   std::uint64_t done() const { return done_; }
@@ -136,31 +137,30 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
   return success();
 }
 
-std::uint64_t count_main(const std::vector<std::uint8_t>& ghosts) {
-  return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
-}
-
-std::uint64_t count_main(const BigVector<std::uint8_t>& ghosts) {
+template <class Ghosts>
+std::uint64_t count_main(const Ghosts& ghosts) {
   return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
 }
 
 }  // namespace
 
-MeshHead head_of(const Manifest& manifest, const Format& format, bool heights) {
+MeshHead head_of(const MeshSource& source) {
+  const Manifest& manifest = source.manifest;
   MeshHead head;
   head.dimension = manifest.dimension;
   head.vertices = manifest.vertices;
   head.cells = manifest.cells;
   head.ids = manifest.points_read;
-  head.neighbors = format.neighbors && manifest.neighbors;
+  head.neighbors = source.format.neighbors && manifest.neighbors;
+  head.spatial_index = source.options.spatial_index;
   head.crs = manifest.crs;
   head.software_version = manifest.software_version;
   std::size_t offset = 0;
   for (const auto& attribute : manifest.schema) {
     const bool height = manifest.dimension == 2 && is_height(attribute);
-    if (height && !format.heights_apart) {
-      head.heights = heights;
-    } else if (!height || heights) {
+    if (height && !source.format.heights_apart) {
+      head.heights = source.options.heights;
+    } else if (!height || source.options.heights) {
       head.columns.push_back({attribute.name, attribute.type, offset});
     }
     offset += size_of(attribute.type);
@@ -225,7 +225,7 @@ Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const
     if (mesh.cell_ghost[i] != 0) continue;
     for (std::size_t k = 0; k < corners; ++k) numbers[static_cast<std::size_t>(mesh.cells[i * corners + k])] = 0;
   }
-  MeshHead head = head_of(source.manifest, source.format, source.heights);
+  MeshHead head = head_of(source);
   head.cells = piece.cells;
   head.vertices = 0;
   for (auto& number : numbers)

@@ -2,26 +2,24 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <stop_token>
 
+#include "src/export/export.h"
 #include "src/export/formats.h"
 #include "src/store/tile_store.h"
 
 namespace tessera::exports {
 
-// What a writer of `format` is told of the whole result. With `heights` the attribute "z" of a 2D result becomes the
-// third coordinate.
-MeshHead head_of(const Manifest& manifest, const Format& format, bool heights);
-
 struct MeshSource {
   const std::filesystem::path& out;
   const Manifest& manifest;
   const Format& format;
-  bool heights = true;
+  const ExportOptions& options;
   std::stop_token stop = {};
-  std::function<void(double)> progress = {};  // or null
 };
+
+// What a writer of the whole result is told.
+MeshHead head_of(const MeshSource& source);
 
 // All tiles to one writer, whose head is head_of(): own vertices tile by tile, then the cells. Reads the tiles up to
 // three times. Errors: those of reading; corrupt when the tiles do not hold what the manifest counts; those of the

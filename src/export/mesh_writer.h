@@ -27,6 +27,7 @@ struct MeshHead {
   std::uint64_t vertices = 0, cells = 0;
   std::uint64_t ids = 0;  // every id is less
   bool neighbors = false;
+  bool spatial_index = true;
   std::vector<Column> columns;
   std::string crs;
   std::string software_version;

@@ -45,7 +45,7 @@ class GeoPackageWriter : public MeshWriter {
     BOOST_OUTCOME_TRY(gdal, gdal_library());
     BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, head.crs));
     auto writer = std::unique_ptr<GeoPackageWriter>(new GeoPackageWriter(*gdal, path, head.heights));
-    BOOST_OUTCOME_TRYV(writer->create(reference.get()));
+    BOOST_OUTCOME_TRYV(writer->create(reference.get(), head.spatial_index));
     return std::unique_ptr<MeshWriter>(std::move(writer));
   }
   ~GeoPackageWriter() override {
@@ -106,7 +106,7 @@ class GeoPackageWriter : public MeshWriter {
     return error(Errc::io, path_.string() + ": " + what + ": " + quiet_.message());
   }
 
-  Status create(OGRSpatialReferenceH reference) {
+  Status create(OGRSpatialReferenceH reference, bool spatial_index) {
     gdal_.GDALAllRegister();
     std::error_code code;
     fs::remove(temporary_.path(), code);
@@ -115,8 +115,10 @@ class GeoPackageWriter : public MeshWriter {
     if (driver == nullptr) return error(Errc::io, "this GDAL cannot write GeoPackage");
     dataset_ = gdal_.GDALCreate(driver, temporary_.path().c_str(), 0, 0, 0, GDT_Unknown, nullptr);
     if (dataset_ == nullptr) return refused("cannot create");
+    char choice[] = "SPATIAL_INDEX=NO";
+    char* choices[] = {choice, nullptr};
     layer_ = gdal_.GDALDatasetCreateLayer(dataset_, "triangulation", reference, heights_ ? wkbPolygon25D : wkbPolygon,
-                                          nullptr);
+                                          spatial_index ? nullptr : choices);
     if (layer_ == nullptr) return refused("cannot create its table");
     for (const char* name : fields) {
       const OGRFieldDefnH field = gdal_.OGR_Fld_Create(name, OFTInteger64);

@@ -22,6 +22,13 @@ hsize_t rows_of(const ArrayInfo& array, const TileEntry& entry, int dimension) {
   return 0;
 }
 
+// HDF5 takes % in the name of a source for the start of a pattern, and %% for %.
+std::string without_patterns(const std::string& name) {
+  std::string result;
+  for (const char c : name) result += c == '%' ? "%%" : std::string(1, c);
+  return result;
+}
+
 bool create_virtual(hid_t group, const ArrayInfo& array, const Manifest& manifest) {
   const auto shape = [&](hsize_t rows) {
     return array.columns == 1 ? std::vector<hsize_t>{rows} : std::vector<hsize_t>{rows, array.columns};
@@ -44,7 +51,8 @@ bool create_virtual(hid_t group, const ArrayInfo& array, const Manifest& manifes
     const Hdf5Handle source = space_of(count);
     // Relative names: HDF5 looks beside the master file, so the folder can be moved.
     const std::string file = tile_file("", TileId{entry.tile}).generic_string();
-    if (H5Pset_virtual(properties, space, file.c_str(), ("/VTKHDF/" + array.name).c_str(), source) < 0) return false;
+    const std::string dataset = without_patterns("/VTKHDF/" + array.name);
+    if (H5Pset_virtual(properties, space, file.c_str(), dataset.c_str(), source) < 0) return false;
     first += rows;
   }
   const Hdf5Handle whole = space_of(shape(total));

@@ -75,6 +75,12 @@ class Places(ExportTest):
         base.close()
         self.assertEqual([name for name in self.files() if name.startswith("a.")], ["a.gpkg"])
 
+    def test_a_spatial_index_can_be_left_out(self):
+        self.stored(self.xyz(n=50), "--dim", "2")
+        base = sqlite3.connect(self.export("a.gpkg", "--no-index"))
+        self.assertEqual(base.execute("select name from sqlite_master where name like 'rtree%'").fetchall(), [])
+        base.close()
+
     def test_columns_of_the_table_are_those_of_the_authors(self):
         self.stored(self.xyz(n=50), "--dim", "2")
         path = self.export("a.csv")

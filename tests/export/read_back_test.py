@@ -158,12 +158,11 @@ class Flat(Case):
 class Attributes(ExportTest):
     def cloud(self):
         rng = random.Random(5)
-        names = ["weight", 'a "quoted" <name> & more', "two words", "points", "tile"]
         head = ("ply\nformat ascii 1.0\nelement vertex 200\nproperty double x\nproperty double y\nproperty double z\n"
                 "property float weight\nproperty uchar a\"quoted\"<b>&c\nproperty short points\nproperty int tile\nend_header\n")
         rows = "".join(f"{rng.random()} {rng.random()} {rng.random()} {rng.randrange(64) / 8} {rng.randrange(256)} "
                        f"{rng.randrange(-999, 999)} {rng.randrange(10 ** 6)}\n" for _ in range(200))
-        return self.write("cloud.ply", head + rows), names
+        return self.write("cloud.ply", head + rows)
 
     def check_data(self, stored, ids, data):
         for name, values in stored.attributes.items():
@@ -173,7 +172,7 @@ class Attributes(ExportTest):
 
     def test_vtk_and_numpy_find_every_attribute_at_its_point(self):
         for dimension in (2, 3):
-            stored = self.stored(self.cloud()[0], "--dim", dimension, "--attributes", "all", "--tiles", "3", "--overwrite")
+            stored = self.stored(self.cloud(), "--dim", dimension, "--attributes", "all", "--tiles", "3", "--overwrite")
             self.assertIn('a"quoted"<b>&c', stored.attributes)
             for path, read in [(self.export("mesh.vtu"), readers.vtu),
                                (self.export("parts", "--format", "vtu") / "triangulation.pvtu", readers.pvtu)]:
@@ -189,6 +188,24 @@ class Attributes(ExportTest):
         points, cells, data = readers.ply_with_cells(self.export("mesh.ply"))
         self.check_data(stored, self.check_mesh(stored, points, cells), data)
         self.assertEqual(data["id"].tolist(), self.check_mesh(stored, points, cells).tolist())
+
+    def test_any_name_is_found_again(self):
+        names = ["two words", "it's <50> % & \"more\"", "é", "tile", "a/b"]
+        rng = random.Random(6)
+        rows = "".join(",".join(repr(rng.random()) for _ in range(8)) + "\n" for _ in range(100))
+        cloud = self.write("cloud.csv", ",".join(["x", "y", "z", *names]) + "\n" + rows)
+        for dimension in (2, 3):
+            stored = self.stored(cloud, "--dim", dimension, "--attributes", "all", "--tiles", "2", "--overwrite")
+            kept = names[:-1] + ["a_b"] + ["z"] * (dimension == 2)
+            self.assertEqual(list(stored.attributes), kept)
+            points, cells, data = readers.vtu(self.export("mesh.vtu"), dimension + 1)
+            self.check_data(stored, self.check_mesh(stored, points, cells), data)
+            folder = self.export("arrays", "--format", "npy")
+            data = {path.stem: np.load(path) for path in folder.iterdir()}
+            self.check_data(stored, data["ids"], data | {"tile": data["tile_"]})
+        points, cells, data = readers.ply_with_cells(self.export("mesh.ply"))
+        data = {name.replace("_", " ") if "a_b" != name else name: values for name, values in data.items()}
+        self.check_data(stored, self.check_mesh(stored, points, cells), data)
 
 
 class Stages(ExportTest):

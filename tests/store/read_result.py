@@ -86,6 +86,10 @@ def check_vtkhdf(folder, dimension):
     assert abs(volume[ghosts == 0].sum() / hull - 1) < 1e-6
     assert grid.GetCellData().GetArray("neighbors").GetNumberOfComponents() == corners
     assert grid.GetPointData().GetArray("gps_time").GetNumberOfTuples() == total_points
+    odd = vtk_to_numpy(grid.GetPointData().GetArray('50 % of "<it>"'))
+    with h5py.File(os.path.join(folder, "tiles", "%06d.vtkhdf" % manifest["tiles"][0]["tile"])) as file:
+        first = file['VTKHDF/PointData/50 % of "<it>"'][:]
+    assert first.any() and (odd[:len(first)] == first).all() and len(odd) == total_points
     owners = vtk_to_numpy(grid.GetPointData().GetArray("vtkGhostType"))
     ids = vtk_to_numpy(grid.GetPointData().GetArray("id"))
     assert sorted(ids[owners == 0]) == list(range(len(own_points)))

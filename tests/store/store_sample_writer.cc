@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
   const std::filesystem::path out = argv[1];
   const int dimension = std::atoi(argv[2]);
   StoreOptions options;
-  options.schema = {{"intensity", AttributeType::u16}, {"gps_time", AttributeType::f64}};
+  options.schema = {
+      {"intensity", AttributeType::u16}, {"gps_time", AttributeType::f64}, {"50 % of \"<it>\"", AttributeType::u8}};
   auto points = test::sample_points(test::Shape::uniform, dimension, 3000);
   for (int corner = 0; corner < (1 << dimension); ++corner)  // so that the hull's volume is known: 1
     points.push_back(
