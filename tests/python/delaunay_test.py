@@ -164,7 +164,7 @@ class Exact(unittest.TestCase):
         self.assertTrue((tri.simplices[tri.vertex_to_simplex] == np.arange(125)[:, None]).any(axis=1).all())
 
     def test_flat_simplices_have_no_transform(self):
-        tri = tessera.Delaunay([[0, 0], [1, 0], [2, 1e-14], [1, 1]])
+        tri = tessera.Delaunay([[0, 0], [2, 0], [1, 1e-14], [1, 1]])
         self.assertEqual(sorted(np.isnan(tri.transform).all(axis=(1, 2)).tolist()), [False, False, True])
 
 

@@ -38,7 +38,7 @@ class FindSimplex(unittest.TestCase):
     def test_vertices_edges_and_facets_of_lattices_count_as_inside(self):
         for dim in (2, 3):
             points = clouds.lattice(4, dim)
-            queries = np.vstack([points, points + 0.5, points - [0.5] + [0] * (dim - 1), points * 0.75, points + 3])
+            queries = np.vstack([points, points + 0.5, points - 0.5 * np.eye(dim)[0], points * 0.75, points + 3])
             self.assert_found(points, queries)
             self.assertGreaterEqual(tessera.Delaunay(points).find_simplex(points).min(), 0)
 
