@@ -28,7 +28,7 @@ build() {
 }
 
 demo() {
-  build tessera
+  build tessera_command
   local out=demo-out
   mkdir -p $out
   local tessera=$build_folder/src/apps/tessera

@@ -2,17 +2,15 @@
 // peak memory, the share of each phase, and the ratio to CGAL's sequential triangulation of the same points.
 //
 //   bench_triangulate --kind uniform -n 10000000 --threads 2 --tiles 16 --folder /tmp/bench
-#include <sys/resource.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <string>
 
-#include "actors/local_run.h"
 #include "bench/engine/cgal_sequential.h"
-#include "src/io/cloud.h"
 #include "src/io/generate.h"
+#include "src/job/inputs.h"
+#include "src/job/job.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
@@ -26,63 +24,41 @@ struct Options {
   bool cgal = true;
 };
 
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-double peak_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
 Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
   std::filesystem::remove_all(out);  // of an earlier run, gigabytes perhaps
-  const auto begin = std::chrono::steady_clock::now();
-  CloudOptions cloud_options;
-  cloud_options.dimension = o.dimension;
-  BOOST_OUTCOME_TRY(cloud, Cloud::open({file.string()}, cloud_options));
+  JobOptions options;
+  options.cloud.dimension = o.dimension;
+  options.tiles = static_cast<std::uint32_t>(o.tiles);
+  options.threads = o.threads;
+  options.memory_bytes = o.memory_mb << 20;
+  options.keep = o.keep == "whole" ? Keep::whole : o.keep == "reduced" ? Keep::reduced : Keep::by_budget;
+  options.kernel = o.kernel == "cgal" ? KernelKind::cgal : KernelKind::flat;
+  BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
   Progress progress;
-  RouteOptions route_options;
-  route_options.tiles = static_cast<std::uint32_t>(o.tiles);
-  route_options.memory_bytes = o.memory_mb << 20;
-  BOOST_OUTCOME_TRY(run, route(cloud, out / ".run", route_options, progress, {}));
-  const double routed = seconds_since(begin);
-  RunOptions run_options;
-  run_options.threads = o.threads;
-  run_options.memory_bytes = o.memory_mb << 20;
-  run_options.keep = o.keep == "whole" ? Keep::whole : o.keep == "reduced" ? Keep::reduced : Keep::by_budget;
-  run_options.kernel = o.kernel == "cgal" ? KernelKind::cgal : KernelKind::flat;
-  BOOST_OUTCOME_TRY(s, run_tiles(run, out, run_options, progress, {}));
-  const double collected = seconds_since(begin);
-  Manifest manifest;
-  manifest.dimension = o.dimension;
-  manifest.partition_kind = name_of(run.partition.kind());
-  manifest.boxes = run.partition.boxes();
-  manifest.bounds = run.bounds;
-  manifest.tiles = s.tiles;
-  manifest.vertices = s.vertices;
-  manifest.cells = s.cells;
-  BOOST_OUTCOME_TRYV(finish_store(out, manifest, s.duplicates));
-  const double total = seconds_since(begin);
-  const double n = static_cast<double>(run.counts.read);
-  std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %zu tiles\n", total, n / total, o.threads,
-              s.tiles.size());
-  std::printf("  routing %.2f  triangulating %.2f  splaying %.2f  collecting %.2f  finishing %.2f s (wall)\n", routed,
-              s.triangulate_s, s.splay_s, s.collect_s, total - collected);
+  const auto open = [&](JobOptions& job) { return open_cloud({file.string()}, job); };
+  BOOST_OUTCOME_TRY(done, run_job(options, open, folder, progress, {}));
+  const JobSummary& s = *done;
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));  // has the times that were summed over threads
+  const auto seconds = [&](const char* phase) { return manifest.seconds[phase]; };
+  const auto cpu = [&](const char* phase) { return manifest.figures[std::string(phase) + "_cpu_s"]; };
+  std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %llu tiles\n", s.total_s,
+              static_cast<double>(s.points_read) / s.total_s, o.threads, static_cast<unsigned long long>(s.tiles));
+  std::printf("  routing %.2f  triangulating %.2f  splaying %.2f  collecting %.2f  finishing %.2f s (wall)\n",
+              seconds("routing"), seconds("triangulating"), seconds("splaying"), seconds("collecting"),
+              s.seconds.back().second);
   std::printf("  work summed over threads: triangulating %.2f  splaying %.2f  collecting %.2f s; %llu sleeps\n",
-              s.triangulate_cpu_s, s.splay_cpu_s, s.collect_cpu_s, static_cast<unsigned long long>(s.sleeps));
+              cpu("triangulating"), cpu("splaying"), cpu("collecting"), static_cast<unsigned long long>(s.sleeps));
   std::printf(
       "  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
       "%llu messages, %llu rounds, %llu waves\n",
-      100 * s.splay_s / total, static_cast<unsigned long long>(s.points_sent),
+      100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.points_sent),
       static_cast<unsigned long long>(s.points_received), static_cast<unsigned long long>(s.points_inserted),
-      static_cast<unsigned long long>(s.points_kept), static_cast<unsigned long long>(s.batches),
+      static_cast<unsigned long long>(s.points_kept), static_cast<unsigned long long>(s.messages),
       static_cast<unsigned long long>(s.rounds), static_cast<unsigned long long>(s.waves));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
-              static_cast<unsigned long long>(s.cells), peak_mb());
-  return total;
+              static_cast<unsigned long long>(s.cells), static_cast<double>(s.peak_memory_bytes) / (1 << 20));
+  return s.total_s;
 }
 
 Status run(const Options& o) {

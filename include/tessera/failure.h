@@ -24,6 +24,9 @@ enum class Cause : std::uint8_t {
 class TESSERA_PUBLIC Failure : public std::runtime_error {
  public:
   Failure(Cause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}
+  Failure(const Failure&) = default;
+  Failure& operator=(const Failure&) = default;
+  ~Failure() override;  // not here, so that its type is one in program and library
   Cause cause() const noexcept { return cause_; }
 
  private:

@@ -9,6 +9,7 @@
 #include <span>
 #include <stop_token>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tessera/failure.h"
@@ -29,16 +30,17 @@ struct TriangulationOptions {
   // 2 or 3; 0, for files only: 2 when no file holds z.
   int dimension = 3;
   // The result folder, which stays. Empty: a temporary folder under std::filesystem::temp_directory_path(), removed
-  // with the last Triangulation and Tile that uses it.
+  // with the last copy of the Triangulation.
   std::filesystem::path folder = {};
   bool overwrite = false;                    // an earlier result in `folder`
   std::uint64_t max_points_per_tile = 0;     // 0: chosen from memory and threads
   std::uint32_t threads = 0;                 // 0: all that this process may use
   std::uint64_t memory_bytes = 0;            // 0: 70 % of what is free
   bool neighbors = true;                     // keep the neighbours of cells
+  bool skip_invalid = false;                 // leave points with NaN or infinite coordinates out, do not fail
   std::vector<std::string> attributes = {};  // of the points, from files; "all" for all there are
   // Called some ten times a second, and once at the end, in the thread that called triangulate(). An exception ends the
-  // job, and comes out of triangulate().
+  // job, and comes out of triangulate(). Of an unfinished job nothing stays in the folder.
   std::function<void(const JobProgress&)> progress = {};
   std::stop_token stop = {};
 };
@@ -95,8 +97,7 @@ class TESSERA_PUBLIC Triangulation {
   std::string crs() const;
 
  private:
-  friend TESSERA_PUBLIC Triangulation triangulate(std::span<const double>, const TriangulationOptions&);
-  friend TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>&, const TriangulationOptions&);
+  friend struct TriangulationMaker;
   struct Impl;
   explicit Triangulation(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<const Impl> impl_;

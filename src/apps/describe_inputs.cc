@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "src/apps/info.h"
-#include "src/apps/job.h"
-#include "src/apps/plan.h"
 #include "src/base/attribute.h"
+#include "src/job/inputs.h"
+#include "src/job/plan.h"
 #include "src/report/human.h"
 #include "src/tiling/partition.h"
 
@@ -57,7 +57,7 @@ struct Plan {
   Estimate cost;
 };
 
-Result<Plan> plan(const TriangulateOptions& options, const Cloud& cloud, std::uint64_t points) {
+Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t points) {
   constexpr std::size_t sample_wanted = 100'000;
   Plan plan;
   BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
@@ -78,12 +78,12 @@ Result<Plan> plan(const TriangulateOptions& options, const Cloud& cloud, std::ui
 
 }  // namespace
 
-Result<std::string> describe_inputs(TriangulateOptions options) {
-  BOOST_OUTCOME_TRY(cloud, open_cloud(options));
+Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobOptions options, bool json) {
+  BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options));
   const auto points = expected_points(cloud.files());
   BOOST_OUTCOME_TRY(planned, plan(options, cloud, points));
   const auto& cost = planned.cost;
-  if (options.output.json) {
+  if (json) {
     Json files = Json::array();
     for (const auto& file : cloud.files()) files.push_back(to_json(file));
     return Json{{"files", files},

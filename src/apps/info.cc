@@ -9,16 +9,15 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/triangulate_options.h"
 
 namespace tessera {
 namespace {
 
 Status run_info(Settings& settings, const std::vector<std::string>& what) {
-  TriangulateOptions options;
+  JobOptions options;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
   BOOST_OUTCOME_TRY(json, settings.on("json"));
-  options.output.json = json;
-  options.inputs = what;
   if (what.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
@@ -26,7 +25,8 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   const bool folder =
       std::any_of(what.begin(), what.end(), [&](const auto& path) { return std::filesystem::is_directory(path, ec); });
   if (folder && what.size() > 1) return error(Errc::usage, "give one result folder, or input files, not both");
-  BOOST_OUTCOME_TRY(text, folder ? describe_result(what.front(), json) : describe_inputs(std::move(options)));
+  BOOST_OUTCOME_TRY(text,
+                    folder ? describe_result(what.front(), json) : describe_inputs(what, std::move(options), json));
   std::fputs(text.c_str(), stdout);
   return success();
 }

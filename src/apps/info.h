@@ -2,13 +2,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "src/apps/triangulate_options.h"
 #include "src/base/result.h"
+#include "src/job/job_options.h"
 
 namespace tessera {
 
-Result<std::string> describe_inputs(TriangulateOptions options);
+Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobOptions options, bool json);
 Result<std::string> describe_result(const std::string& folder, bool json);
 
 // The name in a WKT: `PROJCS["RGF93 v1 / Lambert-93",...` is "RGF93 v1 / Lambert-93". Other texts are left as they are.

@@ -14,8 +14,8 @@
 #include "src/apps/command.h"
 #include "src/apps/log.h"
 #include "src/apps/settings.h"
-#include "src/apps/version.h"
 #include "src/base/result.h"
+#include "src/job/version.h"
 
 namespace tessera {
 namespace {

@@ -1,10 +1,9 @@
 #include "src/apps/triangulate_options.h"
 
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "src/apps/arguments.h"
-#include "src/apps/machine.h"
+#include "src/job/machine.h"
 
 namespace tessera {
 namespace {
@@ -41,7 +40,7 @@ void add_cloud_options(Command& command) {
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
 }
 
-Status read_cloud_options(Settings& settings, TriangulateOptions& options) {
+Status read_cloud_options(Settings& settings, JobOptions& options) {
   const auto given = [&](const char* key) { return settings.text(key).value_or("auto") != "auto"; };
   if (given("tiles") && given("max-points-per-tile")) {
     BOOST_OUTCOME_TRYV(settings.exclusive("tiles", "max-points-per-tile"));
@@ -96,9 +95,9 @@ void add_triangulate_options(Command& command) {
 
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs) {
   TriangulateOptions options;
-  BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, options.job));
   BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
-  options.kernel = kernel.value_or(KernelKind::flat);
+  options.job.kernel = kernel.value_or(KernelKind::flat);
   BOOST_OUTCOME_TRY(output, output_options(settings));
   options.output = output;
   if (inputs.empty()) return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");
@@ -115,27 +114,6 @@ Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vec
   options.resume = resume;
   options.overwrite = overwrite;
   return options;
-}
-
-std::string options_key(const TriangulateOptions& options) {
-  nlohmann::ordered_json key{{"dimension", options.cloud.dimension},
-                             {"partition", name_of(options.partition)},
-                             {"max_points_per_tile", options.max_points_per_tile},
-                             {"tiles", options.tiles},
-                             {"skip_invalid", options.cloud.skip_invalid},
-                             {"classes", options.cloud.classes},
-                             {"attributes", options.cloud.attributes},
-                             {"neighbors", options.neighbors}};
-  if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
-  if (const auto& crop = options.cloud.crop) {
-    // As text: JSON has no infinity.
-    std::string text;
-    for (int axis = 0; axis < 3; ++axis) {
-      text += nlohmann::json(crop->lo[axis]).dump() + " " + nlohmann::json(crop->hi[axis]).dump() + " ";
-    }
-    key["crop"] = text;
-  }
-  return key.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace tessera

@@ -1,7 +1,6 @@
 // What `tessera triangulate` was asked to do, checked; no file has been touched yet.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,37 +8,23 @@
 #include "src/apps/command.h"
 #include "src/apps/settings.h"
 #include "src/base/result.h"
-#include "src/io/cloud.h"
-#include "src/kernel/kernel.h"
-#include "src/tiling/partition.h"
+#include "src/job/job_options.h"
 
 namespace tessera {
 
 struct TriangulateOptions {
   std::vector<std::string> inputs;
   std::filesystem::path out;
-  CloudOptions cloud;
-  PartitionKind partition = PartitionKind::kdtree;
-  std::uint64_t max_points_per_tile = 0;  // 0: chosen from memory and threads, unless `tiles` is given
-  std::uint32_t tiles = 0;
-  std::uint32_t threads = 1;
-  std::uint64_t memory_bytes = 0;
-  KernelKind kernel = KernelKind::flat;
-  bool neighbors = true, resume = false, overwrite = false;
+  JobOptions job;
+  bool resume = false, overwrite = false;
   OutputOptions output;
 };
 
 // Options that say what the cloud and the tiles are: `info` has them too.
 void add_cloud_options(Command& command);
-Status read_cloud_options(Settings& settings, TriangulateOptions& options);
+Status read_cloud_options(Settings& settings, JobOptions& options);
 
 void add_triangulate_options(Command& command);
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs);
-
-// Equal keys = the same result: everything above that it depends on, as text.
-std::string options_key(const TriangulateOptions& options);
-
-constexpr std::uint32_t threads_max = 1024;
-constexpr std::uint64_t tiles_max = 1'000'000;  // file names have six digits
 
 }  // namespace tessera

@@ -12,7 +12,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
-#include "src/apps/machine.h"
+#include "src/job/machine.h"
 #include "src/report/human.h"
 
 namespace tessera {

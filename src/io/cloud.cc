@@ -104,6 +104,18 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   return cloud;
 }
 
+Result<Cloud> Cloud::open_source(OpenSource source, CloudOptions options) {
+  Cloud cloud;
+  BOOST_OUTCOME_TRY(reader, open_reader(source(), {}, hints_of(options)));
+  BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
+  BOOST_OUTCOME_TRY(schema, choose(options.attributes, reader->info().attributes));
+  cloud.source_ = std::move(source);
+  cloud.files_.push_back(reader->info());
+  cloud.schema_ = std::move(schema);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
 std::string Cloud::crs() const {
   for (const auto& file : files_)
     if (!file.crs.empty()) return file.crs;
@@ -111,7 +123,8 @@ std::string Cloud::crs() const {
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen(const FileInfo& file, const std::vector<Attribute>& schema) const {
-  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints_of(options_)));
+  BOOST_OUTCOME_TRY(reader, source_ ? open_reader(source_(), schema, hints_of(options_))
+                                    : open_reader(file.path, schema, hints_of(options_)));
   // The partition was planned from the first look at the file; another content would be routed by a wrong plan.
   if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
     return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");

@@ -41,6 +41,10 @@ class Cloud {
   // format, a file without z for a 3D cloud or without classes to choose from, an attribute that no file has.
   static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options);
 
+  // A cloud of one input that is not a file: `source` opens it whenever it is read.
+  using OpenSource = std::function<std::unique_ptr<ByteSource>()>;
+  static Result<Cloud> open_source(OpenSource source, CloudOptions options);
+
   const std::vector<FileInfo>& files() const { return files_; }
   const std::vector<Attribute>& schema() const { return schema_; }
   const CloudOptions& options() const { return options_; }
@@ -56,6 +60,7 @@ class Cloud {
  private:
   Result<std::unique_ptr<PointReader>> reopen(const FileInfo& file, const std::vector<Attribute>& schema) const;
 
+  OpenSource source_;  // instead of files
   std::vector<FileInfo> files_;
   std::vector<Attribute> schema_;
   CloudOptions options_;

@@ -37,7 +37,7 @@ class CgalKernel final : public Kernel {
   bool is_local(Vertex v) const override { return local_[v] != 0; }
   bool alive(Vertex v) const override { return handles_[v] != Handle(); }
 
-  void build(std::span<const Point> points, KeepPoints) override {
+  void build(std::span<const Point> points, KeepPoints, const std::stop_token& stop) override {
     reset();
     handles_.resize(points.size() + 1);
     local_.assign(points.size() + 1, 1);
@@ -48,6 +48,7 @@ class CgalKernel final : public Kernel {
       hint = Traits::cell_of(v);
       v->info() = static_cast<Vertex>(i + 1);
       handles_[i + 1] = v;
+      if (stop.stop_requested()) throw KernelStopped();
     });
     hint_ = handles_.size() > 1 ? handles_.back() : Handle();
   }

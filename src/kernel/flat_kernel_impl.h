@@ -26,7 +26,7 @@ class FlatKernel final : public Kernel {
   bool is_local(Vertex v) const override { return labels_[v] & is_local_bit; }
   bool alive(Vertex v) const override { return labels_[v] & alive_bit; }
 
-  void build(std::span<const Point> points, KeepPoints keep) override;
+  void build(std::span<const Point> points, KeepPoints keep, const std::stop_token& stop) override;
   Insertion insert(const Point& p, bool local, InsertMode mode, std::vector<Vertex>& around) override;
   void remove(Vertex v) override;
   void star(Vertex v, std::vector<Vertex>& cells) const override;
@@ -44,6 +44,7 @@ class FlatKernel final : public Kernel {
  private:
   using Cell = typename Mesh::Cell;
   static constexpr Word corners = Mesh::corners;
+  static constexpr std::uint32_t inserts_a_look = 4096;  // about a hundredth of a second
   static constexpr std::uint8_t is_local_bit = 1, alive_bit = 2;
 
   bool full() const { return dimension() == max_dimension(); }
@@ -52,7 +53,7 @@ class FlatKernel final : public Kernel {
   // Until the simplex is complete, what the vertices alive span.
   void span();
   // The triangulation of all vertices alive. REQUIRES: full(), no cells.
-  void triangulate();
+  void triangulate(const std::stop_token& stop);
   Insertion insert_flat(const Point& p, bool local, std::vector<Vertex>& around);
   // Marks the cells that explore() returns as open, and those that were asked and are settled; returns both.
   std::vector<Word> mark_open(const std::function<bool(const Vertex*)>& settled);
@@ -69,7 +70,7 @@ void FlatKernel<Mesh>::reset() {
 }
 
 template <class Mesh>
-void FlatKernel<Mesh>::build(std::span<const Point> points, KeepPoints keep) {
+void FlatKernel<Mesh>::build(std::span<const Point> points, KeepPoints keep, const std::stop_token& stop) {
   reset();
   if (keep == KeepPoints::borrowed) {
     mesh_.points.borrow(points);
@@ -78,7 +79,7 @@ void FlatKernel<Mesh>::build(std::span<const Point> points, KeepPoints keep) {
   }
   labels_.resize(points.size() + 1, is_local_bit | alive_bit);
   span();
-  if (full()) triangulate();
+  if (full()) triangulate(stop);
 }
 
 template <class Mesh>
@@ -95,11 +96,15 @@ void FlatKernel<Mesh>::span() {
 }
 
 template <class Mesh>
-void FlatKernel<Mesh>::triangulate() {
+void FlatKernel<Mesh>::triangulate(const std::stop_token& stop) {
   mesh_.start();
+  std::uint32_t until_look = inserts_a_look;
   for_each_in_brio_order<Mesh::brio_bits>(vertices(), [&](std::size_t i) {
     const Vertex v = static_cast<Vertex>(i + 1);
     if (alive(v) && !mesh_.in_simplex(v)) mesh_.insert(v);
+    if (--until_look != 0) return;
+    until_look = inserts_a_look;
+    if (stop.stop_requested()) throw KernelStopped();
   });
   mesh_.compact();
 }
@@ -116,7 +121,7 @@ Insertion FlatKernel<Mesh>::insert_flat(const Point& p, bool local, std::vector<
   }
   const Vertex v = add(p, local);
   mesh_.span_more(v);
-  if (full()) triangulate();
+  if (full()) triangulate({});
   return {v, true};
 }
 

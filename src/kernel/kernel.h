@@ -12,6 +12,7 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/big_vector.h"
@@ -64,6 +65,11 @@ struct KernelFull : std::length_error {
   KernelFull() : std::length_error("a tile has more points than a kernel can hold") {}
 };
 
+// Thrown by build() when it is asked to stop: the kernel can then only be destroyed, built or loaded.
+struct KernelStopped : std::runtime_error {
+  KernelStopped() : std::runtime_error("stopped while points were triangulated") {}
+};
+
 // Who keeps the points that build() is given. Borrowed ones are read where they are: they must neither move nor change
 // until the kernel is destroyed, built or loaded again. That saves 24 bytes a point.
 enum class KeepPoints : std::uint8_t { copied, borrowed };
@@ -90,8 +96,10 @@ class Kernel {
   virtual bool is_local(Vertex v) const = 0;
 
   // Builds from scratch; all points are local. `points` are distinct and best in Hilbert order: they are inserted in
-  // BRIO rounds drawn from that order. Vertex i+1 is points[i]. A kernel is free to copy borrowed points.
-  virtual void build(std::span<const Point> points, KeepPoints keep = KeepPoints::copied) = 0;
+  // BRIO rounds drawn from that order. Vertex i+1 is points[i]. A kernel is free to copy borrowed points. Looks at
+  // `stop` some hundred times a second.
+  virtual void build(std::span<const Point> points, KeepPoints keep = KeepPoints::copied,
+                     const std::stop_token& stop = {}) = 0;
 
   // Inserts a point labelled `local`. When it is inserted, or refused by `mode`, `around` becomes its neighbours (the
   // finite ones, unsorted, each once): with if_local_neighbour and a refusal, those it would have had.

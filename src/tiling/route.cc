@@ -114,22 +114,13 @@ std::string name_of(const Cloud& cloud) {
 // Refuses a cloud that has no triangulation.
 Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, int rank) {
   const std::uint64_t points = counts.read - counts.invalid - counts.filtered;
-  const std::string n = std::to_string(points);
   const auto refuse = [&](const std::string& reason) { return error(Errc::bad_input, name_of(cloud) + ": " + reason); };
-  if (points == 0 && counts.read == 0) return refuse("there are no points");
-  if (points == 0) {
+  if (points == 0 && counts.read > 0) {
     return refuse("no points are left of " + std::to_string(counts.read) + ": " + std::to_string(counts.filtered) +
                   " were filtered out, " + std::to_string(counts.invalid) + " were not finite");
   }
   if (rank == dimension) return success();
-  const std::string d = std::to_string(dimension);
-  if (points <= static_cast<std::uint64_t>(dimension)) {
-    return refuse("there " + std::string(points == 1 ? "is 1 point" : "are " + n + " points") + "; a " + d +
-                  "D triangulation needs at least " + std::to_string(dimension + 1));
-  }
-  if (rank == 0) return refuse("all " + n + " points are identical");
-  if (rank == 1) return refuse("all " + n + " points lie on one line; a " + d + "D triangulation needs points off it");
-  return refuse("all " + n + " points lie in one plane; a 3D triangulation needs points off it (try --dim 2)");
+  return refuse(why_flat(points, rank, dimension));
 }
 
 // The least point and the spanning ones, each once, with their owners.

@@ -39,4 +39,16 @@ bool SpanFinder::extends(const Point& p) const {
   }
 }
 
+std::string why_flat(std::uint64_t points, int rank, int dimension) {
+  const std::string n = std::to_string(points), d = std::to_string(dimension);
+  if (points == 0) return "there are no points";
+  if (points <= static_cast<std::uint64_t>(dimension)) {
+    return "there " + std::string(points == 1 ? "is 1 point" : "are " + n + " points") + "; a " + d +
+           "D triangulation needs at least " + std::to_string(dimension + 1);
+  }
+  if (rank == 0) return "all " + n + " points are identical";
+  if (rank == 1) return "all " + n + " points lie on one line; a " + d + "D triangulation needs points off it";
+  return "all " + n + " points lie in one plane; a 3D triangulation needs points off it (try --dim 2)";
+}
+
 }  // namespace tessera

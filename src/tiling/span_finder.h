@@ -1,7 +1,9 @@
 // The first points of a stream that span the space, and the lexicographically least point.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "src/base/point.h"
@@ -30,5 +32,8 @@ class SpanFinder {
   std::vector<LocalPoint> span_;
   LocalPoint least_;
 };
+
+// Why `points` points of rank() `rank` have no triangulation, as the end of a sentence. REQUIRES: rank < dimension.
+std::string why_flat(std::uint64_t points, int rank, int dimension);
 
 }  // namespace tessera

@@ -1,4 +1,4 @@
-#include "src/apps/machine.h"
+#include "src/job/machine.h"
 
 #include <sched.h>
 

@@ -1,4 +1,4 @@
-#include "src/apps/plan.h"
+#include "src/job/plan.h"
 
 #include <algorithm>
 #include <cmath>

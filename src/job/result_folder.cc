@@ -1,4 +1,4 @@
-#include "src/apps/result_folder.h"
+#include "src/job/result_folder.h"
 
 #include <fcntl.h>
 #include <sys/file.h>

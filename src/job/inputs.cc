@@ -1,17 +1,17 @@
-#include "src/apps/job.h"
+#include "src/job/inputs.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "src/apps/plan.h"
+#include "src/job/plan.h"
 
 namespace tessera {
 
-Result<Cloud> open_cloud(TriangulateOptions& options) {
+Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options) {
   if (options.cloud.dimension == 0) {
     CloudOptions anything;
     anything.dimension = 2;
-    BOOST_OUTCOME_TRY(files, Cloud::open(options.inputs, anything));
+    BOOST_OUTCOME_TRY(files, Cloud::open(inputs, anything));
     const bool flat =
         std::all_of(files.files().begin(), files.files().end(), [](const auto& f) { return f.dimension == 2; });
     options.cloud.dimension = flat ? 2 : 3;
@@ -19,10 +19,10 @@ Result<Cloud> open_cloud(TriangulateOptions& options) {
       return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
     }
   }
-  return Cloud::open(options.inputs, options.cloud);
+  return Cloud::open(inputs, options.cloud);
 }
 
-Result<std::uint64_t> tile_limit(const TriangulateOptions& options, const Cloud& cloud) {
+Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud) {
   const int dimension = options.cloud.dimension;
   const auto points = expected_points(cloud.files());
   std::uint64_t limit = options.max_points_per_tile;

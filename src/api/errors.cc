@@ -1,0 +1,66 @@
+#include "src/api/errors.h"
+
+#include <array>
+#include <exception>
+#include <new>
+#include <string_view>
+#include <system_error>
+
+#include "src/kernel/kernel.h"
+
+namespace tessera {
+namespace {
+
+// Options as the command's sentences name them, and what a program would change.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> names{{
+    {"--skip-invalid", "skip_invalid"},
+    {"--overwrite", "overwrite"},
+    {"--resume", "the command's --resume"},
+    {"--memory", "memory_bytes"},
+    {"--threads", "threads"},
+    {"--attributes", "attributes"},
+    {"--dim", "dimension"},
+    {"--neighbors", "neighbors"},
+}};
+
+std::string in_words_of_the_library(std::string sentence) {
+  for (const auto& [command, library] : names) {
+    for (auto at = sentence.find(command); at != std::string::npos; at = sentence.find(command, at + library.size())) {
+      sentence.replace(at, command.size(), library);
+    }
+  }
+  return sentence;
+}
+
+}  // namespace
+
+void throw_failure(const Error& error) {
+  static_assert(static_cast<int>(Cause::usage) == static_cast<int>(Errc::usage));
+  static_assert(static_cast<int>(Cause::bad_input) == static_cast<int>(Errc::bad_input));
+  static_assert(static_cast<int>(Cause::io) == static_cast<int>(Errc::io));
+  static_assert(static_cast<int>(Cause::corrupt) == static_cast<int>(Errc::corrupt));
+  static_assert(static_cast<int>(Cause::memory) == static_cast<int>(Errc::memory));
+  static_assert(static_cast<int>(Cause::interrupted) == static_cast<int>(Errc::interrupted));
+  static_assert(static_cast<int>(Cause::internal) == static_cast<int>(Errc::internal));
+  throw Failure(static_cast<Cause>(error.code), in_words_of_the_library(error.where));
+}
+
+void rethrow_as_failure() {
+  try {
+    throw;
+  } catch (const Failure&) {
+    throw;
+  } catch (const KernelFull& full) {
+    throw Failure(Cause::memory, full.what());
+  } catch (const KernelStopped&) {
+    throw Failure(Cause::interrupted, "stopped, as was requested");
+  } catch (const std::bad_alloc&) {
+    throw Failure(Cause::memory, "the system has no more memory to give");
+  } catch (const std::system_error& refused) {
+    throw Failure(Cause::io, refused.what());
+  } catch (const std::exception& other) {
+    throw Failure(Cause::internal, std::string("unexpected: ") + other.what());
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,7 @@
+#include "tessera/failure.h"
+
+namespace tessera {
+
+Failure::~Failure() = default;
+
+}  // namespace tessera

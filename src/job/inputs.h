@@ -1,0 +1,20 @@
+// From options to a cloud and the size of its tiles: what a job and `tessera info` share.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/io/cloud.h"
+#include "src/job/job_options.h"
+
+namespace tessera {
+
+// Opens the inputs, files and patterns; settles the dimension when it was left open (2 when no file holds z).
+Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options);
+
+// Points a tile may hold, as asked for or chosen. Error memory when it cannot be worked on within the memory.
+Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud);
+
+}  // namespace tessera

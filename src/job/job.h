@@ -1,0 +1,26 @@
+// From points to a finished result folder, in one process.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stop_token>
+
+#include "src/base/progress.h"
+#include "src/base/result.h"
+#include "src/io/cloud.h"
+#include "src/job/job_options.h"
+#include "src/job/result_folder.h"
+#include "src/report/summary.h"
+
+namespace tessera {
+
+// Opens the points of a job, and settles options.cloud.dimension when it is 0. See open_cloud().
+using OpenCloud = std::function<Result<Cloud>(JobOptions& options)>;
+
+// Makes the result, or goes on with the run that `folder` holds. Nothing when that result was complete already. After
+// an error the caller says what shall stay: folder.abandon(), or, when it is `interrupted`, folder.interrupted().
+// Several jobs may run at once, each in its own folder.
+Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& open, ResultFolder& folder,
+                                          Progress& progress, const std::stop_token& stop);
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// What a job is asked to do, whoever asks: the command or a program that uses the library.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "actors/local_run.h"
+#include "src/io/cloud.h"
+#include "src/kernel/kernel.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+
+struct JobOptions {
+  CloudOptions cloud;  // dimension 0: 2 when no input holds z, else 3; settled by open_cloud()
+  PartitionKind partition = PartitionKind::kdtree;
+  std::uint64_t max_points_per_tile = 0;  // 0: chosen from memory and threads, unless `tiles` is given
+  std::uint32_t tiles = 0;
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = 0;
+  KernelKind kernel = KernelKind::flat;
+  Keep keep = Keep::by_budget;
+  bool neighbors = true;
+  std::vector<std::string> command = {};             // for the manifest: how the job was started
+  std::function<void(const std::string&)> log = {};  // what happens, for people
+};
+
+// Equal keys = the same result: everything above that it depends on, as text.
+std::string options_key(const JobOptions& options);
+
+constexpr std::uint32_t threads_max = 1024;
+constexpr std::uint64_t tiles_max = 1'000'000;  // file names have six digits
+
+}  // namespace tessera

@@ -1,0 +1,82 @@
+#include "src/job/job_report.h"
+
+#include <utility>
+
+#include "src/job/version.h"
+
+namespace tessera {
+
+Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles) {
+  Manifest manifest;
+  manifest.software_version = version();
+  manifest.command = options.command;
+  for (const auto& input : run.inputs) manifest.inputs.push_back({input.path, input.bytes, input.modified_ns});
+  manifest.dimension = run.dimension;
+  manifest.crs = run.crs;
+  manifest.partition_kind = name_of(run.partition.kind());
+  manifest.boxes = run.partition.boxes();
+  manifest.bounds = run.bounds;
+  manifest.neighbors = options.neighbors;
+  manifest.schema = run.schema;
+  manifest.tiles = tiles.tiles;
+  manifest.points_read = run.counts.read;
+  manifest.invalid = run.counts.invalid;
+  manifest.filtered = run.counts.filtered;
+  manifest.duplicates = tiles.duplicates.size();
+  manifest.vertices = tiles.vertices;
+  manifest.cells = tiles.cells;
+  return manifest;
+}
+
+JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
+                      const RunSummary& tiles) {
+  JobSummary summary;
+  summary.out = out.string();
+  summary.dimension = manifest.dimension;
+  summary.points_read = manifest.points_read;
+  summary.invalid = manifest.invalid;
+  summary.filtered = manifest.filtered;
+  summary.duplicates = manifest.duplicates;
+  summary.vertices = manifest.vertices;
+  summary.cells = manifest.cells;
+  summary.tiles = manifest.tiles.size();
+  summary.messages = tiles.batches;
+  summary.points_sent = tiles.points_sent;
+  summary.points_received = tiles.points_received;
+  summary.points_inserted = tiles.points_inserted;
+  summary.points_kept = tiles.points_kept;
+  summary.rounds = tiles.rounds;
+  summary.waves = tiles.waves;
+  summary.sleeps = tiles.sleeps;
+  summary.threads = options.threads;
+  summary.memory_budget_bytes = options.memory_bytes;
+  for (const auto& tile : manifest.tiles) summary.result_bytes += tile.bytes;
+  return summary;
+}
+
+ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
+                     std::vector<Span> spans) {
+  ReportData report;
+  report.summary = summary;
+  report.version = manifest.software_version;
+  report.command = manifest.command;
+  for (const auto& input : manifest.inputs) report.inputs.push_back(input.path);
+  report.crs = manifest.crs;
+  report.partition_kind = manifest.partition_kind;
+  report.boxes_disjoint = manifest.partition_kind != name_of(PartitionKind::random);
+  report.bounds = manifest.bounds;
+  for (const auto& entry : manifest.tiles) {
+    TileFigures figures;
+    figures.tile = entry.tile;
+    figures.points = entry.own_points;
+    figures.cells = entry.main_cells;
+    figures.bytes = entry.bytes;
+    if (entry.tile < manifest.boxes.size()) figures.box = manifest.boxes[entry.tile];
+    if (entry.tile < tiles.tile_seconds.size()) figures.seconds = tiles.tile_seconds[entry.tile];
+    report.tiles.push_back(figures);
+  }
+  report.spans = std::move(spans);
+  return report;
+}
+
+}  // namespace tessera

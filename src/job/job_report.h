@@ -1,0 +1,25 @@
+// What a job leaves in words and figures: the manifest, the summary, report.html.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "actors/local_run.h"
+#include "src/base/progress.h"
+#include "src/job/job_options.h"
+#include "src/report/html_report.h"
+#include "src/report/summary.h"
+#include "src/store/tile_store.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+
+// Without seconds and figures, which are known later.
+Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles);
+// Likewise.
+JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
+                      const RunSummary& tiles);
+ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
+                     std::vector<Span> spans);
+
+}  // namespace tessera
