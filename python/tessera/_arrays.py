@@ -14,7 +14,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
     2^53, longdouble): equal points must stay equal, different ones different. `name` is the argument's, for the sentence.
     """
     if np.ma.is_masked(values):
-        raise UsageError(f"{name} has masked entries: leave them out, as in {name}.compressed() or by a mask of rows")
+        raise UsageError(f"{name} has masked entries: leave those rows out")
     try:
         given = np.asarray(values)
     except ValueError as error:  # rows of different lengths
@@ -23,7 +23,7 @@ def exact_float64(values: typing.Any, name: str) -> np.ndarray:
         raise UsageError(f"{name} must hold integers or floats, not {given.dtype}")
     exact = np.require(given, np.float64, ["C", "ALIGNED"])
     # longdouble has the 64 bits of both: on x86 for its mantissa, on others 113.
-    if given.dtype.kind != "b" and np.promote_types(given.dtype, np.float64) != np.float64 or is_wide_integer(given):
+    if np.promote_types(given.dtype, np.float64) != np.float64 or is_wide_integer(given):
         wide = given.astype(np.longdouble)
         changed = (wide != exact) & ~np.isnan(wide)
         if changed.any():
