@@ -45,7 +45,8 @@ struct TriangulationOptions {
   std::stop_token stop = {};
 };
 
-// One tile: the cells with a vertex of its own. Arrays live as long as the Tile or a copy of it.
+// One tile: the cells with a vertex of its own. Arrays live as long as the Tile or a copy of it; a loop over
+// `t.tile(i).cells()` would outlive both: name the tile first.
 class TESSERA_PUBLIC Tile {
  public:
   struct Field {

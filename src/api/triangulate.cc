@@ -55,7 +55,9 @@ void run_watched(const TriangulationOptions& options, const OpenCloud& open, Res
   Progress progress;
   std::stop_source stop;
   const std::stop_callback forward(options.stop, [&] { stop.request_stop(); });
-  auto outcome = std::async(std::launch::async, [&] { return run_job(job, open, folder, progress, stop.get_token()); });
+  auto outcome = guarded([&] {
+    return std::async(std::launch::async, [&] { return run_job(job, open, folder, progress, stop.get_token()); });
+  });
   try {
     while (options.progress && outcome.wait_for(interval) != std::future_status::ready)
       options.progress(look(progress));

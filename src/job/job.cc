@@ -1,8 +1,10 @@
 #include "src/job/job.h"
 
 #include <chrono>
+#include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "src/job/inputs.h"
 #include "src/job/job_report.h"
@@ -50,6 +52,15 @@ Result<RoutedRun> routed_run(const JobOptions& options, const Cloud& cloud, Resu
   BOOST_OUTCOME_TRYV(folder.accept_new_run());
   routed.folder = folder.run();
   return std::move(routed);
+}
+
+// Threads are numbered as they first work for any job of this process.
+std::vector<Span> with_threads_from_0(std::vector<Span> spans) {
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  for (const Span& span : spans) numbers[span.thread] = 0;
+  for (std::uint32_t next = 0; auto& [thread, number] : numbers) number = next++;
+  for (Span& span : spans) span.thread = numbers[span.thread];
+  return spans;
 }
 
 Result<JobSummary> make_result(const JobOptions& options, const Cloud& cloud, ResultFolder& folder, Progress& progress,
@@ -101,7 +112,7 @@ Result<JobSummary> make_result(const JobOptions& options, const Cloud& cloud, Re
                      {"finishing", elapsed_s() - ran_s}};
   summary.total_s = elapsed_s();
   summary.peak_memory_bytes = peak_memory();
-  auto spans = progress.spans();
+  auto spans = with_threads_from_0(progress.spans());
   spans.push_back({Phase::routing, 0, 0, began_s, routed_s});
   spans.push_back({Phase::finishing, 0, 0, ran_s, elapsed_s()});
   // The run folder goes first: the report is small, and may find the space that it frees.

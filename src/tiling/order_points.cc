@@ -24,6 +24,10 @@ constexpr int digits = 6;       // 66 >= 63 bits
 // the plane the lowest digits seldom matter: enough are taken for 32 cells of the curve a point, and the few entries
 // that are equal then are sorted by comparison.
 void sort_by_key(std::vector<Entry>& entries, int dimension) {
+  constexpr std::size_t few = 512;  // not worth clearing the counters
+  if (entries.size() < few) {
+    return std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+  }
   constexpr std::size_t buckets = std::size_t{1} << digit_bits;
   std::vector<std::array<std::size_t, buckets>> counts(digits);
   for (const Entry& e : entries) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stop_token>
 #include <vector>
 
+#include "src/harness/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {
@@ -248,6 +250,23 @@ INSTANTIATE_TEST_SUITE_P(Kernel, Spanning, ::testing::ValuesIn(spanning_clouds()
                          [](const auto& info) { return name_of_cloud(info.param); });
 INSTANTIATE_TEST_SUITE_P(Kernel, Flat, ::testing::ValuesIn(flat_clouds()),
                          [](const auto& info) { return name_of_cloud(info.param); });
+
+TEST(Build, ThatIsAskedToStopThrowsAndCanBeDoneAgain) {
+  for (const KernelKind kind : {KernelKind::cgal, KernelKind::flat}) {
+    for (const int dimension : {2, 3}) {
+      std::vector<Point> points;
+      for (const LocalPoint& p : make_cloud("uniform", dimension, 5000, 1)) points.push_back(p.at);
+      const auto kernel = make_kernel(dimension, kind);
+      std::stop_source stop;
+      kernel->build(points, KeepPoints::copied, stop.get_token());
+      const auto cells = cells_of(*kernel);
+      stop.request_stop();
+      EXPECT_THROW(kernel->build(points, KeepPoints::borrowed, stop.get_token()), KernelStopped);
+      kernel->build(points);
+      EXPECT_EQ(cells_of(*kernel), cells);
+    }
+  }
+}
 
 }  // namespace
 }  // namespace tessera::testing
