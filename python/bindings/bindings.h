@@ -1,0 +1,13 @@
+// The extension module tessera._tessera: the public C++ library as it is. What Python users see, with docstrings and
+// checks of arguments, is the package in python/tessera.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace tessera::python {
+
+void bind_failures();
+void bind_delaunay(pybind11::module_& module);
+void bind_triangulation(pybind11::module_& module);
+
+}  // namespace tessera::python

@@ -1,0 +1,9 @@
+#include "python/bindings/bindings.h"
+#include "tessera/version.h"
+
+PYBIND11_MODULE(_tessera, module) {
+  module.def("version", &tessera::library_version);
+  tessera::python::bind_failures();
+  tessera::python::bind_delaunay(module);
+  tessera::python::bind_triangulation(module);
+}

@@ -1,0 +1,47 @@
+// NumPy arrays over memory of ours.
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace tessera::python {
+
+namespace py = pybind11;
+
+// Arrays come from tessera/_arrays.py, which makes them float64 and C-contiguous or refuses; here nothing is converted.
+using Coordinates = py::array_t<double, py::array::c_style>;
+using Indices = py::array_t<std::int32_t, py::array::c_style>;
+
+template <class T, int Flags>
+std::span<const T> span_of(const py::array_t<T, Flags>& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+// A read-only array over `data`, without a copy. It keeps `owner` alive, and so the memory.
+inline py::array view(const py::dtype& type, const void* data, std::vector<py::ssize_t> shape,
+                      std::vector<py::ssize_t> strides, const py::object& owner) {
+  py::array array(type, std::move(shape), std::move(strides), data, owner);
+  array.attr("setflags")(py::arg("write") = false);
+  return array;
+}
+
+// Of `values`, n x columns, row after row.
+template <class T>
+py::array rows_view(std::span<const T> values, int columns, const py::object& owner) {
+  constexpr py::ssize_t size = sizeof(T);
+  return view(py::dtype::of<T>(), values.data(), {static_cast<py::ssize_t>(values.size()) / columns, columns},
+              {columns * size, size}, owner);
+}
+
+// Of n values. `type` may be another name for the same bytes.
+template <class T>
+py::array column_view(std::span<const T> values, const py::object& owner, const py::dtype& type = py::dtype::of<T>()) {
+  return view(type, values.data(), {static_cast<py::ssize_t>(values.size_bytes()) / type.itemsize()}, {type.itemsize()},
+              owner);
+}
+
+}  // namespace tessera::python

@@ -1,0 +1,27 @@
+"""Tessera: exact Delaunay triangulations in 2D and 3D, of any size.
+
+Two ways in:
+
+    tri = tessera.Delaunay(points)        in memory, in one piece: a drop-in for scipy.spatial.Delaunay
+
+    t = tessera.triangulate("block/*.laz", memory="4G", progress=print)
+    for tile in t:                        of any size: on disk, in tiles, of which only what is looked at is in memory
+        tetrahedra = tile.points[tile.cells[~tile.ghost]]
+
+Exact means: the Delaunay triangulation of the coordinates as given, whatever their rounding; of cospherical points the one
+that a symbolic perturbation picks, always the same. docs/python.md is the guide.
+"""
+from . import _tessera
+from ._delaunay import Delaunay
+from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
+                      UsageError)
+from ._triangulation import Progress, Tile, Triangulation, open, triangulate
+
+__version__ = _tessera.version()
+
+__all__ = ["triangulate", "open", "Triangulation", "Tile", "Progress", "Delaunay", "Error", "UsageError", "BadInputError",
+           "IoError", "CorruptError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
+# What help() and messages call them.
+for _public in __all__:
+    globals()[_public].__module__ = __name__
+del _public

@@ -1,0 +1,58 @@
+"""The exceptions, one for each cause of docs/exit-status.md."""
+
+
+class Error(Exception):
+    """What goes wrong in tessera: one sentence that names the file or argument, the place and the reason.
+
+    `cause` is "usage", "bad_input", "io", "corrupt", "memory", "interrupted" or "internal". Ctrl-C is not among them: it
+    is KeyboardInterrupt, as everywhere in Python. Exceptions of a progress callback come out as they are.
+    """
+
+    cause = "internal"
+
+
+class UsageError(Error, ValueError):
+    """An argument that makes no sense, or a result folder that may not be replaced."""
+
+    cause = "usage"
+
+
+class BadInputError(Error, ValueError):
+    """Points that are not finite, or span no volume (in 2D: no area), or a file that is not what it claims to be."""
+
+    cause = "bad_input"
+
+
+class IoError(Error, OSError):
+    """The system refused: a file is missing or unreadable, the disk is full, a folder cannot be written."""
+
+    cause = "io"
+
+
+class CorruptError(Error):
+    """A result folder that is damaged, or was written by a newer version."""
+
+    cause = "corrupt"
+
+
+class MemoryLimitError(Error, MemoryError):
+    """The job cannot be done within the memory it was given, or the system has no more."""
+
+    cause = "memory"
+
+
+class InterruptedJobError(Error):
+    """Something other than Ctrl-C stopped the job."""
+
+    cause = "interrupted"
+
+
+class InternalError(Error, RuntimeError):
+    """A mistake of tessera's: please report it."""
+
+    cause = "internal"
+
+
+# By the numbers of tessera::Cause; the extension module looks here.
+BY_CAUSE = {2: UsageError, 3: BadInputError, 4: IoError, 5: CorruptError, 7: MemoryLimitError, 8: InterruptedJobError,
+            9: InternalError}
