@@ -117,7 +117,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
 
 Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
   Cloud cloud;
-  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, hints_of(options, 1)));
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source)));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
   BOOST_OUTCOME_TRY(schema, choose(options.attributes, reader->info().attributes));
   cloud.files_.push_back(reader->info());
