@@ -75,6 +75,8 @@ Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t p
   }
   plan.cost = estimate(dimension, points, limit, options.neighbors, row_bytes(cloud.schema()),
                        {.memory_bytes = options.memory_bytes, .threads = options.threads});
+  for (const auto& file : cloud.files())
+    if (!file.packing.empty()) plan.cost.temporary_bytes += file.content_bytes;
   return plan;
 }
 

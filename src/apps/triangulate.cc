@@ -59,15 +59,15 @@ Status run_triangulate(TriangulateOptions options) {
 }  // namespace
 
 Command add_triangulate(CLI::App& root) {
-  auto command = new_command(
-      root, "triangulate", "Triangulates point files into a result folder",
-      "  tessera triangulate block/*.las -o out/\n"
-      "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
-      "  tessera triangulate block/ --recursive -o out/                      (all point files in a folder)\n"
-      "  zcat scan.xyz.gz | tessera triangulate - -o out/\n"
-      "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
-      "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
-      "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
+  auto command =
+      new_command(root, "triangulate", "Triangulates point files into a result folder",
+                  "  tessera triangulate block/*.las -o out/\n"
+                  "  tessera triangulate a.las b.ply -o out/ --memory 4G --threads 8\n"
+                  "  tessera triangulate block/ --recursive -o out/      (the point files in a folder)\n"
+                  "  zcat scan.xyz.gz | tessera triangulate - -o out/\n"
+                  "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
+                  "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
+                  "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
   add_triangulate_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app

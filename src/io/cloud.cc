@@ -85,12 +85,18 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
   const ReadHints hints{.crop = options.crop, .resolution = options.resolution};
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
+    // No thread may wait for standard input while there is an error to tell.
+    if (inputs[i].standard_input) return Opened{};
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
     auto opened = open_input(inputs[i], hints, spool);
     if (opened.has_error()) return inputs[i].explained(opened.error());
     return opened;
   };
-  BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t, Opened opened) -> Status {
+  BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t i, Opened opened) -> Status {
+    if (inputs[i].standard_input) {
+      BOOST_OUTCOME_TRY(read, open_input(inputs[i], hints, spool));
+      opened = std::move(read);
+    }
     cloud.files_.push_back(std::move(opened.info));
     cloud.spooled_.push_back(std::move(opened.spooled));
     return success();

@@ -108,9 +108,10 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
     counts.invalid += more.invalid;
     counts.filtered += more.filtered;
   };
-  const auto read_unit = [&](const Unit& unit) -> Result<ReadUnit> {
+  const auto read_unit = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
     ReadUnit made;
-    BOOST_OUTCOME_TRY(reader, reopen(unit.file, filter.reader_schema(), ReadHints{.threads = 1, .part = unit.part}));
+    const ReadHints hints{.threads = 1, .part = unit.part, .count_lines = count_lines};
+    BOOST_OUTCOME_TRY(reader, reopen(unit.file, filter.reader_schema(), hints));
     BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, made.counts, [&](CloudBatch& batch) -> Status {
       made.batches.push_back(std::move(batch));
       batch = {};
@@ -120,12 +121,9 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   };
   const auto read_ahead = [&](std::size_t i) -> Result<ReadUnit> {
     if (!units[i].ahead) return ReadUnit{};
-    auto made = read_unit(units[i]);
-    if (made.has_value() || made.error().code != Errc::bad_input || units[i].part.value_or(0) == 0) return made;
-    // Only who has read all that is before it knows the line.
-    BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), ReadHints{.threads = 1}));
-    CloudCounts ignored;
-    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, ignored, [](CloudBatch&) -> Status { return success(); }));
+    auto made = read_unit(units[i], false);
+    // Only an error is worth looking for its line.
+    if (made.has_error() && units[i].part.value_or(0) > 0) return read_unit(units[i], true);
     return made;
   };
   const auto deliver = [&](std::size_t i, ReadUnit made) -> Status {

@@ -15,12 +15,15 @@
 
 namespace tessera {
 
-// Calls take(i, make(i)) for i = 0 .. n-1: `make`, which gives a Result, on up to `threads` threads, at most twice as
-// many ahead; `take`, which gives a Status, on the calling thread by ascending i. The error is that of the lowest i,
-// whatever the threads; nothing of a higher i is taken then.
+// Calls take(i, make(i)) for i = 0 .. n-1: `make`, which gives a Result, on up to `threads` threads (16 at most), at
+// most twice as many ahead; `take`, which gives a Status, on the calling thread by ascending i. The error is that of
+// the lowest i, whatever the threads; nothing of a higher i is taken then.
 template <class Make, class Take>
 Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& take) {
   using Made = decltype(make(std::size_t{}));
+  constexpr unsigned useful_max =
+      16;  // read 100 million points a second from text; what waits to be taken needs memory
+  threads = std::min(threads, useful_max);
   if (threads <= 1 || n <= 1) {
     for (std::size_t i = 0; i < n; ++i) {
       BOOST_OUTCOME_TRY(made, make(i));

@@ -39,7 +39,7 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
     case FileFormat::ply:
       return open_ply(std::move(source), attributes);
     case FileFormat::text:
-      return open_text(std::move(source), attributes, hints.part);
+      return open_text(std::move(source), attributes, hints);
     case FileFormat::gzip:
     case FileFormat::zstd:
       return error(Errc::bad_input, path.string() + ": is compressed twice; unpack it once");

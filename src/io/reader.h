@@ -62,9 +62,11 @@ struct ReadHints {
   std::optional<Box> crop = {};  // closed box: points outside may be passed over
   double resolution = 0;         // COPC: read no finer octree level than one whose points are this far apart; 0: all
   std::uint32_t threads = 1;     // that may decompress at once
-  // Read this part alone, of those that FileInfo tells of: the parts one after the other give what the whole gives, but
-  // the lines that errors and place() name are counted from the begin of the part.
+  // Read this part alone, of those that FileInfo tells of; one after the other they give what the whole gives. Lines
+  // that errors and place() name are counted from the begin of the part, or with `count_lines`, which takes its time,
+  // of the file.
   std::optional<std::uint64_t> part = {};
+  bool count_lines = false;
 };
 
 // Opens `path`, which is not compressed (see Spool), by its content, then by its name. `attributes`: the schema of

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -135,6 +136,19 @@ class TextReader : public PointReader {
   std::vector<std::uint64_t> numbers_;  // the lines of the last batch's points
 };
 
+// The lines that end before `end`.
+Result<std::uint64_t> count_lines(const ByteSource& source, std::uint64_t end) {
+  std::vector<std::byte> block(std::size_t{1} << 18);
+  std::uint64_t count = 0;
+  for (std::uint64_t at = 0; at < end;) {
+    const auto part = std::span(block).first(static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), end - at)));
+    BOOST_OUTCOME_TRYV(source.read(at, part));
+    count += static_cast<std::uint64_t>(std::count(part.begin(), part.end(), std::byte{'\n'}));
+    at += part.size();
+  }
+  return count;
+}
+
 Status check_is_text(const ByteSource& source) {
   std::vector<std::byte> begin(static_cast<std::size_t>(std::min<std::uint64_t>(4096, source.size())));
   BOOST_OUTCOME_TRYV(source.read(0, begin));
@@ -145,8 +159,7 @@ Status check_is_text(const ByteSource& source) {
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
-                                               const std::vector<Attribute>& attributes,
-                                               std::optional<std::uint64_t> part) {
+                                               const std::vector<Attribute>& attributes, const ReadHints& hints) {
   BOOST_OUTCOME_TRYV(check_is_text(*source));
   FileInfo info = info_of(*source, "xyz");
   info.parts = (source->size() + part_bytes - 1) / part_bytes;
@@ -167,10 +180,15 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   const std::string wrong = settle_columns(header, numbers, columns);
   if (!wrong.empty()) return lines.bad_line(wrong);
   lines.rewind();
-  const std::uint64_t end = part ? (*part + 1) * part_bytes : UINT64_MAX;
-  if (part && *part > 0) {
+  const std::uint64_t end = hints.part ? (*hints.part + 1) * part_bytes : UINT64_MAX;
+  if (hints.part.value_or(0) > 0) {
     // The line that begins before the part ends in it, or just before it.
-    lines = LineReader(lines.take_source(), *part * part_bytes - 1);
+    const std::uint64_t before = *hints.part * part_bytes - 1;
+    lines = LineReader(lines.take_source(), before);
+    if (hints.count_lines) {
+      BOOST_OUTCOME_TRY(count, count_lines(lines.source(), before));
+      lines.count_from(count);
+    }
     BOOST_OUTCOME_TRYV(lines.next());
   }
 

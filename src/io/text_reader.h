@@ -1,9 +1,7 @@
 // Points as text: XYZ, CSV, TSV, TXT. One point a line; columns parted by commas, semicolons, tabs or blanks.
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "src/io/byte_source.h"
@@ -17,7 +15,6 @@ namespace tessera {
 // numeric columns are attributes (f64), named by the header or "column_4"; an empty cell is NaN. A part, of 1 MiB, has
 // the lines that begin in it.
 Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> source,
-                                               const std::vector<Attribute>& attributes,
-                                               std::optional<std::uint64_t> part = {});
+                                               const std::vector<Attribute>& attributes, const ReadHints& hints);
 
 }  // namespace tessera

@@ -153,6 +153,12 @@ class StandardInput(InputTest):
         self.refused(USAGE, "triangulate", "-", "-o", self.out, "--resume", says=["--resume", "standard input"])
         self.assertFalse(self.out.exists())
 
+    def test_does_not_keep_other_errors_waiting(self):
+        process = subprocess.Popen([TESSERA, "triangulate", "missing.las", "-", "-o", self.out, "--threads", "4"],
+                                   stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.assertEqual(process.wait(timeout=60), IO)
+        self.assertIn(b"missing.las", process.communicate()[1])
+
     def test_that_never_ends_can_be_interrupted(self):
         process = subprocess.Popen([TESSERA, "triangulate", "-", "-o", self.out], stdin=subprocess.PIPE, stderr=subprocess.PIPE)
         process.stdin.write(b"1 2 3\n")

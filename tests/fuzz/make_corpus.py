@@ -5,9 +5,11 @@ LAS files keep their header and variable length records (payloads over 600 bytes
 their first 5 lines; PLY their header, with the counts made small, and 3 vertices. NumPy arrays and a PLY with lists,
 which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
 """
+import gzip
 import pathlib
 import re
 import struct
+import subprocess
 import sys
 
 LAS = ['ign_77050_627755.las', 'autzen_trim.las', 'pdal_epsg_4326.las', 'pdal_hexbin_crop.las', 'liblas_certainty3d.las',
@@ -172,6 +174,14 @@ def main():
     for kind in ('<f8', '>f8', '<f4', '>f4'):
         for columns in (2, 3):
             write('npy', f'{"le" if kind[0] == "<" else "be"}_{kind[1:]}_{columns}.npy', npy(kind, columns))
+
+    text = b''.join(b'%d %d 0.5\n' % (i, i * i % 97) for i in range(60))
+    las = small_las((data / LAS[0]).read_bytes())
+    write('packed', 'two_members.xyz.gz', gzip.compress(text[:300], mtime=0) + gzip.compress(text[300:], mtime=0))
+    write('packed', 'small.las.gz', gzip.compress(las, mtime=0))
+    zstd = lambda data: subprocess.run(['zstd', '-q', '-c'], input=data, stdout=subprocess.PIPE, check=True).stdout
+    write('packed', 'skipped_and_two_frames.xyz.zst', b'\x50\x2a\x4d\x18\x02\0\0\0ab' + zstd(text[:300]) + zstd(text[300:]))
+    write('packed', 'small.las.zst', zstd(las))
 
 
 main()

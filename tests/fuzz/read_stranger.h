@@ -4,11 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/io/byte_source.h"
 #include "src/io/reader.h"
+#include "src/io/spool.h"
 
 namespace tessera {
 
@@ -27,8 +30,10 @@ inline ReadHints stranger_hints() {
 inline void read_stranger(const std::uint8_t* data, std::size_t size, const std::string& name,
                           const ReadHints& hints = {}) {
   const auto* begin = reinterpret_cast<const std::byte*>(data);
-  const auto open = [&](std::vector<Attribute> schema) {
-    return open_reader(memory_source(name, std::vector<std::byte>(begin, begin + size)), std::move(schema), hints);
+  Spool spool{{}};  // for what is compressed
+  const auto open = [&](const std::vector<Attribute>& schema) -> Result<std::unique_ptr<PointReader>> {
+    BOOST_OUTCOME_TRY(source, spool.unpacked(memory_source(name, std::vector<std::byte>(begin, begin + size))));
+    return open_reader(share(std::move(source)), schema, hints);
   };
   auto first = open({});
   if (first.has_error()) {

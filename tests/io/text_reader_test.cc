@@ -125,6 +125,19 @@ TEST(SplitLine, KeepsDelimitersWithinQuotes) {
   EXPECT_EQ(fields, (std::vector<std::string_view>{"1", "2"}));
 }
 
+TEST(TextReader, CountsTheLinesBeforeAPartWhenAsked) {
+  std::string text;
+  for (int i = 0; i < 300'000; ++i) text += "1,2,3\n";
+  text += "4,5,wrong\n";
+  const auto sentence_of = [&](bool count_lines) {
+    const auto reader = open_bytes(bytes_of(text), "a.csv", {}, {.part = 1, .count_lines = count_lines});
+    return sentence(read_whole(*reader.value()));
+  };
+  EXPECT_EQ(sentence_of(true), "a.csv, line 300001: z is 'wrong', not a number");
+  // The 174763rd line is the last that begins in the first MiB.
+  EXPECT_EQ(sentence_of(false), "a.csv, line " + std::to_string(300'001 - 174'762) + ": z is 'wrong', not a number");
+}
+
 // All parts of a text, one after the other.
 Contents read_parts(const std::string& text, const std::vector<Attribute>& schema) {
   Contents all;
