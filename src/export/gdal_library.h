@@ -15,23 +15,24 @@
 
 namespace tessera::exports {
 
-#define TESSERA_GDAL_FUNCTIONS(F)                                                                                     \
-  F(GDALAllRegister)                                                                                                  \
-  F(GDALGetDriverByName)                                                                                              \
-  F(GDALCreate)                                                                                                       \
-  F(GDALClose)                                                                                                        \
-  F(GDALDatasetCreateLayer)                                                                                           \
-  F(GDALDatasetStartTransaction)                                                                                      \
-  F(GDALDatasetCommitTransaction) F(OGR_L_CreateField) F(OGR_L_CreateFeature) F(OGR_L_GetLayerDefn) F(OGR_Fld_Create) \
-      F(OGR_Fld_Destroy) F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldInteger64)                  \
-          F(OGR_F_SetGeometryDirectly) F(OGR_G_CreateFromWkb) F(OSRNewSpatialReference) F(OSRDestroySpatialReference) \
-              F(OSRSetFromUserInput) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAuthorityCode)                      \
-                  F(OSRGetAuthorityName) F(OSRIsCompound) F(OSRStripVertical) F(OSRExportToWkt)                       \
-                      F(OSRSetAxisMappingStrategy) F(CPLPushErrorHandler) F(CPLPopErrorHandler) F(CPLErrorReset)      \
-                          F(CPLGetLastErrorMsg) F(CPLSetThreadLocalConfigOption) F(VSIFree)
+#define TESSERA_GDAL_FUNCTIONS(F)                                                                                   \
+  F(GDALAllRegister)                                                                                                \
+  F(GDALGetDriverByName)                                                                                            \
+  F(GDALCreate)                                                                                                     \
+  F(GDALClose)                                                                                                      \
+  F(GDALDatasetCreateLayer)                                                                                         \
+  F(GDALDatasetStartTransaction)                                                                                    \
+  F(GDALDatasetCommitTransaction)                                                                                   \
+  F(OGR_L_CreateField) F(OGR_L_CreateFeature) F(OGR_L_GetLayerDefn) F(OGR_Fld_Create) F(OGR_Fld_Destroy)            \
+      F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly)      \
+          F(OGR_G_CreateFromWkb) F(OSRNewSpatialReference) F(OSRDestroySpatialReference) F(OSRSetFromUserInput)     \
+              F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRIsCompound)   \
+                  F(OSRStripVertical) F(OSRExportToWkt) F(OSRSetAxisMappingStrategy) F(CPLPushErrorHandler)         \
+                      F(CPLPopErrorHandler) F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLSetThreadLocalConfigOption) \
+                          F(VSIFree)
 
 struct GdalLibrary {
-#define TESSERA_GDAL_MEMBER(name) decltype(&::name) name = nullptr;
+#define TESSERA_GDAL_MEMBER(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
   TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_MEMBER)
 #undef TESSERA_GDAL_MEMBER
 };
