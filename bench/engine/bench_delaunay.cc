@@ -3,9 +3,9 @@
 //
 //   bench_delaunay [points...]        default: 10 1000 1000000
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <limits>
 #include <random>
 #include <vector>
@@ -24,23 +24,17 @@ std::vector<double> random_coordinates(std::size_t n, std::uint64_t seed) {
   return list;
 }
 
+// Of processor time, which is all there is: each works in this one thread. The least of three rounds; small work is
+// repeated within each.
 template <class Work>
-double seconds_of(Work&& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
-
-// The least of three rounds; small work is repeated within each.
-template <class Work>
-double least_seconds(std::size_t repeats, Work&& work) {
-  double least = std::numeric_limits<double>::infinity();
+double seconds_of(std::size_t repeats, Work&& work) {
+  std::clock_t least = std::numeric_limits<std::clock_t>::max();
   for (int round = 0; round < 3; ++round) {
-    double sum = 0;
-    for (std::size_t i = 0; i < repeats; ++i) sum += work();
-    least = std::min(least, sum / static_cast<double>(repeats));
+    const std::clock_t begin = std::clock();
+    for (std::size_t i = 0; i < repeats; ++i) work();
+    least = std::min(least, std::clock() - begin);
   }
-  return least;
+  return static_cast<double>(least) / CLOCKS_PER_SEC / static_cast<double>(repeats);
 }
 
 void measure(std::size_t n, int dimension) {
@@ -51,14 +45,13 @@ void measure(std::size_t n, int dimension) {
     points.push_back({coordinates[i], coordinates[i + 1], d == 3 ? coordinates[i + 2] : 0});
   }
   const std::size_t repeats = std::max<std::size_t>(1, 100'000 / n);
-  const double ours =
-      least_seconds(repeats, [&] { return seconds_of([&] { const Delaunay t(coordinates, dimension); }); });
-  const double cgal = least_seconds(repeats, [&] { return cgal_sequential(points, dimension).seconds; });
+  const double ours = seconds_of(repeats, [&] { const Delaunay t(coordinates, dimension); });
+  const double cgal = seconds_of(repeats, [&] { cgal_sequential(points, dimension); });
 
   const Delaunay t(coordinates, dimension);
   const auto queries = random_coordinates(1'000'000 * d, 2);
   std::vector<std::int32_t> found(queries.size() / d);
-  const double all = least_seconds(1, [&] { return seconds_of([&] { t.find_simplex(queries, found); }); });
+  const double all = seconds_of(1, [&] { t.find_simplex(queries, found); });
   std::printf(
       "%dD %8zu points   Delaunay %12.1f us   CGAL %12.1f us   %5.2f times CGAL   find_simplex %.3f us a query\n",
       dimension, n, ours * 1e6, cgal * 1e6, cgal / ours, all * 1e6 / static_cast<double>(found.size()));

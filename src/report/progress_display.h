@@ -33,9 +33,9 @@ class ProgressDisplay {
 
   // Takes the panel off the terminal, so that what is written next starts on a clean line. Idempotent.
   void stop();
+  double elapsed_s() const;
 
  private:
-  double elapsed_s() const;
   void run(const std::stop_token& stop);
   void show(const ProgressSnapshot& now);
   void erase_panel();
