@@ -38,7 +38,7 @@ demo() {
   echo "picture: $out/tiles.png    report: $out/result/report.html"
 }
 
-sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'tests/*.cc' 'bench/*.cc'; }
+sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }
 
 # CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
 tidy() {

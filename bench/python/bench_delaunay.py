@@ -4,7 +4,7 @@
     PYTHONPATH=build/release/python /usr/bin/python3 bench/python/bench_delaunay.py [--points 10 1000 100000 1000000] [--seed 7]
 
 Uniform random points. The best of several runs: as many as fit into two seconds, at most 2000, at least one for SciPy and
-two for tessera. Seconds are processor time, which other work on the machine disturbs little; both use one thread.
+two for tessera. Seconds are processor time, all threads together, which other work on the machine disturbs less.
 find_simplex: as many uniform queries as points, at most 10,000, in random order.
 """
 import argparse

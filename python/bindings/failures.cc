@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <exception>
+#include <utility>
 
 #include "python/bindings/bindings.h"
 
@@ -12,7 +13,7 @@ namespace py = pybind11;
 void bind_failures() {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
-      std::rethrow_exception(thrown);
+      std::rethrow_exception(std::move(thrown));
     } catch (const Failure& failure) {
       const auto types = py::module_::import("tessera._errors").attr("BY_CAUSE");
       const auto type = types[py::int_(static_cast<int>(failure.cause()))];

@@ -2,6 +2,7 @@
 import gc
 import os
 import pathlib
+import resource
 import shutil
 import struct
 import subprocess
@@ -108,6 +109,35 @@ class Tiles(FolderTest):
         t = tessera.triangulate(points, skip_invalid=True)
         kept = np.delete(np.arange(300), 17)
         self.assertEqual(clouds.simplex_set(t.simplices()), clouds.simplex_set(kept[tessera.Delaunay(points[kept]).simplices]))
+
+
+class Leaks(FolderTest):
+    def held(self):
+        gc.collect()
+        return len(os.listdir("/proc/self/fd")), len(os.listdir("/proc/self/task"))
+
+    def test_nothing_leaks(self):
+        points = clouds.random(20_000, 3)
+
+        def refuse(figures):
+            raise StopIteration
+
+        def work():
+            t = tessera.triangulate(points, max_points_per_tile=8000)
+            for tile in t:
+                tile.points[0], tile.cells[0], tile.neighbors[0], tile.attributes
+            with self.assertRaises(StopIteration):
+                tessera.triangulate(points, progress=refuse)
+
+        for _ in range(5):
+            work()
+        before, references = self.held(), sys.getrefcount(points)
+        peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        for _ in range(30):
+            work()
+        self.assertEqual((self.held(), sys.getrefcount(points), self.left()), (before, references, []))
+        # The tiles of one triangulation are some 8 MB; 30 of them would be 240.
+        self.assertLess(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - peak, 80_000)
 
 
 class Folders(FolderTest):
