@@ -45,6 +45,16 @@ struct TriangulationOptions {
   std::stop_token stop = {};
 };
 
+// How a result is written for other programs.
+struct ExportRequest {
+  std::string format = {};  // "ply", "vtu", "gpkg", ... (docs/formats.md); empty: as the ending of the target says
+  bool heights = true;      // 2D: the attribute "z", if there is one, becomes the third coordinate
+  bool overwrite = false;   // replace files of the same names
+  // Told now and then which part is done, 0 to 1, in the thread that called. An exception ends the work, and comes out.
+  std::function<void(double)> progress = {};
+  std::stop_token stop = {};
+};
+
 // One tile: the cells with a vertex of its own. Arrays live as long as the Tile or a copy of it; a loop over
 // `t.tile(i).cells()` would outlive both: name the tile first.
 class TESSERA_PUBLIC Tile {
@@ -96,6 +106,10 @@ class TESSERA_PUBLIC Triangulation {
   // Reads one from disk. Failure: usage for no such tile, io, corrupt. Safe to call at once from several threads.
   Tile tile(std::size_t index) const;
   std::string crs() const;
+  // Writes the cells, each once, to `target`: with an ending it is one file, else a folder with a file for each tile.
+  // Whole or not at all. Returns a sentence about what the format could not keep here, often "". Failure: usage for
+  // what the format cannot hold and for a target that exists, corrupt, io, interrupted.
+  std::string export_to(const std::filesystem::path& target, const ExportRequest& request = {}) const;
 
  private:
   friend struct TriangulationMaker;

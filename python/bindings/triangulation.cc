@@ -26,6 +26,17 @@ Triangulation run(const Input& input, TriangulationOptions options, const py::ob
   return triangulate(input, options);
 }
 
+// Triangulation::export_to() with Ctrl-C heeded.
+std::string export_to(const Triangulation& self, const std::filesystem::path& target, const std::string& format,
+                      bool heights, bool overwrite) {
+  const ExportRequest request{.format = format, .heights = heights, .overwrite = overwrite, .progress = [](double) {
+                                const py::gil_scoped_acquire acquire;
+                                check_signals();
+                              }};
+  const py::gil_scoped_release release;
+  return self.export_to(target, request);
+}
+
 py::array points_view(const py::object& self) {
   const auto& tile = self.cast<const Tile&>();
   constexpr py::ssize_t size = sizeof(double);
@@ -101,7 +112,8 @@ void bind_triangulation(py::module_& module) {
       .def_property_readonly("duplicates", &Triangulation::duplicates)
       .def_property_readonly("crs", &Triangulation::crs)
       .def_property_readonly("tiles", &Triangulation::tiles)
-      .def("tile", &Triangulation::tile, without_gil);
+      .def("tile", &Triangulation::tile, without_gil)
+      .def("export_to", &export_to);
 
   module.def(
       "triangulate_points",

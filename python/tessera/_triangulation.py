@@ -5,6 +5,7 @@ import os
 import pathlib
 import re
 import typing
+import warnings
 
 import numpy as np
 import numpy.typing as npt
@@ -179,6 +180,27 @@ class Triangulation:
             own = ~tile.foreign
             points[tile.ids[own]] = tile.points[own]
         return points
+
+    def export(self, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False) -> None:
+        """Writes the cells, each once, for other programs: t.export("mesh.ply").
+
+        Parameters
+        ----------
+        target
+            With an ending, one file; else a folder with a file for each tile ("npy": a folder of arrays).
+        format
+            "ply", "vtu", "off", "obj", "mesh", "msh", "npy", "geojson", "gpkg" or "csv" (docs/formats.md). None: as the
+            ending of `target` says.
+        heights
+            2D: the attribute "z", if the points have one, becomes the third coordinate.
+        overwrite
+            Replace files of the same names. Otherwise that is an error.
+
+        Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing half-written.
+        """
+        note = self._triangulation.export_to(os.fspath(target), format or "", heights, overwrite)
+        if note:
+            warnings.warn(note, stacklevel=2)
 
     def __repr__(self) -> str:
         return (f"<tessera.Triangulation of {self.n_points} points: {self.n_cells} {cell_word(self.dim)} "

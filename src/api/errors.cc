@@ -12,7 +12,7 @@ namespace tessera {
 namespace {
 
 // Options as the command's sentences name them, and what a program would change.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> names{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> names{{
     {"--skip-invalid", "skip_invalid"},
     {"--overwrite", "overwrite"},
     {"--resume", "the command's --resume"},
@@ -21,6 +21,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 8> names{{
     {"--attributes", "attributes"},
     {"--dim", "dimension"},
     {"--neighbors", "neighbors"},
+    {"--format", "format"},
+    {"--no-z", "heights=false"},
 }};
 
 std::string in_words_of_the_library(std::string sentence) {

@@ -1,10 +1,12 @@
 #include "tessera/triangulation.h"
 
 #include <cstring>
+#include <exception>
 #include <utility>
 
 #include "src/api/errors.h"
 #include "src/api/triangulation_impl.h"
+#include "src/export/export.h"
 
 namespace tessera {
 namespace {
@@ -101,6 +103,25 @@ Tile Triangulation::tile(std::size_t index) const {
     tile->set_attributes(stored.schema, stored.rows);
     return Tile(std::move(tile));
   });
+}
+
+std::string Triangulation::export_to(const std::filesystem::path& target, const ExportRequest& request) const {
+  std::stop_source stop;
+  const std::stop_callback forward(request.stop, [&] { stop.request_stop(); });
+  std::exception_ptr thrown;
+  const auto tell = [&](double part) {
+    try {
+      if (request.progress) request.progress(part);
+    } catch (...) {
+      thrown = std::current_exception();
+      stop.request_stop();
+    }
+  };
+  const ExportOptions options{
+      .format = request.format, .heights = request.heights, .overwrite = request.overwrite, .progress = tell};
+  const auto exported = guarded([&] { return export_result(impl_->folder, target, options, stop.get_token()); });
+  if (thrown) std::rethrow_exception(thrown);
+  return value_or_throw(exported).note;
 }
 
 }  // namespace tessera

@@ -260,6 +260,25 @@ class Files(FolderTest):
             tessera.triangulate(path)
         self.assertIn("caf\udce9.xyz", str(caught.exception))
 
+    def test_export_writes_what_numpy_and_others_read(self):
+        t = tessera.triangulate(clouds.random(900, 3), max_points_per_tile=200)
+        t.export(self.folder / "mesh.ply")
+        self.assertTrue((self.folder / "mesh.ply").read_bytes().startswith(b"ply\nformat binary_little_endian"))
+        t.export(self.folder / "arrays", format="npy")
+        cells = np.load(self.folder / "arrays" / "cells.npy")
+        ids = np.load(self.folder / "arrays" / "ids.npy")
+        self.assertEqual(clouds.simplex_set(ids[cells]), clouds.simplex_set(t.simplices()))
+        with self.assertRaisesRegex(tessera.UsageError, "mesh.ply: exists already; overwrite replaces it"):
+            t.export(self.folder / "mesh.ply")
+        t.export(self.folder / "mesh.ply", overwrite=True)
+        with self.assertRaisesRegex(tessera.UsageError, "obj has no tetrahedra"):
+            t.export(self.folder / "mesh.obj")
+
+    def test_export_warns_of_what_the_format_could_not_keep(self):
+        t = tessera.triangulate(clouds.random(50, 2))
+        with self.assertWarnsRegex(UserWarning, "coordinate system"):
+            t.export(self.folder / "map.csv")
+
     def test_the_crs_is_the_files(self):
         self.assertIsInstance(tessera.triangulate(IGN / "ign_77050_627755.las", dim=2).crs, str)
         self.assertEqual(tessera.triangulate(clouds.random(10, 2)).crs, "")

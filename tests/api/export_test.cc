@@ -1,0 +1,64 @@
+// Triangulation::export_to(); what the formats hold is tested in tests/export.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "tests/api/api_testing.h"
+#include "tests/api/temporary_home.h"
+
+namespace tessera {
+namespace {
+
+using testing::cloud;
+using testing::failure_of;
+using testing::TemporaryHome;
+
+Triangulation sample(int dimension) {
+  TriangulationOptions options;
+  options.dimension = dimension;
+  options.max_points_per_tile = 100;
+  return triangulate(cloud("uniform", dimension, 400), options);
+}
+
+TEST(ExportTo, WritesEveryCellOnce) {
+  const TemporaryHome home;
+  const auto t = sample(2);
+  const auto target = home.path() / "mesh.off";
+  double part = 0;
+  EXPECT_EQ(t.export_to(target, {.progress = [&](double now) { part = now; }}), "");
+  EXPECT_EQ(part, 1);
+  std::ifstream file(target);
+  std::string magic;
+  std::uint64_t vertices = 0, cells = 0;
+  file >> magic >> vertices >> cells;
+  EXPECT_EQ(magic, "OFF");
+  EXPECT_EQ(vertices, t.vertices());
+  EXPECT_EQ(cells, t.cells());
+}
+
+TEST(ExportTo, RefusesInTheWordsOfTheLibrary) {
+  const TemporaryHome home;
+  const auto t = sample(3);
+  const auto target = home.path() / "mesh.ply";
+  t.export_to(target);
+  const auto taken = failure_of([&] { t.export_to(target); });
+  EXPECT_EQ(taken.cause(), Cause::usage);
+  EXPECT_EQ(taken.what(), target.string() + ": exists already; overwrite replaces it");
+  t.export_to(target, {.overwrite = true});
+  EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "mesh.obj"); }).cause(), Cause::usage);
+  EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "no" / "mesh.ply"); }).cause(), Cause::io);
+}
+
+TEST(ExportTo, AnExceptionOfTheCallbackComesOutAndLeavesNothing) {
+  const TemporaryHome home;
+  const auto t = sample(3);
+  const auto before = home.entries();
+  const auto enough = [](double) { throw std::out_of_range("as it is"); };
+  EXPECT_THROW(t.export_to(home.path() / "mesh.ply", {.progress = enough}), std::out_of_range);
+  EXPECT_EQ(home.entries(), before);
+}
+
+}  // namespace
+}  // namespace tessera
