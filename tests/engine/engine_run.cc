@@ -35,6 +35,7 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   run_options.threads = options.threads;
   run_options.memory_bytes = options.memory_bytes;
   run_options.keep = options.keep;
+  run_options.store.schema = run.routed.schema;  // 2D: the heights
   BOOST_OUTCOME_TRY(summary, run_tiles(run.routed, out, run_options, progress, std::stop_token{}));
   run.summary = std::move(summary);
 
@@ -45,6 +46,7 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   manifest.partition_kind = name_of(options.partition);
   manifest.boxes = run.routed.partition.boxes();
   manifest.bounds = run.routed.bounds;
+  manifest.schema = run.routed.schema;
   manifest.tiles = run.summary.tiles;
   manifest.points_read = run.routed.counts.read;
   manifest.invalid = run.routed.counts.invalid;
