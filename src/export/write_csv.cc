@@ -3,15 +3,15 @@
 // not needed to write it.
 #include "src/export/crs.h"
 #include "src/export/formats.h"
-#include "src/export/output.h"
+#include "src/export/stream_writer.h"
 
 namespace tessera::exports {
 
 namespace {
 
-class CsvWriter : public MeshWriter {
+class CsvWriter : public StreamWriter {
  public:
-  CsvWriter(OutputFile file, const MeshHead& head) : file_(std::move(file)), stream_(file_, 0), heights_(head.heights) {
+  CsvWriter(OutputFile file, const MeshHead& head) : StreamWriter(std::move(file)), heights_(head.heights) {
     stream_.text("geom,tid,local,main,v0,v1,v2\n");
   }
 
@@ -39,15 +39,8 @@ class CsvWriter : public MeshWriter {
     }
     stream_.text("\n");
   }
-  Status check() override { return stream_.status(); }
-  Result<std::uint64_t> finish() override {
-    BOOST_OUTCOME_TRYV(stream_.flush());
-    return file_.finish();
-  }
 
  private:
-  OutputFile file_;
-  Stream stream_;
   bool heights_;
 };
 

@@ -6,16 +6,16 @@
 
 #include "src/export/crs.h"
 #include "src/export/formats.h"
-#include "src/export/output.h"
+#include "src/export/stream_writer.h"
 
 namespace tessera::exports {
 
 namespace {
 
-class GeoJsonWriter : public MeshWriter {
+class GeoJsonWriter : public StreamWriter {
  public:
   GeoJsonWriter(OutputFile file, const MeshHead& head, const std::string& crs)
-      : file_(std::move(file)), stream_(file_, 0), heights_(head.heights) {
+      : StreamWriter(std::move(file)), heights_(head.heights) {
     const nlohmann::json name = crs;
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" +
                  name.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "}},\"features\":[");
@@ -45,17 +45,10 @@ class GeoJsonWriter : public MeshWriter {
     }
     stream_.text("]]}}");
   }
-  Status check() override { return stream_.status(); }
-  Result<std::uint64_t> finish() override {
-    stream_.text("\n]}\n");
-    BOOST_OUTCOME_TRYV(stream_.flush());
-    return file_.finish();
-  }
 
  private:
+  void end() override { stream_.text("\n]}\n"); }
   static constexpr const char* names[] = {",\"v0\":", ",\"v1\":", ",\"v2\":"};
-  OutputFile file_;
-  Stream stream_;
   bool heights_;
   std::uint64_t cells_ = 0;
 };

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "src/export/formats.h"
-#include "src/export/output.h"
+#include "src/export/stream_writer.h"
 
 namespace tessera::exports {
 
@@ -51,11 +51,10 @@ std::string ply_name(std::string name, std::set<std::string>& taken) {
   return name;
 }
 
-class PlyWriter : public MeshWriter {
+class PlyWriter : public StreamWriter {
  public:
   PlyWriter(OutputFile file, const MeshHead& head)
-      : file_(std::move(file)),
-        stream_(file_, 0),
+      : StreamWriter(std::move(file)),
         columns_(head.columns),
         corners_(head.corners()),
         small_ids_(head.ids <= std::uint64_t{1} << 32) {
@@ -93,15 +92,8 @@ class PlyWriter : public MeshWriter {
     stream_.value(static_cast<std::uint8_t>(corners_));
     for (std::size_t k = 0; k < corners_; ++k) stream_.value(static_cast<std::uint32_t>(cell.numbers[k]));
   }
-  Status check() override { return stream_.status(); }
-  Result<std::uint64_t> finish() override {
-    BOOST_OUTCOME_TRYV(stream_.flush());
-    return file_.finish();
-  }
 
  private:
-  OutputFile file_;
-  Stream stream_;
   std::vector<Column> columns_;
   std::size_t corners_;
   bool small_ids_;

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "src/export/formats.h"
-#include "src/export/output.h"
+#include "src/export/stream_writer.h"
 
 namespace tessera::exports {
 
@@ -24,10 +24,10 @@ struct Syntax {
   std::string_view end;
 };
 
-class TextMeshWriter : public MeshWriter {
+class TextMeshWriter : public StreamWriter {
  public:
   TextMeshWriter(OutputFile file, const MeshHead& head, Syntax syntax)
-      : file_(std::move(file)), stream_(file_, 0), syntax_(std::move(syntax)), corners_(head.corners()) {
+      : StreamWriter(std::move(file)), syntax_(std::move(syntax)), corners_(head.corners()) {
     stream_.text(syntax_.before_vertices);
   }
 
@@ -56,17 +56,12 @@ class TextMeshWriter : public MeshWriter {
     }
     stream_.text(syntax_.cell_end);
   }
-  Status check() override { return stream_.status(); }
-  Result<std::uint64_t> finish() override {
-    if (cells_ == 0) stream_.text(syntax_.before_cells);
-    stream_.text(syntax_.end);
-    BOOST_OUTCOME_TRYV(stream_.flush());
-    return file_.finish();
-  }
 
  private:
-  OutputFile file_;
-  Stream stream_;
+  void end() override {
+    if (cells_ == 0) stream_.text(syntax_.before_cells);
+    stream_.text(syntax_.end);
+  }
   Syntax syntax_;
   std::size_t corners_;
   std::uint64_t vertices_ = 0, cells_ = 0;
