@@ -16,7 +16,7 @@ struct InputName {
   // What stands before and behind a sentence about this input: "list.txt, line 3: " and where it was found.
   std::string before = {}, behind = {};
 
-  Error explained(Error error) const { return {error.code, before + error.where + behind}; }
+  Error explained(const Error& error) const { return {error.code, before + error.where + behind}; }
 };
 
 struct InputQuestion {

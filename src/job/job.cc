@@ -34,9 +34,8 @@ Status check_same_job(const RoutedRun& run, const Cloud& cloud, const std::strin
   return success();
 }
 
-// The routed points: those of the run that is resumed, or of a new one. The cloud goes with this, and what was unpacked
-// for it, so that the tiles have that disk.
-Result<RoutedRun> routed_run(const JobOptions& options, const Cloud cloud, ResultFolder& folder, Progress& progress,
+// The routed points: those of the run that is resumed, or of a new one.
+Result<RoutedRun> routed_run(const JobOptions& options, const Cloud& cloud, ResultFolder& folder, Progress& progress,
                              const std::stop_token& stop) {
   const auto key = options_key(options);
   if (folder.resuming()) {
@@ -72,7 +71,8 @@ Result<JobSummary> make_result(const JobOptions& options, Cloud cloud, ResultFol
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count();
   };
   const double began_s = elapsed_s();
-  BOOST_OUTCOME_TRY(run, routed_run(options, std::move(cloud), folder, progress, stop));
+  BOOST_OUTCOME_TRY(run, routed_run(options, cloud, folder, progress, stop));
+  cloud = {};  // with what was unpacked for it: tiles need that disk
   const double routed_s = elapsed_s();
   if (options.log) {
     options.log("routed " + grouped(run.counts.read) + " points into " + std::to_string(run.partition.tiles()) +
