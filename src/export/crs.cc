@@ -1,5 +1,7 @@
 #include "src/export/crs.h"
 
+#include <string_view>
+
 #include "src/export/gdal_library.h"
 
 namespace tessera::exports {
@@ -15,6 +17,16 @@ std::string urn(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
 }
 
 }  // namespace
+
+bool looks_like_crs(const std::string& text) {
+  const auto all = [](std::string_view part, const char* characters) {
+    return !part.empty() && part.find_first_not_of(characters) == std::string_view::npos;
+  };
+  constexpr std::string_view epsg = "EPSG:";
+  if (text.starts_with(epsg)) return all(std::string_view(text).substr(epsg.size()), "0123456789");
+  const auto keyword = std::string_view(text).substr(0, text.find_first_of("[("));
+  return keyword.size() < text.size() && all(keyword, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_ \t\r\n");
+}
 
 Result<std::string> crs_name_or_wkt(const std::string& crs) {
   if (crs.empty()) return undefined_crs;
@@ -43,8 +55,10 @@ Result<std::string> crs_name_or_wkt(const std::string& crs) {
 }
 
 std::string crs_note(const std::string& crs) {
-  if (!crs.empty()) return {};
-  return "the result has no coordinate system, and the file says so: programs cannot place it on a map";
+  if (looks_like_crs(crs)) return {};
+  return std::string(crs.empty() ? "the result has no coordinate system"
+                                 : "the result's coordinate system is neither WKT nor EPSG:n") +
+         ", and the file says that there is none: programs cannot place it on a map";
 }
 
 }  // namespace tessera::exports

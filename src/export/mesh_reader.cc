@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "src/export/crs.h"
 #include "src/export/vertex_numbers.h"
 
 namespace tessera::exports {
@@ -153,7 +154,7 @@ MeshHead head_of(const MeshSource& source) {
   head.ids = manifest.points_read;
   head.neighbors = source.format.neighbors && manifest.neighbors;
   head.spatial_index = source.options.spatial_index;
-  head.crs = manifest.crs;
+  if (looks_like_crs(manifest.crs)) head.crs = manifest.crs;
   head.software_version = manifest.software_version;
   std::size_t offset = 0;
   for (const auto& attribute : manifest.schema) {

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <set>
+#include <string>
 
 #include "src/export/crs.h"
 #include "tests/store/sample_result.h"
@@ -134,6 +137,31 @@ TEST(Export, ACoordinateSystemThatGdalDoesNotUnderstandIsNamed) {
     EXPECT_NE(result.error().where.find("coordinate system"), std::string::npos);
   }
   EXPECT_TRUE(fs::is_empty(target.path()));
+}
+
+TEST(Crs, OnlyWktAndCodesReachGdalWhichWouldOpenFilesAndAddresses) {
+  for (const char* text : {"EPSG:2154", "PROJCS[\"x\"]", "GEOGCS(\"x\")", " BOUNDCRS\n[x"})
+    EXPECT_TRUE(exports::looks_like_crs(text)) << text;
+  for (const char* text :
+       {"", "EPSG:", "EPSG:2154 ", "http://127.0.0.1/[", "/etc/passwd", "./PROJCS[", "../x(", "[", "WGS84"})
+    EXPECT_FALSE(exports::looks_like_crs(text)) << text;
+}
+
+TEST(Crs, AnythingElseIsLeftOutWithANote) {
+  const TemporaryFolder folder, target;
+  auto manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 20), 2, 1));
+  const fs::path lure = target.path() / "lure.wkt";
+  std::ofstream(lure) << "PROJCS[\"lure\"]";
+  manifest.crs = lure;
+  ASSERT_TRUE(finish_store(folder.path(), manifest, {}));
+  for (const std::string name : {"a.geojson", "a.gpkg", "a.csv"}) {
+    const auto result = export_result(folder.path(), target.path() / name, {}, {});
+    ASSERT_TRUE(result) << name;
+    EXPECT_NE(result.value().note.find("neither WKT nor EPSG:n"), std::string::npos);
+  }
+  std::ifstream file(target.path() / "a.vrt");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_EQ(text.find("lure"), std::string::npos);
 }
 
 TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {
