@@ -185,7 +185,9 @@ TEST_F(CloudThreads, ReadTenThousandFilesWithFewDescriptorsAndLittleMemory) {
   }
   ::getrusage(RUSAGE_SELF, &after);
   ::setrlimit(RLIMIT_NOFILE, &old);
+#ifndef __SANITIZE_ADDRESS__  // which keeps what was freed for a while
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 << 10) << "KiB";
+#endif
 }
 
 TEST_F(CloudThreads, SettleTheDimensionByAllFiles) {
