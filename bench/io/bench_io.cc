@@ -2,6 +2,7 @@
 // removes) and from those given, as LAZ, which it cannot write, compressed files and folders; these also with all
 // processors, and with the time that opening takes, in which compressed files are unpacked.
 // Best of 3 passes, file in the page cache: it measures the decoding, not the disk. Default: 5000000 points, seed 7.
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -88,12 +89,18 @@ Status run(std::uint64_t points, std::uint64_t seed, const std::filesystem::path
 }  // namespace tessera
 
 int main(int argc, char** argv) {
-  const std::uint64_t points = argc > 1 ? std::stoull(argv[1]) : 5'000'000;
-  const std::uint64_t seed = argc > 2 ? std::stoull(argv[2]) : 7;
-  const std::filesystem::path folder = argc > 3 ? argv[3] : ".";
+  std::uint64_t points = 5'000'000, seed = 7;
+  std::string folder = ".";
+  std::vector<std::string> files;
+  CLI::App app("How fast files are read");
+  app.add_option("points", points, "to generate; 0 for none");
+  app.add_option("seed", seed, "of the generated points");
+  app.add_option("folder", folder, "for the generated files");
+  app.add_option("files", files, "to read besides, and folders");
+  CLI11_PARSE(app, argc, argv);
   tessera::Status status = tessera::success();
   if (points > 0) status = tessera::run(points, seed, folder);
-  for (int i = 4; i < argc && status.has_value(); ++i) status = tessera::measure_given(argv[i]);
+  for (std::size_t i = 0; i < files.size() && status.has_value(); ++i) status = tessera::measure_given(files[i]);
   if (status.has_error()) std::fprintf(stderr, "bench_io: %s\n", status.error().where.c_str());
   return status.has_error() ? 1 : 0;
 }

@@ -9,7 +9,7 @@
 
 #include "src/export/formats.h"
 #include "src/export/output.h"
-#include "src/verify/external_sort.h"
+#include "src/store/external_sort.h"
 
 namespace tessera::exports {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "src/base/result.h"
-#include "src/verify/external_sort.h"
+#include "src/store/external_sort.h"
 #include "src/verify/place.h"
 
 namespace tessera {

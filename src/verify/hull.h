@@ -27,7 +27,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/verify/external_sort.h"
+#include "src/store/external_sort.h"
 #include "src/verify/place.h"
 
 namespace tessera {

@@ -15,9 +15,9 @@
 #include <stop_token>
 
 #include "src/base/result.h"
+#include "src/store/external_sort.h"
 #include "src/store/tile_store.h"
 #include "src/verify/cell_copies.h"
-#include "src/verify/external_sort.h"
 #include "src/verify/hull.h"
 #include "src/verify/vertex_ids.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/store/external_sort.h"
 #include "src/store/tile_store.h"
-#include "src/verify/external_sort.h"
 
 namespace tessera {
 

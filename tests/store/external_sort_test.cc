@@ -1,4 +1,4 @@
-#include "src/verify/external_sort.h"
+#include "src/store/external_sort.h"
 
 #include <gtest/gtest.h>
 
