@@ -64,8 +64,11 @@ fs::path index_beside(const Target& target) {
 }
 
 Status check_free(const Target& target, bool overwrite) {
-  if (overwrite) return success();
   std::error_code code;
+  if (!target.folder && target.format->index_of_one && fs::is_directory(index_beside(target), code))
+    return error(Errc::usage,
+                 index_beside(target).string() + ": is a folder, and a file of that name is to be written");
+  if (overwrite) return success();
   const auto taken = [](const fs::path& path) {
     return error(Errc::usage, path.string() + ": exists already; --overwrite replaces it");
   };
@@ -146,14 +149,20 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
   Exported exported{.vertices = head.vertices, .cells = head.cells, .files = 1};
   BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
   BOOST_OUTCOME_TRYV(read_merged(source, *writer));
-  BOOST_OUTCOME_TRY(bytes, writer->finish());
-  exported.bytes = bytes;
-  if (format.index_of_one) {
-    const std::string text = format.index(head, {target.path.filename().string()});
-    BOOST_OUTCOME_TRYV(store::write_whole(index_beside(target), text));
-    exported.bytes += text.size();
-    ++exported.files;
+  if (!format.index_of_one) {
+    BOOST_OUTCOME_TRY(bytes, writer->finish());
+    exported.bytes = bytes;
+    return exported;
   }
+  // Both files are whole before either gets its name.
+  const std::string text = format.index(head, {target.path.filename().string()});
+  store::TemporaryFile index(store::temporary_name(index_beside(target)));
+  BOOST_OUTCOME_TRYV(store::write_whole(index.path(), text));
+  BOOST_OUTCOME_TRY(bytes, writer->finish());
+  BOOST_OUTCOME_TRYV(store::publish(index.path(), index_beside(target)));
+  index.keep();
+  exported.bytes = bytes + text.size();
+  ++exported.files;
   return exported;
 }
 

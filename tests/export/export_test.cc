@@ -97,6 +97,16 @@ TEST(Export, WhatExistsIsReplacedOnlyOnDemand) {
   EXPECT_EQ(names, (std::set<std::string>{"a.csv", "a.gpkg", "a.ply", "a.vrt", "tiles"}));
 }
 
+TEST(Export, ATableAndItsLayerAreWrittenBothOrNeither) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  fs::create_directory(target.path() / "a.vrt");
+  const auto result = export_result(folder.path(), target.path() / "a.csv", {.overwrite = true}, {});
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::usage);
+  EXPECT_EQ(std::distance(fs::directory_iterator(target.path()), fs::directory_iterator()), 1);
+}
+
 TEST(Export, FilesOfAnotherExportDoNotStayAmongNewOnes) {
   const TemporaryFolder folder, target;
   store_flat(folder.path());
