@@ -25,6 +25,7 @@ struct Format {
   bool in_3d = true;         // 2D all of them hold
   Shape shape = Shape::file;
   bool corners = false;        // cells carry coordinates; there is no list of vertices
+  bool attributes = false;     // holds those of the vertices
   bool heights_apart = false;  // in 2D, z stays an attribute
   bool neighbors = false;      // wants CellView::neighbors
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.

@@ -22,7 +22,9 @@ bool is_height(const Attribute& attribute) { return attribute.name == "z" && att
 // The rows of a tile, and where they have the heights.
 class Rows {
  public:
-  explicit Rows(const MeshSource& source) : stride_(row_bytes(source.manifest.schema)) {
+  explicit Rows(const MeshSource& source)
+      : attributes_(source.format.attributes && !source.manifest.schema.empty()),
+        stride_(row_bytes(source.manifest.schema)) {
     if (source.manifest.dimension != 2 || !source.options.heights || source.format.heights_apart) return;
     std::size_t offset = 0;
     for (const auto& attribute : source.manifest.schema) {
@@ -32,10 +34,13 @@ class Rows {
   }
 
   bool heights() const { return height_at_.has_value(); }
+  // Whether the format has any use for them.
+  bool wanted() const { return attributes_ || heights(); }
 
-  // Fetches the heights of a tile. Error usage when one is not finite.
+  // Fetches the heights of a tile, which was read with its rows if they are wanted. Error usage when one is not finite.
   Status lift(const MeshSource& source, StoredTile& tile) const {
-    if (tile.schema != source.manifest.schema && stride_ > 0)
+    if (!wanted()) return success();
+    if (tile.schema != source.manifest.schema)
       return error(Errc::corrupt, source.out.string() + ": a tile has other attributes than the manifest");
     if (!height_at_) return success();
     for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
@@ -49,10 +54,12 @@ class Rows {
     return success();
   }
   VertexView vertex(const StoredTile& tile, std::size_t i) const {
-    return {.at = tile.mesh.points[i], .id = tile.mesh.ids[i], .row = tile.rows.data() + i * stride_};
+    return {
+        .at = tile.mesh.points[i], .id = tile.mesh.ids[i], .row = wanted() ? tile.rows.data() + i * stride_ : nullptr};
   }
 
  private:
+  bool attributes_;
   std::size_t stride_;
   std::optional<std::size_t> height_at_;
 };
@@ -161,7 +168,7 @@ MeshHead head_of(const MeshSource& source) {
     const bool height = manifest.dimension == 2 && is_height(attribute);
     if (height && !source.format.heights_apart) {
       head.heights = source.options.heights;
-    } else if (!height || source.options.heights) {
+    } else if (source.format.attributes && (!height || source.options.heights)) {
       head.columns.push_back({attribute.name, attribute.type, offset});
     }
     offset += size_of(attribute.type);
@@ -180,7 +187,7 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
     numbers = std::move(prepared);
     for (const auto& entry : manifest.tiles) {
       BOOST_OUTCOME_TRYV(watch.look());
-      BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, TileId{entry.tile}, true));
+      BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, TileId{entry.tile}, rows.wanted()));
       BOOST_OUTCOME_TRYV(rows.lift(source, tile));
       numbers.number_own(tile.mesh);
       vertices += count_main(tile.mesh.point_ghost);
@@ -216,7 +223,7 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
 
 Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const fs::path& path, std::uint64_t& done) {
   const Rows rows(source);
-  BOOST_OUTCOME_TRY(tile, load(source, index, true));
+  BOOST_OUTCOME_TRY(tile, load(source, index, rows.wanted()));
   BOOST_OUTCOME_TRYV(rows.lift(source, tile));
   const TileMesh& mesh = tile.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;

@@ -130,8 +130,11 @@ Manifest to_manifest(const json& value) {
     const auto type = attribute.at("type").get<std::string>();
     const auto found = std::find(std::begin(type_names), std::end(type_names), type);
     if (found == std::end(type_names)) throw json::other_error::create(501, "'" + type + "' is not a type", &value);
-    manifest.schema.push_back(
-        {attribute.at("name").get<std::string>(), static_cast<AttributeType>(found - std::begin(type_names))});
+    auto name = attribute.at("name").get<std::string>();
+    // Exports name files by it; and no tile can have it.
+    if (name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
+      throw json::other_error::create(501, "an attribute's name holds a '/' or a zero byte", &value);
+    manifest.schema.push_back({std::move(name), static_cast<AttributeType>(found - std::begin(type_names))});
   }
   for (const auto& entry : value.at("tiles")) manifest.tiles.push_back(to_entry(entry));
   for (std::size_t i = 1; i < manifest.tiles.size(); ++i)

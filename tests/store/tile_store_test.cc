@@ -219,7 +219,9 @@ TEST(Manifest, OneFromAFutureVersionIsRefusedInOneSentence) {
 
 TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {
   const TemporaryFolder folder;
-  store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 3, 60), 3, 2));
+  StoreOptions options;
+  options.schema = {{"intensity", AttributeType::u16}};
+  store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 3, 60), 3, 2), options);
   const auto path = folder.path() / "manifest.json";
   const std::string good = text_of(path);
   for (std::size_t n = 0; n + 2 < good.size(); n += 37) {
@@ -234,6 +236,7 @@ TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {
                                                         {"\"tile\":1", "\"tile\":0"},
                                                         {"\"xxh3\":\"", "\"xxh3\":\"g"},
                                                         {"\"-inf\"", "\"minus\""},
+                                                        {"\"name\": \"", "\"name\": \"../"},
                                                         {"\"vertices\": ", "\"vertixes\": "}}) {
     std::string bad = good;
     ASSERT_NE(bad.find(from), std::string::npos) << from;
