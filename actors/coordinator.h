@@ -1,40 +1,81 @@
-// The coordinator: knows when all is quiet (two successive equal waves, src/quiescence/detector.h) and ends the job.
+// The coordinator of one job: opens a part on every node, knows when all is quiet (two successive equal waves,
+// src/quiescence/detector.h), and ends the job.
 //
-// state      | message      | effect                                              | next
-// exchanging | IdleNotice   | begin a wave: Probe to every node                    | exchanging
-// exchanging | NodeTally    | when two waves agree: RunQuiet to the owner, CollectAll to nodes | collecting
-// collecting | NodeFinished | when all have: RunEnded to the owner                 | ended
-// any        | NodeFailed   | RunEnded with the error to the owner                 | ended
+// state      | message          | effect                                                      | next
+// opening    | PartOpened       | when all have: BeginPart to all                             | exchanging, or
+// collecting
+//            |                  |                                                             | if all were settled
+// exchanging | PartIdle         | begin a wave: Probe to every part                           | exchanging
+// exchanging | PartTally        | when two waves agree: Settle to all                         | settling
+// settling   | PartSettled      | when all have: mark the run settled, Collect to all         | collecting
+// collecting | TileDone         | pass it on to the owner                                     | collecting
+// any        | PartProgress     | RunProgress to the owner                                    |
+// any        | Cancel           | Suspend to all parts                                        | ending
+// any        | PartEnded        | with a failure: Abort to the others; when all: RunEnded     | ending, ended
+// any        | a part, a node or the owner is gone | as PartEnded with a failure              | ending, ended
 #pragma once
 
-#include <caf/all.hpp>
+#include <chrono>
 #include <functional>
+#include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "actors/protocol.h"
 #include "src/quiescence/detector.h"
+#include "src/run/part.h"
 
 namespace tessera {
 
-// Whom the coordinator serves: nodes are given later by a vector<actor> message, since they need its handle.
-class Coordinator : public caf::event_based_actor {
+struct CoordinatorOptions {
+  JobId job;
+  PartSpec spec;
+  // Writes down that the run is settled, or that it is not any more.
+  std::function<Status(bool)> mark_settled;
+  // When set, called at the moment quiescence is believed: the harness checks there that it is true.
+  std::function<void()> on_quiet;
+};
+
+class Coordinator : public CoordinatorHandle::base {
  public:
-  // `on_quiet`, when set, is called at the moment quiescence is believed: the harness checks there that it is true.
-  Coordinator(caf::actor_config& config, caf::actor owner, std::uint32_t nodes, std::function<void()> on_quiet = {});
-  caf::behavior make_behavior() override;
+  Coordinator(caf::actor_config& config, CoordinatorOptions options, caf::actor owner, std::vector<NodeHandle> nodes);
+  behavior_type make_behavior() override;
   void on_exit() override;
 
  private:
-  void act(QuiescenceDetector::Verdict verdict);
+  enum class State : std::uint8_t { opening, exchanging, settling, collecting, ending };
+  struct PartOf {
+    NodeHandle node;
+    PartHandle part;  // null before it is opened, and when it has ended
+    bool opened = false, settled = false, begun = false, ended = false;
+    PartProgress progress;
+  };
 
+  void opened(const PartOpened& message);
+  void begin();
+  void act(QuiescenceDetector::Verdict verdict);
+  void collect();
+  void ended(std::uint32_t node, const PartEnded& message);
+  void fail(const Failure& failure);
+  void lost_actor(const caf::down_msg& down);
+  void finish_if_over();
+  template <class Message>
+  void tell_parts(const Message& message);
+  template <class Done>
+  bool all(Done done) const;
+
+  CoordinatorOptions options_;
   caf::actor owner_;
-  std::function<void()> on_quiet_;
-  std::vector<caf::actor> nodes_;
+  std::vector<PartOf> parts_;  // by node
   QuiescenceDetector detector_;
-  std::uint32_t expected_;
-  std::set<std::uint32_t> finished_;
-  bool collecting_ = false, ended_ = false;
+  State state_ = State::opening;
+  std::set<std::uint32_t> settled_;
+  std::optional<Failure> failure_;
+  PartEnded sum_;
+  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+  std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
+  bool told_ = false;
 };
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
-// What actors say to each other. Nothing here holds a double: CAF's codec for them is not exact (-0, denormals) and
-// does not end on infinity; coordinates travel as raw bytes, times as whole microseconds.
+// What actors say to each other. Nothing here refers to memory, and nothing holds a double: CAF's codec for them is not
+// exact (-0, denormals) and does not end on infinity; coordinates travel as raw bytes, times as whole microseconds.
 #pragma once
 
 #include <caf/all.hpp>
@@ -7,185 +7,167 @@
 #include <string>
 #include <vector>
 
-#include "actors/tile_state.h"
+#include "src/base/figures.h"
+#include "src/base/ids.h"
 #include "src/base/result.h"
+#include "src/run/batch.h"
+#include "src/run/work.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
 
-// node -> tile: do this now; answered by a TileReport.
-enum class Work : std::uint8_t { triangulate, splay, sleep, collect };
+// An error on its way. ok: none.
+struct Failure {
+  std::uint8_t code = 0;  // an Errc
+  std::string text;
+  explicit operator bool() const { return code != 0; }
+};
+inline Failure failure_of(const Error& e) { return {static_cast<std::uint8_t>(e.code), e.where}; }
+inline Error error_of(const Failure& f) { return error(static_cast<Errc>(f.code), f.text); }
 
-constexpr const char* name_of(Work work) {
-  constexpr const char* names[] = {"triangulate", "splay", "sleep", "collect"};
-  return names[static_cast<int>(work)];
-}
-
+// part -> tile: do this now; answered by a TileReport.
 struct Grant {
   Work work = Work::splay;
 };
 
-// tile -> node: mail has come.
+// tile -> part: what waits for it, since more has come.
 struct MailNotice {
-  std::uint32_t tile = 0;
-  std::uint64_t points = 0;
+  TileId tile;
+  std::uint64_t batches = 0, points = 0, bytes = 0;
 };
 
-// tile -> node: the work is done, or has failed.
-struct TileReport {
-  std::uint32_t tile = 0;
+// A piece of work on a tile: when, in microseconds since the part was opened, and by which thread of its node.
+struct WorkSpan {
+  TileId tile;
   Work work = Work::splay;
-  std::uint8_t failed = 0;  // an Errc, or 0
-  std::string failure;
-  std::uint64_t memory = 0;
-  std::uint64_t sent = 0, processed = 0;
-  std::uint64_t waiting = 0;  // points of mail that came meanwhile
-  std::uint64_t microseconds = 0;
-  std::uint32_t hops = 0;
-  std::uint64_t received = 0, inserted = 0, kept = 0, points_sent = 0;
-  // After triangulate:
-  std::vector<std::uint64_t> duplicates;  // duplicate, kept, duplicate, kept, ...
-  std::uint64_t own_points = 0;
+  std::uint32_t thread = 0;
+  std::uint64_t begin_us = 0, end_us = 0;
 };
 
-// tile -> node, some time after it has been collected: its mesh is in the store, or could not be stored.
-struct TileStored {
-  std::uint32_t tile = 0;
-  std::uint8_t failed = 0;  // an Errc, or 0
-  std::string failure;
-  std::vector<std::uint64_t> entry;  // the fields of TileEntry
+// tile -> part: the work is done, or has failed.
+struct TileReport {
+  WorkSpan span;
+  Failure failure;
+  std::uint64_t memory = 0;   // held, mail not counted
+  std::uint64_t storing = 0;  // bytes of the mesh that is on its way to the store
+  MailNotice waiting;
+  std::uint64_t sent = 0, processed = 0;  // batches, per living peers
+  std::uint64_t batches = 0;              // ever sent
+  std::uint32_t hops = 0;
+  ExchangeCounts points;
 };
+
+// tile -> part, at any time: the tile has come to an end by an exception outside of its work.
+struct TileFailed {
+  TileId tile;
+  Failure failure;
+};
+
+// writer -> part, some time after a tile has been collected: its mesh is in the store, or could not be stored.
+struct TileStored {
+  TileId tile;
+  Failure failure;
+  TileEntry entry;
+};
+
+// part -> part of another node: batches for tiles that live there.
+struct Parcel {
+  std::vector<Batch> batches;
+};
+
+// coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
+struct OpenPart {
+  JobId job;
+  NodeId node;  // the number that the node has in this job
+  std::string spec;
+  caf::actor coordinator;
+};
+
+// coordinator -> part
+struct BeginPart {
+  std::vector<caf::actor> parts;  // by node
+  bool settled = false;           // of all parts: collect at once
+};
+struct Probe {
+  std::uint64_t wave = 0;
+};
+struct Settle {};
+struct Collect {};
+struct Suspend {};
+struct Abort {};
 
 // node -> coordinator
-struct IdleNotice {
-  std::uint32_t node = 0;
+struct PartOpened {
+  NodeId node;
+  Failure failure;
+  caf::actor part;
+  bool settled = false;  // needs no exchange
 };
-struct NodeTally {
-  std::uint32_t node = 0;
+// part -> coordinator
+struct PartBegun {  // all its tiles have begun
+  NodeId node;
+};
+struct PartIdle {
+  NodeId node;
+};
+struct PartTally {
+  NodeId node;
   std::uint64_t wave = 0;
   bool idle = false;
   std::uint64_t sent = 0, processed = 0;
 };
-struct NodeFinished {
-  std::uint32_t node = 0;
+struct PartSettled {
+  NodeId node;
 };
-struct NodeFailed {
-  std::uint32_t node = 0;
-  std::uint8_t code = 0;
-  std::string text;
+struct PartProgress {
+  NodeId node;
+  std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0, tiles_asleep = 0;
+  std::uint64_t batches_sent = 0, batches_processed = 0, points_sent = 0, memory_bytes = 0;
+  std::vector<WorkSpan> spans;  // since the last one
+};
+// part -> coordinator -> whoever runs the job: a tile is in the store.
+struct TileDone {
+  TileEntry entry;
+  std::uint64_t microseconds = 0;  // worked on it
+};
+struct PartEnded {
+  NodeId node;
+  Failure failure;
+  ExchangeCounts points;
+  std::uint64_t batches = 0, rounds = 0, sleeps = 0;
+  std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
 };
 
-// coordinator -> node
-struct Start {};
-struct Probe {
-  std::uint64_t wave = 0;
-};
-struct CollectAll {};
+// whoever runs the job -> coordinator
+struct Cancel {};
 
 // coordinator -> whoever runs the job
-struct RunQuiet {
-  std::uint64_t waves = 0;
+enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
+struct RunProgress {
+  RunStage stage = RunStage::triangulating;
+  PartProgress sum;
 };
 struct RunEnded {
-  std::uint8_t code = 0;  // an Errc; ok when all tiles are stored
-  std::string text;
+  Failure failure;
   std::uint64_t waves = 0;
+  PartEnded sum;
+  // Wall clock of the stages.
+  std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;
 };
 
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Grant& x) {
-  return f(caf::meta::type_name("Grant"), x.work);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, MailNotice& x) {
-  return f(caf::meta::type_name("MailNotice"), x.tile, x.points);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileReport& x) {
-  return f(caf::meta::type_name("TileReport"), x.tile, x.work, x.failed, x.failure, x.memory, x.sent, x.processed,
-           x.waiting, x.microseconds, x.hops, x.received, x.inserted, x.kept, x.points_sent, x.duplicates,
-           x.own_points);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileStored& x) {
-  return f(caf::meta::type_name("TileStored"), x.tile, x.failed, x.failure, x.entry);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, IdleNotice& x) {
-  return f(caf::meta::type_name("IdleNotice"), x.node);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, NodeTally& x) {
-  return f(caf::meta::type_name("NodeTally"), x.node, x.wave, x.idle, x.sent, x.processed);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, NodeFinished& x) {
-  return f(caf::meta::type_name("NodeFinished"), x.node);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, NodeFailed& x) {
-  return f(caf::meta::type_name("NodeFailed"), x.node, x.code, x.text);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Start&) {
-  return f(caf::meta::type_name("Start"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Probe& x) {
-  return f(caf::meta::type_name("Probe"), x.wave);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, CollectAll&) {
-  return f(caf::meta::type_name("CollectAll"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, RunQuiet& x) {
-  return f(caf::meta::type_name("RunQuiet"), x.waves);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, RunEnded& x) {
-  return f(caf::meta::type_name("RunEnded"), x.code, x.text, x.waves);
-}
-
-// Batches: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
-inline constexpr std::uint64_t batch_points_max = std::uint64_t{1} << 24;
-inline caf::error inspect(caf::serializer& f, Batch& x) {
-  std::uint64_t n = x.points.size();
-  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n))
-    return failed;
-  return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
-}
-inline caf::error inspect(caf::deserializer& f, Batch& x) {
-  std::uint64_t n = 0;
-  if (auto failed = f(x.from.tile.value, x.from.incarnation, x.to.tile.value, x.to.incarnation, x.hops, n))
-    return failed;
-  if (n > batch_points_max) return caf::sec::invalid_argument;
-  x.points.resize(n);
-  return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
-}
-inline std::string to_string(const Batch& x) {
-  return "Batch(" + std::to_string(x.from.tile.value) + " -> " + std::to_string(x.to.tile.value) + ", " +
-         std::to_string(x.points.size()) + " points, hop " + std::to_string(x.hops) + ")";
-}
-
-std::vector<std::uint64_t> to_numbers(const TileEntry& entry);
-TileEntry entry_from_numbers(const std::vector<std::uint64_t>& numbers);
+using TileHandle = caf::typed_actor<caf::reacts_to<Batch>, caf::reacts_to<Grant>>;
+using PartHandle =
+    caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
+                     caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<MailNotice>,
+                     caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>>;
+// What stands between tiles in the harness: a batch, and the part that it is for.
+using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Batch>, caf::reacts_to<caf::tick_atom>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>>;
+using CoordinatorHandle =
+    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartBegun>, caf::reacts_to<PartIdle>,
+                     caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>, caf::reacts_to<PartProgress>,
+                     caf::reacts_to<TileDone>, caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera
 
-CAF_BEGIN_TYPE_ID_BLOCK(tessera, first_custom_type_id)
-CAF_ADD_TYPE_ID(tessera, (tessera::Batch))
-CAF_ADD_TYPE_ID(tessera, (tessera::CollectAll))
-CAF_ADD_TYPE_ID(tessera, (tessera::Grant))
-CAF_ADD_TYPE_ID(tessera, (tessera::IdleNotice))
-CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
-CAF_ADD_TYPE_ID(tessera, (tessera::NodeFailed))
-CAF_ADD_TYPE_ID(tessera, (tessera::NodeFinished))
-CAF_ADD_TYPE_ID(tessera, (tessera::NodeTally))
-CAF_ADD_TYPE_ID(tessera, (tessera::Probe))
-CAF_ADD_TYPE_ID(tessera, (tessera::RunEnded))
-CAF_ADD_TYPE_ID(tessera, (tessera::RunQuiet))
-CAF_ADD_TYPE_ID(tessera, (tessera::Start))
-CAF_ADD_TYPE_ID(tessera, (tessera::TileReport))
-CAF_ADD_TYPE_ID(tessera, (tessera::TileStored))
-CAF_END_TYPE_ID_BLOCK(tessera)
+#include "actors/protocol_inspect.h"

@@ -2,137 +2,156 @@
 
 #include <malloc.h>
 
+#include <atomic>
 #include <chrono>
 #include <exception>
-#include <new>
 #include <utility>
 
-#include "actors/worker_clock.h"
+#include "actors/failing.h"
 
 namespace tessera {
 namespace {
 
-constexpr int entry_fields = 7;
+// More mail than this is told of again, so that the part knows what its tiles hold.
+constexpr std::uint64_t notice_bytes = 64 << 10;
 
-Phase phase_of(Work work) {
-  switch (work) {
-    case Work::triangulate:
-      return Phase::triangulating;
-    case Work::collect:
-      return Phase::collecting;
-    case Work::splay:
-    case Work::sleep:
-      break;
-  }
-  return Phase::splaying;
+// Threads in the order in which they first did any work.
+std::uint32_t thread_number() {
+  static std::atomic<std::uint32_t> next{0};
+  thread_local const std::uint32_t number = next++;
+  return number;
 }
+
+std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); }
+
+// From a writer's thread, where nobody catches: an exception here would be the end of the process, silence that of the
+// job. What was set aside when the mesh was handed over pays for the one message that must not fail.
+class StoredNotice {
+ public:
+  StoredNotice(PartHandle part, TileId tile)
+      : part_(std::move(part)),
+        tile_(tile),
+        reserve_(std::make_shared<std::vector<std::byte>>(std::size_t{64} << 10)) {}
+  void operator()(const Result<TileEntry>& stored) const noexcept {
+    try {
+      caf::anon_send(
+          part_, stored ? TileStored{tile_, {}, stored.value()} : TileStored{tile_, failure_of(stored.error()), {}});
+    } catch (const std::exception&) {
+      *reserve_ = {};
+      caf::anon_send(part_, TileStored{tile_, {static_cast<std::uint8_t>(Errc::memory), "out of memory"}, {}});
+    }
+  }
+
+ private:
+  PartHandle part_;
+  TileId tile_;
+  std::shared_ptr<std::vector<std::byte>> reserve_;
+};
 
 }  // namespace
 
-std::vector<std::uint64_t> to_numbers(const TileEntry& e) {
-  return {e.tile, e.points, e.own_points, e.cells, e.main_cells, e.bytes, e.xxh3};
+TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
+                     std::shared_ptr<const Office> office)
+    : TileHandle::base(config),
+      self_(self),
+      part_(std::move(part)),
+      office_(std::move(office)),
+      state_(self, part_->context) {}
+
+// Tiles and their office know each other: one that has ended must not keep the others alive.
+void TileActor::on_exit() {
+  office_ = nullptr;
+  part_ = nullptr;
 }
 
-TileEntry entry_from_numbers(const std::vector<std::uint64_t>& n) {
-  if (n.size() != entry_fields) return {};
-  return {static_cast<std::uint32_t>(n[0]), n[1], n[2], n[3], n[4], n[5], n[6]};
-}
-
-TileActor::TileActor(caf::actor_config& config, Peer self, const TileContext& context, const Directory& directory)
-    : caf::event_based_actor(config), self_(self), directory_(directory), context_(context), state_(self, context) {}
-
-caf::behavior TileActor::make_behavior() {
-  // An error that comes back from a peer must not end the tile: the node decides what to do about lost peers.
-  set_error_handler([](caf::scheduled_actor*, caf::error&) {});
+TileActor::behavior_type TileActor::make_behavior() {
+  // Nobody answers a tile; an error that comes back all the same means that a message did not arrive.
+  set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
+    send(office_->part, TileFailed{self_.tile, lost("a message of " + name_of(self_.tile), reason)});
+  });
+  set_exception_handler([this](std::exception_ptr& exception) -> caf::error {
+    send(office_->part, TileFailed{self_.tile, failure_of(exception, name_of(self_.tile))});
+    return caf::sec::runtime_error;
+  });
   return {
       [this](Batch& batch) {
-        directory_.tell([&] { return "tile " + std::to_string(self_.tile.value) + ": receives " + to_string(batch); });
-        state_.receive(std::move(batch));
-        if (!std::exchange(told_node_, true)) {
-          send(directory_.node, MailNotice{self_.tile.value, state_.waiting_points()});
+        office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(batch); });
+        if (const Status kept = state_.receive(std::move(batch)); !kept) {
+          send(office_->part, TileFailed{self_.tile, failure_of(kept.error())});
+          return;
         }
+        const std::uint64_t bytes = state_.mail_memory();
+        if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes) return;
+        bytes_told_ = bytes;
+        send(office_->part, waiting());
       },
       [this](const Grant& grant) { work(grant.work); },
   };
 }
 
+MailNotice TileActor::waiting() const {
+  return {self_.tile, state_.waiting_batches(), state_.waiting_points(), state_.mail_memory()};
+}
+
 void TileActor::work(Work work) {
-  TileReport report = perform(work);
-  for (Batch& batch : state_.take_outgoing()) {
-    const TileId to = batch.to.tile;
-    directory_.tell([&] { return "tile " + std::to_string(self_.tile.value) + ": posts " + to_string(batch); });
-    send(directory_.route_to(to), std::move(batch));
+  const auto since_opened = [&] {
+    const auto elapsed = std::chrono::steady_clock::now() - office_->opened;
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(elapsed).count());
+  };
+  TileReport report;
+  report.span = {self_.tile, work, thread_number(), since_opened(), 0};
+  try {
+    if (const Status done = perform(work); !done) report.failure = failure_of(done.error());
+    for (Batch& batch : state_.take_outgoing()) {
+      office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(batch); });
+      office_->post(this, std::move(batch));
+    }
+  } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
+    report.failure = failure_of(std::current_exception(), name_of(self_.tile) + ", at work on " + name_of(work));
   }
-  // After take_outgoing(): what is on its way counts as sent before the node can ask.
+  if (part_->context.reduce) malloc_trim(0);  // what the work has left behind in pools, where nobody else finds it
+  report.span.end_us = since_opened();
+  // After the batches were posted: what is on its way counts as sent before the part can ask.
   const Totals totals = state_.totals();
   report.sent = totals.sent;
   report.processed = totals.processed;
-  report.memory = state_.memory() + (mesh_ ? mesh_->bytes() : 0);
-  report.waiting = state_.waiting_points();
+  report.batches = state_.batches_sent();
+  report.memory = state_.memory() - state_.mail_memory();
+  report.storing = mesh_ ? mesh_->bytes() : 0;
+  report.waiting = waiting();
   report.hops = state_.hops();
-  const ExchangeCounts& counts = state_.counts();
-  report.received = counts.received;
-  report.inserted = counts.inserted;
-  report.kept = counts.kept;
-  report.points_sent = counts.sent;
-  told_node_ = report.waiting > 0;
-  send(directory_.node, std::move(report));
+  report.points = state_.counts();
+  told_ = report.waiting.batches > 0;
+  bytes_told_ = report.waiting.bytes;
+  send(office_->part, std::move(report));
   if (mesh_) store();
 }
 
 void TileActor::store() {
-  const auto tell = [node = directory_.node, tile = self_.tile.value](const Result<TileEntry>& stored) {
-    if (stored) {
-      caf::anon_send(node, TileStored{tile, 0, "", to_numbers(stored.value())});
-    } else {
-      caf::anon_send(node, TileStored{tile, static_cast<std::uint8_t>(stored.error().code), stored.error().where, {}});
-    }
-  };
-  context_.storage->store(self_.tile, *std::exchange(mesh_, std::nullopt), tell);
+  part_->context.storage->store(self_.tile, *std::exchange(mesh_, std::nullopt),
+                                StoredNotice(office_->part, self_.tile));
 }
 
-TileReport TileActor::perform(Work work) {
-  TileReport report;
-  report.tile = self_.tile.value;
-  report.work = work;
-  const auto fail = [&](const Error& e) {
-    report.failed = static_cast<std::uint8_t>(e.code);
-    report.failure = e.where;
-  };
-  const WorkSpan span(context_.progress, phase_of(work), self_.tile);
-  try {
-    if (work == Work::collect) {
-      auto mesh = state_.collect();
-      if (mesh) {
-        mesh_ = std::move(mesh.value());
-      } else {
-        fail(mesh.error());
-      }
-    } else {
-      const Status done = work == Work::triangulate ? state_.triangulate()
-                          : work == Work::splay     ? state_.splay()
-                                                    : state_.sleep();
-      if (!done) fail(done.error());
+Status TileActor::perform(Work work) {
+  switch (work) {
+    case Work::begin:
+      return state_.begin();
+    case Work::splay:
+      return state_.splay();
+    case Work::sleep:
+      return state_.sleep();
+    case Work::settle:
+      return state_.settle();
+    case Work::collect: {
+      BOOST_OUTCOME_TRY(mesh, state_.collect());
+      mesh_ = std::move(mesh);
+      return success();
     }
-  } catch (const KernelFull&) {
-    fail(error(Errc::memory, "tile " + std::to_string(self_.tile.value) +
-                                 " has more points than a kernel can number: use smaller tiles"));
-  } catch (const std::bad_alloc&) {
-    fail(error(Errc::memory, "out of memory while working on tile " + std::to_string(self_.tile.value) +
-                                 ": use smaller tiles or a smaller --memory"));
-  } catch (const std::exception& e) {  // an actor that ends by an exception says nothing, and the run would wait for it
-    fail(error(Errc::internal, "tile " + std::to_string(self_.tile.value) + ", " + name_of(work) + ": " + e.what()));
+    case Work::drop:
+      state_.drop();
+      return success();
   }
-  if (work == Work::triangulate) {
-    report.own_points = state_.own_points();
-    for (const auto& [duplicate, kept] : state_.take_duplicates()) {
-      report.duplicates.push_back(duplicate);
-      report.duplicates.push_back(kept);
-    }
-  }
-  if (context_.reduce) malloc_trim(0);  // what the work has left behind in pools, where nobody else finds it
-  report.microseconds = span.microseconds();
-  return report;
+  return success();
 }
 
 }  // namespace tessera

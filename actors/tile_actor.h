@@ -1,59 +1,48 @@
 // A tile as an actor: TileState behind messages.
 //
-// state   | message      | effect                                             | answer to the node
-// any     | Batch        | keep the points; tell the node, once per silence    | MailNotice
-// fresh   | triangulate  | triangulate, announce                               | TileReport, batches to other tiles
-// awake   | splay        | process all mail                                    | TileReport, batches to other tiles
-// asleep  | splay        | wake, then as above                                 | TileReport, batches to other tiles
-// awake   | sleep        | write the state to scratch, free it                 | TileReport
-// any     | collect      | make the mesh, have it stored; only after quiescence | TileReport, later TileStored
+// message | effect                                                      | answer to the part
+// Batch   | keep the points                                             | MailNotice, once per silence and 64 KiB
+// begin   | triangulate and announce, or begin from an image            | TileReport, batches to other tiles
+// splay   | process all mail                                            | TileReport, batches to other tiles
+// sleep   | write the state to scratch, free it                         | TileReport
+// settle  | write down what makes the tile independent of the others    | TileReport
+// collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
+// drop    | free the state                                              | TileReport
+// An exception outside of granted work: TileFailed, and the tile ends.
 //
-// Grants come from the node alone, which keeps at most as many under way as there are threads.
+// Grants come from the part alone, which keeps at most as many under way as it has threads.
 #pragma once
 
-#include <caf/all.hpp>
-#include <functional>
 #include <memory>
 #include <optional>
-#include <vector>
 
+#include "actors/office.h"
 #include "actors/protocol.h"
-#include "actors/tile_state.h"
+#include "src/run/part.h"
+#include "src/run/tile_state.h"
 
 namespace tessera {
 
-// Shared by the tiles and nodes of one process.
-struct Directory {
-  caf::actor node;                // whom tiles report to
-  std::vector<caf::actor> tiles;  // by tile id; null where there is none
-  // Where batches for a tile are sent: the tile itself, or in the harness a network that delays them.
-  const caf::actor& route_to(TileId tile) const { return network ? network : tiles[tile.value]; }
-  caf::actor network;
-  std::function<void(const std::string&)> trace;  // when set, hears of every step
-
-  template <class Text>
-  void tell(Text text) const {
-    if (trace) trace(text());
-  }
-};
-
-class TileActor : public caf::event_based_actor {
+class TileActor : public TileHandle::base {
  public:
-  // `context` and `directory` outlive the actor system.
-  TileActor(caf::actor_config& config, Peer self, const TileContext& context, const Directory& directory);
-  caf::behavior make_behavior() override;
+  TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
+            std::shared_ptr<const Office> office);
+  behavior_type make_behavior() override;
+  void on_exit() override;
 
  private:
   void work(Work work);
-  TileReport perform(Work work);
+  Status perform(Work work);
   void store();
+  MailNotice waiting() const;
 
   Peer self_;
-  const Directory& directory_;
-  const TileContext& context_;
+  std::shared_ptr<const Part> part_;
+  std::shared_ptr<const Office> office_;
   TileState state_;
   std::optional<TileMesh> mesh_;  // made, not yet handed to the storage
-  bool told_node_ = false;        // of waiting mail
+  std::uint64_t bytes_told_ = 0;  // of waiting mail
+  bool told_ = false;
 };
 
 }  // namespace tessera

@@ -12,7 +12,7 @@ packages=(
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev
-  libgtest-dev python3 python3-numpy python3-h5py
+  libgtest-dev python3 python3-numpy
   pybind11-dev python3-dev python3-scipy    # the Python package, and what it is compared with
   gdal-bin python3-gdal python3-gmsh        # tests read exports back
   python3-vtk9 xvfb xauth                   # the demo's picture

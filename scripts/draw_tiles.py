@@ -5,13 +5,12 @@
 
 Cells with an edge above --longest are left out: they span the air between the last echoes and the convex hull, and would
 hide everything. Default: 2 % of the cloud's diagonal; 0 keeps all.
-Needs Debian's python3-vtk9, python3-h5py and python3-numpy; without a display, run it under xvfb-run.
+Needs Debian's python3-vtk9 and python3-numpy; without a display, run it under xvfb-run.
 """
 import argparse
 import colorsys
 import pathlib
 
-import h5py
 import numpy as np
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
@@ -19,17 +18,15 @@ from vtk.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to
 
 def read_result(folder):
     """points (n x 3), cells (m x 4), tile of each cell: main cells only."""
-    path = folder / "triangulation.vtkhdf"
-    reader = vtk.vtkHDFReader()
-    reader.SetFileName(str(path))
+    reader = vtk.vtkXMLPUnstructuredGridReader()
+    reader.SetFileName(str(folder / "triangulation.pvtu"))
     reader.Update()
     grid = reader.GetOutput()
     points = vtk_to_numpy(grid.GetPoints().GetData())
     cells = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
     if grid.GetCellType(0) != vtk.VTK_TETRA:
         raise SystemExit(f"{folder}: is no 3D result")
-    with h5py.File(path) as file:  # one partition a tile, in the order of the cells
-        tiles = np.repeat(np.arange(len(file["VTKHDF/NumberOfCells"])), file["VTKHDF/NumberOfCells"][:])
+    tiles = vtk_to_numpy(grid.GetCellData().GetArray("tile"))
     main = vtk_to_numpy(grid.GetCellData().GetArray("vtkGhostType")) == 0
     return points, cells.reshape(-1, 4)[main], tiles[main]
 

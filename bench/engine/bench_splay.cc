@@ -10,11 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "actors/disk_storage.h"
-#include "actors/tile_state.h"
-#include "actors/touching.h"
-#include "src/io/cloud.h"
-#include "src/io/generate.h"
+#include "src/base/option.h"
+#include "src/generate/generate.h"
+#include "src/io/cloud/cloud.h"
+#include "src/run/disk_storage.h"
+#include "src/run/tile_state.h"
+#include "src/run/touching.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -41,8 +42,10 @@ Status run(const Options& o, CloudShape shape) {
   route_options.tiles = static_cast<std::uint32_t>(o.tiles);
   const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
   std::filesystem::remove_all(out);
-  BOOST_OUTCOME_TRY(routed, route(cloud, out / ".run", route_options, progress, {}));
-  DiskStorage storage(routed, out, {}, 1);
+  BOOST_OUTCOME_TRY(routed_run, route(cloud, run_folder(out), route_options, progress, {}));
+  const auto run = std::make_shared<const RoutedRun>(std::move(routed_run));
+  const RoutedRun& routed = *run;
+  DiskStorage storage(run, out, {}, 1);
   TileContext context;
   context.dimension = o.dimension;
   context.boxes = final_boxes(routed.partition);
@@ -52,18 +55,23 @@ Status run(const Options& o, CloudShape shape) {
 
   std::vector<std::unique_ptr<TileState>> tiles;
   double triangulating = 0, splaying = 0;
-  const auto post = [&](TileState& from) {
-    for (Batch& batch : from.take_outgoing()) tiles[batch.to.tile.value]->receive(std::move(batch));
+  const auto post = [&](TileState& from) -> Status {
+    for (Batch& batch : from.take_outgoing()) {
+      BOOST_OUTCOME_TRYV(tiles[batch.to.tile.value]->receive(std::move(batch)));
+    }
+    return success();
   };
   for (std::uint32_t t = 0; t < routed.tile_points.size(); ++t) {
     tiles.push_back(std::make_unique<TileState>(Peer{TileId{t}, 0}, context));
   }
   for (auto& tile : tiles) {
     const auto begin = Clock::now();
-    BOOST_OUTCOME_TRYV(tile->triangulate());
+    BOOST_OUTCOME_TRYV(tile->begin());
     triangulating += seconds_since(begin);
   }
-  for (auto& tile : tiles) post(*tile);
+  for (auto& tile : tiles) {
+    BOOST_OUTCOME_TRYV(post(*tile));
+  }
   bool quiet = false;
   int rounds = 0;
   for (; !quiet; ++rounds) {
@@ -74,15 +82,12 @@ Status run(const Options& o, CloudShape shape) {
       const auto begin = Clock::now();
       BOOST_OUTCOME_TRYV(tile->splay());
       splaying += seconds_since(begin);
-      post(*tile);
+      BOOST_OUTCOME_TRYV(post(*tile));
     }
   }
   ExchangeCounts sum;
   for (const auto& tile : tiles) {
-    sum.received += tile->counts().received;
-    sum.inserted += tile->counts().inserted;
-    sum.refused += tile->counts().refused;
-    sum.sent += tile->counts().sent;
+    sum += tile->counts();
   }
   std::printf("%s, %llu points, seed %llu, %dD, %llu tiles, one thread\n", o.kind.c_str(),
               static_cast<unsigned long long>(o.points), static_cast<unsigned long long>(o.seed), o.dimension,
@@ -114,6 +119,6 @@ int main(int argc, char** argv) {
   if (!shape) return 2;
   std::filesystem::create_directories(o.folder);
   const auto done = tessera::run(o, *shape);
-  if (!done) std::fprintf(stderr, "bench_splay: %s\n", done.error().where.c_str());
+  if (!done) std::fprintf(stderr, "bench_splay: %s\n", tessera::in_plain_words(done.error().where).c_str());
   return done ? 0 : 1;
 }

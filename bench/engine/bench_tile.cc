@@ -7,7 +7,7 @@
 #include <ctime>
 #include <string>
 
-#include "src/io/generate.h"
+#include "src/generate/generate.h"
 #include "src/tile/tile_triangulation.h"
 #include "src/tiling/routed_run.h"
 

@@ -4,11 +4,13 @@
 //   bench_triangulate --kind uniform -n 10000000 --threads 2 --tiles 16 --folder /tmp/bench
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <string>
 
 #include "bench/engine/cgal_sequential.h"
-#include "src/io/generate.h"
+#include "src/base/option.h"
+#include "src/generate/generate.h"
 #include "src/job/inputs.h"
 #include "src/job/job.h"
 #include "src/store/tile_store.h"
@@ -23,6 +25,19 @@ struct Options {
   int dimension = 3;
   bool cgal = true;
 };
+
+// Processor time of the digests, measured again on the stored tiles.
+Result<double> digest_seconds(const std::filesystem::path& out, const Manifest& manifest) {
+  std::clock_t total = 0;
+  for (const TileEntry& entry : manifest.tiles) {
+    BOOST_OUTCOME_TRY(tile, read_tile(out, TileId{entry.tile}));
+    const std::clock_t begin = std::clock();
+    const Digest digest = digest_of(tile.mesh);
+    total += std::clock() - begin;
+    if (digest != entry.digest) return error(Errc::internal, "a tile's digest is not the one in the manifest");
+  }
+  return static_cast<double>(total) / CLOCKS_PER_SEC;
+}
 
 Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
@@ -39,7 +54,10 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   const auto open = [&](JobOptions& job, const std::stop_token& stop) {
     return open_cloud({file.string()}, job, stop);
   };
-  BOOST_OUTCOME_TRY(done, run_job(options, open, folder, progress, {}));
+  Engine engine(options.threads, options.memory_bytes);
+  const std::clock_t begin = std::clock();
+  BOOST_OUTCOME_TRY(done, run_job(engine, options, open, folder, progress, {}));
+  const double work_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   const JobSummary& s = *done;
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));  // has the times that were summed over threads
   const auto seconds = [&](const char* phase) { return manifest.seconds[phase]; };
@@ -50,16 +68,20 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
               seconds("routing"), seconds("triangulating"), seconds("splaying"), seconds("collecting"),
               s.seconds.back().second);
   std::printf("  work summed over threads: triangulating %.2f  splaying %.2f  collecting %.2f s; %llu sleeps\n",
-              cpu("triangulating"), cpu("splaying"), cpu("collecting"), static_cast<unsigned long long>(s.sleeps));
+              cpu("triangulating"), cpu("splaying"), cpu("collecting"),
+              static_cast<unsigned long long>(s.exchange.sleeps));
   std::printf(
       "  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
       "%llu messages, %llu rounds, %llu waves\n",
-      100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.points_sent),
-      static_cast<unsigned long long>(s.points_received), static_cast<unsigned long long>(s.points_inserted),
-      static_cast<unsigned long long>(s.points_kept), static_cast<unsigned long long>(s.messages),
-      static_cast<unsigned long long>(s.rounds), static_cast<unsigned long long>(s.waves));
+      100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.exchange.points.sent),
+      static_cast<unsigned long long>(s.exchange.points.received),
+      static_cast<unsigned long long>(s.exchange.points.inserted),
+      static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.batches),
+      static_cast<unsigned long long>(s.exchange.rounds), static_cast<unsigned long long>(s.exchange.waves));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
               static_cast<unsigned long long>(s.cells), static_cast<double>(s.peak_memory_bytes) / (1 << 20));
+  BOOST_OUTCOME_TRY(digest_s, digest_seconds(out, manifest));
+  std::printf("  digest %s: %.3f s of %.2f s of processor time\n", s.digest.c_str(), digest_s, work_s);
   return s.total_s;
 }
 
@@ -108,7 +130,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   if (const auto done = tessera::run(o); !done) {
-    std::fprintf(stderr, "%s\n", done.error().where.c_str());
+    std::fprintf(stderr, "%s\n", tessera::in_plain_words(done.error().where).c_str());
     return 1;
   }
 }

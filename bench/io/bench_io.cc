@@ -12,8 +12,9 @@
 #include <thread>
 #include <vector>
 
-#include "src/io/cloud.h"
-#include "src/io/generate.h"
+#include "src/base/option.h"
+#include "src/generate/generate.h"
+#include "src/io/cloud/cloud.h"
 
 namespace tessera {
 namespace {
@@ -101,6 +102,6 @@ int main(int argc, char** argv) {
   tessera::Status status = tessera::success();
   if (points > 0) status = tessera::run(points, seed, folder);
   for (std::size_t i = 0; i < files.size() && status.has_value(); ++i) status = tessera::measure_given(files[i]);
-  if (status.has_error()) std::fprintf(stderr, "bench_io: %s\n", status.error().where.c_str());
+  if (status.has_error()) std::fprintf(stderr, "bench_io: %s\n", tessera::in_plain_words(status.error().where).c_str());
   return status.has_error() ? 1 : 0;
 }

@@ -15,9 +15,10 @@
 #include <vector>
 
 #include "bench/engine/cgal_sequential.h"
+#include "src/base/option.h"
 #include "src/base/result.h"
-#include "src/io/cloud.h"
-#include "src/io/generate.h"
+#include "src/generate/generate.h"
+#include "src/io/cloud/cloud.h"
 #include "src/kernel/kernel.h"
 #include "src/tiling/routed_run.h"
 
@@ -102,7 +103,7 @@ int main(int argc, char** argv) {
   } else {
     auto from_file = read(file, dimension);
     if (!from_file) {
-      std::fprintf(stderr, "bench_kernel: %s\n", from_file.error().where.c_str());
+      std::fprintf(stderr, "bench_kernel: %s\n", tessera::in_plain_words(from_file.error().where).c_str());
       return 1;
     }
     cloud = std::move(from_file.value());

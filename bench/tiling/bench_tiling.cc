@@ -54,7 +54,7 @@ int run(std::size_t n, std::uint32_t tiles, unsigned seed, const std::filesystem
             for (const LocalPoint& p : points) sum += partition.tile_of(p.at).value;
           }));
     const auto run_folder = folder / ("bench_tiling_" + std::to_string(::getpid()));
-    std::filesystem::create_directories(run_folder / "points");
+    std::filesystem::create_directories(points_folder(run_folder));
     bool written = true;
     std::uint64_t routed = 0;
     print("route " + name, n, seconds([&] {

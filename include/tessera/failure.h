@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "tessera/visibility.h"
 
@@ -20,17 +23,24 @@ enum class Cause : std::uint8_t {
   internal = 9,     // a mistake of ours
 };
 
+// What an option is called; `value` is empty when the option alone is meant, and "true" or "false" of a switch.
+using OptionName = std::function<std::string(std::string_view key, std::string_view value)>;
+
 // what() is one sentence: which file or argument, which place, what is wrong.
 class TESSERA_PUBLIC Failure : public std::runtime_error {
  public:
-  Failure(Cause cause, const std::string& sentence) : std::runtime_error(sentence), cause_(cause) {}
+  Failure(Cause cause, const std::string& sentence);
   Failure(const Failure&) = default;
   Failure& operator=(const Failure&) = default;
   ~Failure() override;  // not here, so that its type is one in program and library
   Cause cause() const noexcept { return cause_; }
+  // what(), with other names for the options in it, for programs that call them otherwise. Their keys are those of the
+  // command: ("memory", "") is what() calls memory_bytes, ("dim", "2") dimension=2, ("z", "false") heights=false.
+  std::string sentence(const OptionName& name) const;
 
  private:
   Cause cause_;
+  std::shared_ptr<const std::string> marked_;  // shared: an exception is copied without throwing
 };
 
 }  // namespace tessera

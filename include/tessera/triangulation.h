@@ -38,6 +38,7 @@ struct TriangulationOptions {
   std::uint64_t memory_bytes = 0;            // 0: 70 % of what is free
   bool neighbors = true;                     // keep the neighbours of cells
   bool skip_invalid = false;                 // leave points with NaN or infinite coordinates out, do not fail
+  bool recursive = false;                    // take the files in subfolders of folders, too
   std::vector<std::string> attributes = {};  // of the points, from files; "all" for all there are
   // Called some ten times a second, and once at the end, in the thread that called triangulate(). An exception ends the
   // job, and comes out of triangulate(). Of an unfinished job nothing stays in the folder.
@@ -101,6 +102,9 @@ class TESSERA_PUBLIC Triangulation {
   std::uint64_t cells() const;
   std::uint64_t points_read() const;
   std::uint64_t duplicates() const;
+  // 32 hexadecimal digits: the same for two results if and only if they are the same triangulation of the same points
+  // in the same order, whatever their tiles (but for a chance of 2^-128). "" for results of software that made none.
+  std::string digest() const;
   // Of the tiles that have points: 0 to tiles()-1 below.
   std::size_t tiles() const;
   // Reads one from disk. Failure: usage for no such tile, io, corrupt. Safe to call at once from several threads.
@@ -120,7 +124,7 @@ class TESSERA_PUBLIC Triangulation {
 
 // `coordinates`: n x dimension, row after row, read while this runs. Failure: any cause.
 TESSERA_PUBLIC Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options = {});
-// `inputs`: files and patterns, as the command takes them.
+// `inputs`: files, folders and patterns, as the command takes them.
 TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>& inputs,
                                          const TriangulationOptions& options = {});
 

@@ -1,7 +1,8 @@
 #include "tessera/failure.h"
 
-#include <cstring>
 #include <exception>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "python/bindings/bindings.h"
@@ -15,11 +16,15 @@ void bind_failures() {
     try {
       std::rethrow_exception(std::move(thrown));
     } catch (const Failure& failure) {
-      const auto types = py::module_::import("tessera._errors").attr("BY_CAUSE");
-      const auto type = types[py::int_(static_cast<int>(failure.cause()))];
+      const auto errors = py::module_::import("tessera._errors");
+      const auto type = errors.attr("BY_CAUSE")[py::int_(static_cast<int>(failure.cause()))];
+      const auto name = [&](std::string_view key, std::string_view value) {
+        return errors.attr("argument")(key, value).cast<std::string>();
+      };
+      const std::string said = failure.sentence(name);
       // Names of files need not be UTF-8; surrogateescape is how Python writes those that are not.
-      const auto sentence = py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(
-          failure.what(), static_cast<Py_ssize_t>(std::strlen(failure.what())), "surrogateescape"));
+      const auto sentence = py::reinterpret_steal<py::object>(
+          PyUnicode_DecodeUTF8(said.data(), static_cast<Py_ssize_t>(said.size()), "surrogateescape"));
       PyErr_SetObject(type.ptr(), sentence.ptr());
     }
   });

@@ -99,6 +99,7 @@ void bind_triangulation(py::module_& module) {
       .def_readwrite("memory_bytes", &TriangulationOptions::memory_bytes)
       .def_readwrite("neighbors", &TriangulationOptions::neighbors)
       .def_readwrite("skip_invalid", &TriangulationOptions::skip_invalid)
+      .def_readwrite("recursive", &TriangulationOptions::recursive)
       .def_readwrite("attributes", &TriangulationOptions::attributes);
 
   const py::call_guard<py::gil_scoped_release> without_gil;
@@ -110,6 +111,7 @@ void bind_triangulation(py::module_& module) {
       .def_property_readonly("cells", &Triangulation::cells)
       .def_property_readonly("points_read", &Triangulation::points_read)
       .def_property_readonly("duplicates", &Triangulation::duplicates)
+      .def_property_readonly("digest", &Triangulation::digest)
       .def_property_readonly("crs", &Triangulation::crs)
       .def_property_readonly("tiles", &Triangulation::tiles)
       .def("tile", &Triangulation::tile, without_gil)

@@ -53,6 +53,21 @@ class InternalError(Error, RuntimeError):
     cause = "internal"
 
 
+# What options are called here, where the command calls them otherwise but for dashes, and those of the command alone.
+NAMES = {"z": "heights"}
+ABSENT = {"class", "crop", "resolution", "resume"}
+
+
+def argument(key: str, value: str) -> str:
+    """How a sentence names the option `key`, and with a `value` that it is given: "memory", "skip_invalid=True"."""
+    if key in ABSENT:
+        return f"the command's --{key}"
+    name = NAMES.get(key, key.replace("-", "_"))
+    if not value:
+        return name
+    return f"{name}={value.title() if value in ('true', 'false') else value if value.isdecimal() else repr(value)}"
+
+
 # By the numbers of tessera::Cause; the extension module looks here.
 BY_CAUSE = {2: UsageError, 3: BadInputError, 4: IoError, 5: CorruptError, 7: MemoryLimitError, 8: InterruptedJobError,
             9: InternalError}

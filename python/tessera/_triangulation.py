@@ -13,25 +13,9 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
+from ._progress import Progress
 
 Path = typing.Union[str, "os.PathLike[str]"]
-
-
-class Progress(typing.NamedTuple):
-    """How far a job is: what a progress callback is given."""
-
-    phase: str
-    """"planning", "routing", "triangulating", "splaying", "collecting", "finishing", "done"."""
-    points_total: int
-    """0 while unknown."""
-    points_routed: int
-    points_triangulated: int
-    tiles_total: int
-    """0 while unknown."""
-    tiles_triangulated: int
-    tiles_stored: int
-    seconds: float
-    """Since the job began."""
 
 
 class Tile:
@@ -134,6 +118,12 @@ class Triangulation:
         return self._triangulation.cells
 
     @property
+    def digest(self) -> str:
+        """32 hexadecimal digits, equal for two results if and only if they are the same triangulation of the same points
+        in the same order, whatever their tiles. "" for results of software that made none."""
+        return self._triangulation.digest
+
+    @property
     def folder(self) -> pathlib.Path:
         """The result folder. A temporary one goes with this object; tiles that were read stay good."""
         return self._triangulation.folder
@@ -211,7 +201,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path], dim: int |
                 max_points_per_tile: int | None = None, folder: Path | None = None, overwrite: bool = False,
                 threads: int | None = None, memory: int | str | None = None, attributes: typing.Iterable[str] = (),
                 neighbors: bool = True, skip_invalid: bool = False,
-                progress: typing.Callable[[Progress], object] | None = None) -> Triangulation:
+                progress: typing.Callable[[Progress], object] | None = None, recursive: bool = False) -> Triangulation:
     """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
 
     Parameters
@@ -220,7 +210,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path], dim: int |
         Points: an array, n x 2 or n x 3, of any integer or float type and any strides. It is used in place when it is
         float64 and C-contiguous, and must then not change meanwhile; otherwise it is converted. Numbers that float64
         would round (int64 beyond 2^53, longdouble) are refused: the result is exact for the points given.
-        Or files: a path, a pattern ("block/*.laz"), or a list of them, which together make one cloud.
+        Or files: a path, a folder, a pattern ("block/*.laz"), or a list of them, which together make one cloud.
     dim
         2 or 3. None: the number of columns; for files 3, or 2 when they hold x and y alone. Files with z are
         triangulated by x and y with dim=2.
@@ -243,6 +233,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path], dim: int |
         Leave points with NaN or infinite coordinates out. Otherwise they are an error.
     progress
         Called some ten times a second, in this thread, with a Progress. What it raises ends the job and comes out.
+    recursive
+        Take the files in subfolders of folders, too.
 
     Returns
     -------
@@ -277,6 +269,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path], dim: int |
     options.memory_bytes = memory_bytes(memory)
     options.neighbors = neighbors
     options.skip_invalid = skip_invalid
+    options.recursive = recursive
     options.attributes = [attributes] if isinstance(attributes, str) else list(attributes)
     if dim not in (None, 2, 3):
         raise UsageError(f"dim is {dim!r}: tessera triangulates in 2 or 3 dimensions")

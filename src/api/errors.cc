@@ -1,40 +1,13 @@
 #include "src/api/errors.h"
 
-#include <array>
 #include <exception>
 #include <new>
-#include <string_view>
+#include <string>
 #include <system_error>
 
 #include "src/kernel/kernel.h"
 
 namespace tessera {
-namespace {
-
-// Options as the command's sentences name them, and what a program would change.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 10> names{{
-    {"--skip-invalid", "skip_invalid"},
-    {"--overwrite", "overwrite"},
-    {"--resume", "the command's --resume"},
-    {"--memory", "memory_bytes"},
-    {"--threads", "threads"},
-    {"--attributes", "attributes"},
-    {"--dim", "dimension"},
-    {"--neighbors", "neighbors"},
-    {"--format", "format"},
-    {"--no-z", "heights=false"},
-}};
-
-std::string in_words_of_the_library(std::string sentence) {
-  for (const auto& [command, library] : names) {
-    for (auto at = sentence.find(command); at != std::string::npos; at = sentence.find(command, at + library.size())) {
-      sentence.replace(at, command.size(), library);
-    }
-  }
-  return sentence;
-}
-
-}  // namespace
 
 void throw_failure(const Error& error) {
   static_assert(static_cast<int>(Cause::usage) == static_cast<int>(Errc::usage));
@@ -44,7 +17,7 @@ void throw_failure(const Error& error) {
   static_assert(static_cast<int>(Cause::memory) == static_cast<int>(Errc::memory));
   static_assert(static_cast<int>(Cause::interrupted) == static_cast<int>(Errc::interrupted));
   static_assert(static_cast<int>(Cause::internal) == static_cast<int>(Errc::internal));
-  throw Failure(static_cast<Cause>(error.code), in_words_of_the_library(error.where));
+  throw Failure(static_cast<Cause>(error.code), error.where);
 }
 
 void rethrow_as_failure() {

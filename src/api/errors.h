@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-// As a Failure. Where the sentence names an option of the command, it then names that of the library.
+// As a Failure.
 [[noreturn]] void throw_failure(const Error& error);
 // The exception that is being handled, as a Failure.
 [[noreturn]] void rethrow_as_failure();

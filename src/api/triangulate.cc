@@ -5,7 +5,8 @@
 
 #include "src/api/errors.h"
 #include "src/api/triangulation_impl.h"
-#include "src/io/array_source.h"
+#include "src/base/option.h"
+#include "src/io/npy/array_source.h"
 #include "src/job/inputs.h"
 #include "src/job/job.h"
 #include "src/job/machine.h"
@@ -20,7 +21,7 @@ void require(bool holds, const std::string& otherwise) {
 
 JobOptions job_options(const TriangulationOptions& options) {
   require(options.threads <= threads_max,
-          "threads: " + std::to_string(options.threads) + " are more than " + std::to_string(threads_max));
+          option("threads") + ": " + std::to_string(options.threads) + " are more than " + std::to_string(threads_max));
   JobOptions job;
   job.threads = options.threads > 0 ? options.threads : usable_processors();
   job.memory_bytes = options.memory_bytes > 0 ? options.memory_bytes : default_memory();
@@ -28,8 +29,10 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.neighbors = options.neighbors;
   job.cloud.dimension = options.dimension;
   job.cloud.skip_invalid = options.skip_invalid;
+  job.cloud.recursive = options.recursive;
   job.cloud.attributes = options.attributes;
   job.cloud.threads = job.threads;
+  job.resumable = false;
   job.command = {"tessera::triangulate"};
   return job;
 }
@@ -52,11 +55,13 @@ JobProgress look(const Progress& progress) {
 void run_watched(const TriangulationOptions& options, const OpenCloud& open, ResultFolder& folder) {
   constexpr std::chrono::milliseconds interval(100);
   const JobOptions job = job_options(options);
+  Engine engine(job.threads, job.memory_bytes);
   Progress progress;
   std::stop_source stop;
   const std::stop_callback forward(options.stop, [&] { stop.request_stop(); });
   auto outcome = guarded([&] {
-    return std::async(std::launch::async, [&] { return run_job(job, open, folder, progress, stop.get_token()); });
+    return std::async(std::launch::async,
+                      [&] { return run_job(engine, job, open, folder, progress, stop.get_token()); });
   });
   try {
     while (options.progress && outcome.wait_for(interval) != std::future_status::ready)
@@ -95,7 +100,7 @@ struct TriangulationMaker {
 
 Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options) {
   const int dimension = options.dimension;
-  require(dimension == 2 || dimension == 3, "dimension: of an array it must be 2 or 3");
+  require(dimension == 2 || dimension == 3, option("dim") + ": of an array it must be 2 or 3");
   require(coordinates.size() % static_cast<std::size_t>(dimension) == 0,
           "the array: its length, " + std::to_string(coordinates.size()) + ", is no multiple of the dimension, " +
               std::to_string(dimension));
@@ -105,7 +110,8 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
 }
 
 Triangulation triangulate(const std::vector<std::string>& inputs, const TriangulationOptions& options) {
-  require(options.dimension == 0 || options.dimension == 2 || options.dimension == 3, "dimension: must be 0, 2 or 3");
+  require(options.dimension == 0 || options.dimension == 2 || options.dimension == 3,
+          option("dim") + ": must be 0, 2 or 3");
   require(!inputs.empty(), "no input file is given");
   return TriangulationMaker::make(
       options, [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(inputs, job, stop); });

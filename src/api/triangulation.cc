@@ -86,6 +86,9 @@ std::uint64_t Triangulation::vertices() const { return impl_->manifest.vertices;
 std::uint64_t Triangulation::cells() const { return impl_->manifest.cells; }
 std::uint64_t Triangulation::points_read() const { return impl_->manifest.points_read; }
 std::uint64_t Triangulation::duplicates() const { return impl_->manifest.duplicates; }
+std::string Triangulation::digest() const {
+  return impl_->manifest.digest ? digest_text(*impl_->manifest.digest) : std::string();
+}
 std::size_t Triangulation::tiles() const { return impl_->manifest.tiles.size(); }
 std::string Triangulation::crs() const { return impl_->manifest.crs; }
 

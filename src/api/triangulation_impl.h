@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "src/api/temporary_folder.h"
+#include "src/files/temporary.h"
 #include "src/store/tile_store.h"
 #include "tessera/triangulation.h"
 

@@ -7,7 +7,7 @@ namespace tessera {
 Command new_command(CLI::App& root, const std::string& name, const std::string& description,
                     const std::string& examples) {
   Command command;
-  command.app = root.add_subcommand(name, description);
+  command.app = root.add_subcommand(name, description)->group("Commands");
   command.app->footer("Examples:\n" + examples);
   command.settings = std::make_unique<Settings>(name);
   add_value(command, "config", "FILE",

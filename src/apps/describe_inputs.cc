@@ -51,6 +51,12 @@ std::string to_text(const FileInfo& file) {
          (file.crs.empty() ? "" : "  CRS         " + crs_name(file.crs) + "\n");
 }
 
+std::string to_text(const budget::Phases& phases) {
+  return "routing " + human_bytes(phases.routing) + ", triangulating " + human_bytes(phases.triangulating) +
+         ", splaying " + human_bytes(phases.splaying) + ", collecting " + human_bytes(phases.collecting) +
+         (phases.whole ? "; tiles stay whole" : "; tiles sleep on disk");
+}
+
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.
 struct Plan {
   std::uint64_t limit = 0;
@@ -73,7 +79,7 @@ Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t p
                            : Partition::build(options.partition, dimension, sample, plan.sampled, points, limit))
             .tiles();
   }
-  plan.cost = estimate(dimension, points, limit, options.neighbors, row_bytes(cloud.schema()),
+  plan.cost = estimate(dimension, options.kernel, points, limit, options.neighbors, row_bytes(cloud.schema()),
                        {.memory_bytes = options.memory_bytes, .threads = options.threads});
   for (const auto& file : cloud.files())
     if (!file.packing.empty()) plan.cost.temporary_bytes += file.content_bytes;
@@ -103,6 +109,12 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
                 {"estimate",
                  {{"cells", cost.cells},
                   {"memory_bytes", cost.memory_bytes},
+                  {"phases",
+                   {{"routing", cost.phases.routing},
+                    {"triangulating", cost.phases.triangulating},
+                    {"splaying", cost.phases.splaying},
+                    {"collecting", cost.phases.collecting}}},
+                  {"tiles_whole", cost.phases.whole},
                   {"result_bytes", cost.result_bytes},
                   {"temporary_bytes", cost.temporary_bytes},
                   {"seconds", cost.seconds}}}}
@@ -116,8 +128,8 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
           " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " +
           to_text(planned.sampled) + " (of a sample)\n  tiles       " + std::to_string(planned.tiles) + " (" +
           name_of(options.partition) + ", at most " + grouped(planned.limit) + " points each)\n  cells       " +
-          human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + "\n  disk        " +
-          human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
+          human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + " (" + to_text(cost.phases) +
+          ")\n  disk        " + human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
           " while it works\n  time        " + human_seconds(cost.seconds) + "\n";
   return text;
 }

@@ -18,7 +18,8 @@ std::string as_json(const std::string& folder, const Manifest& manifest) {
                      {"points", tile.own_points},
                      {"foreign_points", tile.points - tile.own_points},
                      {"cells", tile.main_cells},
-                     {"bytes", tile.bytes}});
+                     {"bytes", tile.bytes},
+                     {"digest", tile.digest ? Json(digest_text(*tile.digest)) : Json()}});
   }
   for (const auto& input : manifest.inputs) inputs.push_back({{"path", input.path}, {"bytes", input.bytes}});
   for (const auto& attribute : manifest.schema) names.push_back(attribute.name);
@@ -38,6 +39,7 @@ std::string as_json(const std::string& folder, const Manifest& manifest) {
               {"duplicates", manifest.duplicates},
               {"vertices", manifest.vertices},
               {"cells", manifest.cells},
+              {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
               {"neighbors", manifest.neighbors},
               {"attributes", names},
               {"seconds", manifest.seconds},
@@ -80,6 +82,7 @@ std::string as_text(const std::string& folder, const Manifest& manifest) {
   line("tiles", grouped(manifest.tiles.size()) + " (" + manifest.partition_kind + ")" +
                     (manifest.tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
   line("size", human_bytes(bytes) + (manifest.neighbors ? "" : ", without neighbours"));
+  if (manifest.digest) line("digest", digest_text(*manifest.digest));
   std::string names;
   for (const auto& attribute : manifest.schema) names += (names.empty() ? "" : ", ") + attribute.name;
   line("attributes", names.empty() ? "none" : names);

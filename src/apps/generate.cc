@@ -1,5 +1,5 @@
 // tessera generate: made-up clouds.
-#include "src/io/generate.h"
+#include "src/generate/generate.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -68,6 +68,7 @@ Command add_generate(CLI::App& root) {
                              "  tessera generate uniform -n 10M --seed 7 -o cloud.las\n"
                              "  tessera generate terrain -n 1.5M -o hills.las\n"
                              "  tessera generate sphere -n 10k --dim 2 -o circle.xyz");
+  command.app->group("For tests");
   add_value(command, "points", "N", "how many points, as 500, 10k or 1.5M", 'n', true);
   add_value(command, "seed", "N", "another seed gives another cloud of the same kind; default: 1");
   add_value(command, "dim", "2|3", "2 leaves z out; default: 3");

@@ -1,5 +1,5 @@
 // tessera harness: the real actors under a deterministic scheduler, compared with CGAL, seed after seed.
-#include "actors/harness.h"
+#include "actors/harness/harness.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,6 +23,7 @@ namespace {
 
 constexpr std::int64_t points_max = 1'000'000;  // the comparison keeps every cell in memory
 constexpr std::int64_t tiles_max = 4096;
+constexpr std::int64_t nodes_max = 64;
 
 // "17" or "1..1000", inclusive.
 Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& text) {
@@ -58,6 +59,14 @@ Result<HarnessOptions> read_options(Settings& settings) {
   if (points) options.points = static_cast<std::size_t>(*points);
   BOOST_OUTCOME_TRY(tiles, settings.get("tiles", integer(1, tiles_max)));
   if (tiles) options.tiles = static_cast<std::uint32_t>(*tiles);
+  BOOST_OUTCOME_TRY(nodes, settings.get("nodes", integer(1, nodes_max)));
+  if (nodes) options.nodes = static_cast<std::uint32_t>(*nodes);
+  BOOST_OUTCOME_TRY(mail, settings.get("mail", integer(0, points_max)));
+  if (mail) options.mail_points_max = static_cast<std::uint64_t>(*mail);
+  BOOST_OUTCOME_TRY(faults, settings.on("faults"));
+  options.faults = faults;
+  BOOST_OUTCOME_TRY(restarts, settings.on("restarts"));
+  options.restarts = restarts;
   BOOST_OUTCOME_TRY(partition, settings.get("partition", parse_partition_kind));
   if (partition) options.partition = *partition;
   BOOST_OUTCOME_TRY(seeds, settings.get("seeds", parse_seeds));
@@ -85,6 +94,10 @@ Result<HarnessReport> run_seeds(const HarnessOptions& options) {
     sum.batches += report.batches;
     sum.waves += report.waves;
     sum.sleeps += report.sleeps;
+    sum.spills += report.spills;
+    sum.failures += report.failures;
+    sum.restarts += report.restarts;
+    sum.settled_restarts += report.settled_restarts;
     sum.failed_seed = report.failed_seed;
     sum.failure = std::move(report.failure);
   }
@@ -101,14 +114,18 @@ Status run_harness_command(Settings& settings) {
                                          "; replay it with --seed " + std::to_string(*report.failed_seed) + " --trace");
   }
   if (output.json) {
-    const nlohmann::ordered_json object{{"event", "harness"},    {"seeds", report.seeds},
-                                        {"steps", report.steps}, {"batches", report.batches},
-                                        {"waves", report.waves}, {"sleeps", report.sleeps}};
+    const nlohmann::ordered_json object{
+        {"event", "harness"},        {"seeds", report.seeds},       {"steps", report.steps},
+        {"batches", report.batches}, {"waves", report.waves},       {"sleeps", report.sleeps},
+        {"spills", report.spills},   {"failures", report.failures}, {"restarts", report.restarts}};
     std::printf("%s\n", object.dump().c_str());
   } else if (!output.quiet) {
-    std::printf("%s seeds passed: %s messages handled, %s batches of points, %s collections of counters, %s sleeps\n",
-                grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.batches).c_str(),
-                grouped(report.waves).c_str(), grouped(report.sleeps).c_str());
+    std::printf(
+        "%s seeds passed: %s messages handled, %s batches of points, %s collections of counters, %s sleeps, "
+        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled)\n",
+        grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.batches).c_str(),
+        grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
+        grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str());
   }
   return success();
 }
@@ -119,6 +136,7 @@ Command add_harness(CLI::App& root) {
   auto command = new_command(root, "harness", "Runs the actors in seeded random schedules and compares with CGAL",
                              "  tessera harness --kind lattice -n 40 --tiles 7 --seeds 1..1000\n"
                              "  tessera harness --kind lattice -n 40 --tiles 7 --seed 17 --trace      (replays one)");
+  command.app->group("For tests");
   add_value(command, "kind", "NAME", kinds() + "; default: uniform", 0, true);
   add_value(command, "points", "N", "about how many points; default: 40", 'n', true);
   add_value(command, "dim", "2|3", "default: 3", 0, true);
@@ -126,6 +144,10 @@ Command add_harness(CLI::App& root) {
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree or random", 0, true);
   add_value(command, "seeds", "A..B", "run these, up to the first that fails; default: 1..1", 0, true);
   add_value(command, "seed", "N", "run this one", 0, true);
+  add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);
+  add_value(command, "mail", "N", "points of mail a tile keeps in memory; default: drawn", 0, true);
+  add_switch(command, "faults", "storage or memory fails once in each run, which is then resumed", 0, true);
+  add_switch(command, "restarts", "the processes are killed or cancelled, and the run is resumed", 0, true);
   add_switch(command, "trace", "print every step", 0, true);
   add_output_switches(command);
   command.run = [settings = command.settings.get()](const std::vector<std::string>&) {

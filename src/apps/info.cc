@@ -9,7 +9,7 @@
 
 #include "src/apps/command.h"
 #include "src/apps/triangulate_options.h"
-#include "src/io/inputs.h"
+#include "src/io/cloud/inputs.h"
 
 namespace tessera {
 namespace {

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -12,11 +13,15 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/help.h"
 #include "src/apps/log.h"
 #include "src/apps/settings.h"
+#include "src/apps/words.h"
+#include "src/base/option.h"
 #include "src/base/result.h"
 #include "src/job/version.h"
 
@@ -33,11 +38,13 @@ std::string one_line(std::string text) {
 }
 
 int fail(const Error& error, bool json) {
-  const auto sentence = one_line(error.where);
+  const auto sentence = one_line(render(error.where, flag_name));
   std::fprintf(stderr, "tessera: %s\n", sentence.c_str());
   if (json) {
-    const nlohmann::ordered_json object{
-        {"event", "error"}, {"status", static_cast<int>(error.code)}, {"message", sentence}};
+    const nlohmann::ordered_json object{{"event", "error"},
+                                        {"status", static_cast<int>(error.code)},
+                                        {"message", sentence},
+                                        {"options", option_keys(error.where)}};
     std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
     std::fflush(stdout);
   }
@@ -75,9 +82,10 @@ int tessera_main(int argc, char** argv) {
 
   CLI::App app("Exact Delaunay triangulation of point clouds that do not fit in memory.", "tessera");
   app.set_version_flag("--version", std::string("tessera ") + version());
+  app.formatter(help_formatter());  // before the commands, which take it over
   app.require_subcommand(1);
   app.footer(
-      "'tessera COMMAND --help' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
+      "'tessera help COMMAND' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
   std::vector<Command> commands;
   commands.push_back(add_triangulate(app));
   commands.push_back(add_verify(app));
@@ -85,8 +93,13 @@ int tessera_main(int argc, char** argv) {
   commands.push_back(add_export(app));
   commands.push_back(add_generate(app));
   commands.push_back(add_harness(app));
+  std::vector<std::string> names;
+  for (const auto& command : commands) names.push_back(command.app->get_name());
+  auto arguments = resolve_command(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), names);
+  if (!arguments) return fail(arguments.error(), false);
   try {
-    app.parse(argc, argv);
+    std::reverse(arguments.value().begin(), arguments.value().end());  // as the parser wants them
+    app.parse(std::move(arguments).value());
   } catch (const CLI::Success& help) {
     const int status = app.exit(help);
     std::cout.flush();

@@ -1,4 +1,4 @@
-// Strong types for the two numbers everything is keyed by.
+// Strong types for the numbers everything is keyed by.
 #pragma once
 
 #include <compare>
@@ -18,6 +18,10 @@ struct Id {
 using PointId = Id<struct PointTag, std::uint64_t>;
 // A tile's number, 0..tiles-1: never a PointId, nor an index into anything but lists of tiles.
 using TileId = Id<struct TileTag, std::uint32_t>;
+// A process that hosts tiles, as its coordinator numbers it.
+using NodeId = Id<struct NodeTag, std::uint32_t>;
+// A job, unique among those that a process has ever known.
+using JobId = Id<struct JobTag, std::uint64_t>;
 
 }  // namespace tessera
 

@@ -40,15 +40,24 @@ class Pool {
     trim();
   }
 
-  void limit(std::size_t bytes) {
+  void add_share(std::size_t bytes) {
     const std::lock_guard lock(mutex_);
-    limit_ = bytes;
+    ++shares_;
+    asked_ += bytes;
+    trim();
+  }
+
+  void remove_share(std::size_t bytes) {
+    const std::lock_guard lock(mutex_);
+    --shares_;
+    asked_ -= bytes;
     trim();
   }
 
  private:
   void trim() {
-    while (held_ > limit_ || kept_.size() > mappings_max) {
+    const std::size_t limit = shares_ > 0 ? asked_ : unasked;
+    while (held_ > limit || kept_.size() > mappings_max) {
       munmap(kept_.front().at, kept_.front().reserved);
       held_ -= kept_.front().touched;
       kept_.pop_front();
@@ -58,7 +67,8 @@ class Pool {
   static constexpr std::size_t mappings_max = 64;
   std::mutex mutex_;
   std::deque<Mapping> kept_;
-  std::size_t held_ = 0, limit_ = std::size_t{256} << 20;
+  static constexpr std::size_t unasked = std::size_t{256} << 20;
+  std::size_t held_ = 0, shares_ = 0, asked_ = 0;
 };
 
 // Never destroyed: arrays in static objects may outlive any other.
@@ -107,6 +117,8 @@ void release_pages(const Mapping& mapping, std::size_t bytes) noexcept {
   if (whole > 0) madvise(mapping.at, whole, MADV_DONTNEED);
 }
 
-void limit_memory_pool(std::size_t bytes) { pool().limit(bytes); }
+MemoryPoolShare::MemoryPoolShare(std::size_t bytes) : bytes_(bytes) { pool().add_share(bytes); }
+
+MemoryPoolShare::~MemoryPoolShare() { pool().remove_share(bytes_); }
 
 }  // namespace tessera

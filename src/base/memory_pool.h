@@ -19,8 +19,18 @@ Mapping map_memory(std::size_t bytes);
 void grow_mapping(Mapping& mapping, std::size_t bytes);
 // Gives the memory to the pool, of which the first `used` bytes may have been touched.
 void unmap_memory(Mapping& mapping, std::size_t used) noexcept;
-// How many touched bytes the pool may keep; what is above goes back to the system at once. 256 MiB at first.
-void limit_memory_pool(std::size_t bytes);
+// While there is one, the pool keeps as many touched bytes as all of these ask for; what is above goes back to the
+// system at once. Without any it keeps 256 MiB.
+class MemoryPoolShare {
+ public:
+  explicit MemoryPoolShare(std::size_t bytes);
+  ~MemoryPoolShare();
+  MemoryPoolShare(const MemoryPoolShare&) = delete;
+  MemoryPoolShare& operator=(const MemoryPoolShare&) = delete;
+
+ private:
+  std::size_t bytes_;
+};
 // Gives the pages behind the first `kept` of `used` bytes back to the system.
 void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexcept;
 // Gives the whole pages among the first `bytes` back to the system.

@@ -16,14 +16,14 @@ enum class Errc : std::uint8_t {
   io = 4,            // the system refused: missing, unreadable, full disk
   corrupt = 5,       // our own files: checksum, version, truncation
   not_delaunay = 6,  // verify found the result wrong
-  memory = 7,        // the job cannot be done within --memory
+  memory = 7,        // the job cannot be done within its memory
   interrupted = 8,   // Ctrl-C; the run folder can be resumed
   internal = 9,      // everything else, told apart by its text
 };
 
 struct Error {
   Errc code = Errc::internal;
-  std::string where;  // "lyon.ply, line 812: y is nan" - one sentence: which file, which place, what is wrong
+  std::string where;  // "lyon.ply, line 812: y is nan": file, place, what is wrong; options as marks (base/option.h)
 };
 
 template <class T>

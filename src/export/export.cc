@@ -8,9 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/option.h"
 #include "src/export/crs.h"
 #include "src/export/mesh_reader.h"
-#include "src/store/files.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
 
 namespace tessera {
 
@@ -44,16 +47,16 @@ Result<Target> find_target(const fs::path& path, const std::string& name) {
   const std::string ending = lower(path.extension().string());
   target.folder = !path.has_filename() || ending.empty() || fs::is_directory(path, code);
   if (name.empty() && target.folder)
-    return error(Errc::usage,
-                 path.string() + ": is a folder or has no ending, so add --format: " + export_format_names());
+    return error(Errc::usage, path.string() + ": is a folder or has no ending, so give " + option("format") + ": " +
+                                  export_format_names());
   target.format = find_format(name, ending);
   if (target.format == nullptr)
     return error(Errc::usage, "'" + (name.empty() ? ending.substr(1) : name) + "' is not a format to export to: give " +
                                   export_format_names());
   if (target.format->shape == Shape::folder && !target.folder)
     return error(Errc::usage, path.string() + ": " + target.format->name +
-                                  " is a folder of arrays: give a name without an ending, and --format " +
-                                  target.format->name);
+                                  " is a folder of arrays: give a name without an ending, and " +
+                                  option("format", target.format->name));
   // The table of a .vrt has the same name.
   if (!target.folder && ending == target.format->ending2) target.path.replace_extension(target.format->ending);
   return target;
@@ -70,11 +73,12 @@ Status check_free(const Target& target, bool overwrite) {
                  index_beside(target).string() + ": is a folder, and a file of that name is to be written");
   if (overwrite) return success();
   const auto taken = [](const fs::path& path) {
-    return error(Errc::usage, path.string() + ": exists already; --overwrite replaces it");
+    return error(Errc::usage, path.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   };
   if (target.folder) {
     if (fs::exists(target.path, code) && !fs::is_empty(target.path, code))
-      return error(Errc::usage, target.path.string() + ": is not empty; --overwrite replaces files of the same names");
+      return error(Errc::usage, target.path.string() + ": is not empty; " + option("overwrite", "true") +
+                                    " replaces files of the same names");
     return success();
   }
   if (fs::exists(target.path, code)) return taken(target.path);
@@ -107,40 +111,31 @@ Status check_leftovers(const fs::path& folder, const Format& format, const std::
 class NewFolder {
  public:
   static Result<NewFolder> create(const fs::path& target) {
-    fs::path temporary = target;
-    temporary += ".tmp-" + std::to_string(::getpid());
-    std::error_code code;
-    fs::create_directory(temporary, code);
-    if (code) return error(Errc::io, target.string() + ": cannot make the folder: " + code.message());
+    BOOST_OUTCOME_TRY(temporary, TemporaryFolder::make(temporary_name_of_process(target)));
     return NewFolder(target, std::move(temporary));
   }
-  NewFolder(NewFolder&& other) noexcept
-      : target_(std::move(other.target_)), path_(std::exchange(other.path_, fs::path())) {}
-  NewFolder& operator=(NewFolder&&) = delete;
-  ~NewFolder() {
-    std::error_code code;
-    if (!path_.empty()) fs::remove_all(path_, code);
-  }
-  const fs::path& path() const { return path_; }
+  const fs::path& path() const { return temporary_.path(); }
 
   // As a whole when there is none of that name; else file by file into it.
   Status publish() {
     std::error_code code;
     if (!fs::exists(target_, code)) {
-      fs::rename(path_, target_, code);
+      fs::rename(path(), target_, code);
     } else {
       std::vector<fs::path> files;
-      for (const auto& entry : fs::directory_iterator(path_, code)) files.push_back(entry.path());
+      for (const auto& entry : fs::directory_iterator(path(), code)) files.push_back(entry.path());
       for (const auto& file : files)
         if (!code) fs::rename(file, target_ / file.filename(), code);
     }
     if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
-    return store::sync_folder(target_);
+    return sync_folder(target_);
   }
 
  private:
-  NewFolder(fs::path target, fs::path path) : target_(std::move(target)), path_(std::move(path)) {}
-  fs::path target_, path_;
+  NewFolder(fs::path target, TemporaryFolder temporary)
+      : target_(std::move(target)), temporary_(std::move(temporary)) {}
+  fs::path target_;
+  TemporaryFolder temporary_;
 };
 
 Result<Exported> export_file(const MeshSource& source, const Target& target) {
@@ -156,10 +151,10 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
   }
   // Both files are whole before either gets its name.
   const std::string text = format.index(head, {target.path.filename().string()});
-  store::TemporaryFile index(store::temporary_name(index_beside(target)));
-  BOOST_OUTCOME_TRYV(store::write_whole(index.path(), text));
+  TemporaryFile index(temporary_name(index_beside(target)));
+  BOOST_OUTCOME_TRYV(write_whole(index.path(), text));
   BOOST_OUTCOME_TRY(bytes, writer->finish());
-  BOOST_OUTCOME_TRYV(store::publish(index.path(), index_beside(target)));
+  BOOST_OUTCOME_TRYV(publish(index.path(), index_beside(target)));
   index.keep();
   exported.bytes = bytes + text.size();
   ++exported.files;
@@ -186,7 +181,7 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
     const MeshHead head = head_of(source);
     const std::string text = source.format.index(head, names);
     const auto name = std::string("triangulation") + source.format.index_ending;
-    BOOST_OUTCOME_TRYV(store::write_whole(folder.path() / name, text));
+    BOOST_OUTCOME_TRYV(write_whole(folder.path() / name, text));
     exported.bytes += text.size();
     names.push_back(name);
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "src/base/option.h"
 #include "src/export/crs.h"
 #include "src/export/vertex_numbers.h"
 
@@ -48,7 +49,7 @@ class Rows {
       std::memcpy(&z, tile.rows.data() + i * stride_ + *height_at_, sizeof z);
       if (!std::isfinite(z))
         return error(Errc::usage, source.out.string() + ": the height of vertex " + std::to_string(tile.mesh.ids[i]) +
-                                      " is not finite; --no-z leaves the heights out");
+                                      " is not finite; " + option("z", "false") + " leaves the heights out");
       tile.mesh.points[i].z = z + 0.0;  // never -0, like every coordinate
     }
     return success();
@@ -103,7 +104,7 @@ Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_r
   const TileId id{source.manifest.tiles[index].tile};
   BOOST_OUTCOME_TRY(tile, read_tile(source.out, id, with_rows));
   if (tile.mesh.dimension != source.manifest.dimension)
-    return error(Errc::corrupt, tile_file(source.out, id).string() + ": has another dimension than the result");
+    return error(Errc::corrupt, stored_tile_file(source.out, id).string() + ": has another dimension than the result");
   return std::move(tile);
 }
 
@@ -209,7 +210,8 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
       }
       vertices += count_main(tile.mesh.point_ghost);
     } else {
-      BOOST_OUTCOME_TRY(found, numbers.of(tile.mesh, index, tile_file(source.out, TileId{manifest.tiles[index].tile})));
+      BOOST_OUTCOME_TRY(found,
+                        numbers.of(tile.mesh, index, stored_tile_file(source.out, TileId{manifest.tiles[index].tile})));
       of = std::move(found);
     }
     const std::uint64_t first = cells;

@@ -1,38 +1,38 @@
 #include "src/export/output.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cerrno>
+
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
 
 namespace tessera::exports {
 
 namespace fs = std::filesystem;
 
 Result<OutputFile> OutputFile::create(const fs::path& target) {
-  store::TemporaryFile temporary(store::temporary_name(target));
-  store::FileHandle file(::open(temporary.path().c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
-  if (file.get() < 0) {
-    const int number = errno;
+  TemporaryFile temporary(temporary_name(target));
+  auto file = open_handle(temporary.path(), O_RDWR | O_CREAT | O_TRUNC, target);
+  if (!file) {
     temporary.keep();  // not ours
-    return store::io_error(target, "cannot create", number);
+    return file.error();
   }
-  return OutputFile(target, std::move(temporary), std::move(file));
+  return OutputFile(target, std::move(temporary), std::move(file).value());
 }
 
 Result<std::uint64_t> OutputFile::finish() {
-  struct stat status {};
-  if (::fstat(file_.get(), &status) != 0) return store::io_error(target_, "cannot write", errno);
-  if (!file_.close()) return store::io_error(target_, "cannot write", errno);
-  BOOST_OUTCOME_TRYV(store::publish(temporary_.path(), target_));
+  BOOST_OUTCOME_TRY(size, size_of(file_, target_));
+  if (!file_.close()) return io_error(target_, "cannot write", errno);
+  BOOST_OUTCOME_TRYV(publish(temporary_.path(), target_));
   temporary_.keep();
-  BOOST_OUTCOME_TRYV(store::sync_folder(target_.parent_path()));
-  return static_cast<std::uint64_t>(status.st_size);
+  BOOST_OUTCOME_TRYV(sync_folder(target_.parent_path()));
+  return size;
 }
 
 void Stream::write(std::size_t wanted) {
-  if (status_) status_ = store::write_at(fd_, std::span(buffer_).first(used_), offset_, path_);
+  if (status_) status_ = write_at(fd_, std::span(buffer_).first(used_), offset_, path_);
   offset_ += used_;
   used_ = 0;
   if (buffer_.size() < std::max(buffer_bytes, wanted)) buffer_.resize(std::max(buffer_bytes, wanted));

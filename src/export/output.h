@@ -13,7 +13,8 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/store/files.h"
+#include "src/files/descriptor.h"
+#include "src/files/temporary.h"
 
 namespace tessera::exports {
 
@@ -27,11 +28,11 @@ class OutputFile {
   Result<std::uint64_t> finish();
 
  private:
-  OutputFile(std::filesystem::path target, store::TemporaryFile temporary, store::FileHandle file)
+  OutputFile(std::filesystem::path target, TemporaryFile temporary, FileHandle file)
       : target_(std::move(target)), temporary_(std::move(temporary)), file_(std::move(file)) {}
   std::filesystem::path target_;
-  store::TemporaryFile temporary_;
-  store::FileHandle file_;
+  TemporaryFile temporary_;
+  FileHandle file_;
 };
 
 // Bytes that follow each other from some place of a file on. The first error is kept.

@@ -4,7 +4,9 @@
 
 #include "src/export/formats.h"
 #include "src/export/gdal_library.h"
-#include "src/store/files.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
 
 namespace tessera::exports {
 
@@ -84,9 +86,9 @@ class GeoPackageWriter : public MeshWriter {
     std::error_code code;
     const auto bytes = fs::file_size(temporary_.path(), code);
     if (code) return error(Errc::io, path_.string() + ": cannot write: " + code.message());
-    BOOST_OUTCOME_TRYV(store::publish(temporary_.path(), path_));
+    BOOST_OUTCOME_TRYV(publish(temporary_.path(), path_));
     temporary_.keep();
-    BOOST_OUTCOME_TRYV(store::sync_folder(path_.parent_path()));
+    BOOST_OUTCOME_TRYV(sync_folder(path_.parent_path()));
     return bytes;
   }
 
@@ -100,7 +102,7 @@ class GeoPackageWriter : public MeshWriter {
         heights_(heights) {}
 
   // GDAL wants the ending.
-  static fs::path temporary_name(const fs::path& path) { return store::temporary_name(path).string() + ".gpkg"; }
+  static fs::path temporary_name(const fs::path& path) { return tessera::temporary_name(path).string() + ".gpkg"; }
 
   Error refused(const std::string& what) const {
     return error(Errc::io, path_.string() + ": " + what + ": " + quiet_.message());
@@ -141,7 +143,7 @@ class GeoPackageWriter : public MeshWriter {
   const GdalLibrary& gdal_;
   GdalQuiet quiet_;
   fs::path path_;
-  store::TemporaryFile temporary_;
+  TemporaryFile temporary_;
   WkbTriangle triangle_;
   bool heights_;
   GDALDatasetH dataset_ = nullptr;

@@ -137,8 +137,7 @@ class NpyWriter : public MeshWriter {
   Status match_facets() {
     const OutputFile& file = arrays_[neighbors].file;
     const auto set = [&](const OpenFacet& facet, std::uint64_t neighbor) {
-      return store::write_at(file.fd(), std::as_bytes(std::span(&neighbor, 1)), header_bytes + facet.place * 8,
-                             file.target());
+      return write_at(file.fd(), std::as_bytes(std::span(&neighbor, 1)), header_bytes + facet.place * 8, file.target());
     };
     const auto same = [](const OpenFacet& a, const OpenFacet& b) { return a.ids == b.ids; };
     return for_each_group(open_facets_, 3, same, [&](std::span<const OpenFacet> group) -> Status {

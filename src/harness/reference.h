@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/tile/tile_mesh.h"
+#include "src/mesh/tile_mesh.h"
 
 namespace tessera {
 

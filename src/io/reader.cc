@@ -4,12 +4,12 @@
 #include <array>
 #include <utility>
 
-#include "src/io/byte_source.h"
+#include "src/io/bytes/byte_source.h"
 #include "src/io/format.h"
-#include "src/io/las_reader.h"
-#include "src/io/npy_reader.h"
-#include "src/io/ply_reader.h"
-#include "src/io/text_reader.h"
+#include "src/io/las/las_reader.h"
+#include "src/io/npy/npy_reader.h"
+#include "src/io/ply/ply_reader.h"
+#include "src/io/text/text_reader.h"
 
 namespace tessera {
 FileInfo info_of(const ByteSource& source, std::string format) {

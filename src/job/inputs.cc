@@ -4,16 +4,21 @@
 #include <cmath>
 #include <utility>
 
+#include "src/base/option.h"
+#include "src/budget/budget.h"
 #include "src/job/plan.h"
 
 namespace tessera {
 
 Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop) {
+  if (options.memory_bytes > 0) {
+    options.cloud.threads = budget::reading_threads(options.memory_bytes, options.cloud.threads);
+  }
   const bool open_dimension = options.cloud.dimension == 0;
   BOOST_OUTCOME_TRY(cloud, Cloud::open(inputs, options.cloud, std::move(stop)));
   options.cloud.dimension = cloud.options().dimension;
   if (open_dimension && options.cloud.dimension == 2 && options.cloud.crop && std::isfinite(options.cloud.crop->lo.z)) {
-    return error(Errc::usage, "--crop: the files hold x and y alone; give xmin,ymin,xmax,ymax");
+    return error(Errc::usage, option("crop") + ": the files hold x and y alone; give xmin,ymin,xmax,ymax");
   }
   return std::move(cloud);
 }
@@ -25,9 +30,10 @@ Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud) 
   if (options.tiles > 0) {
     limit = points / options.tiles + 1;
   } else if (limit == 0) {
-    return choose_tile_limit(dimension, points, {.memory_bytes = options.memory_bytes, .threads = options.threads});
+    return budget::tile_limit(dimension, options.kernel, points, options.threads, options.memory_bytes);
   }
-  BOOST_OUTCOME_TRYV(check_tile_fits(dimension, std::min(limit, points), options.memory_bytes));
+  BOOST_OUTCOME_TRYV(
+      budget::tile_fits(dimension, options.kernel, std::min(limit, points), options.threads, options.memory_bytes));
   return limit;
 }
 

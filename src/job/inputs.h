@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 
 namespace tessera {

@@ -8,13 +8,29 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/option.h"
 #include "src/job/inputs.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
 #include "src/report/human.h"
+#include "src/run/duplicates.h"
 
 namespace tessera {
 namespace {
+
+// What differs between the input files of then and now; empty when nothing does.
+template <class Inputs>
+std::string difference(const Inputs& inputs, const Cloud& cloud) {
+  if (inputs.size() != cloud.files().size()) return "other input files";
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const auto& then = inputs[i];
+    const auto& now = cloud.files()[i];
+    if (then.path != now.path.string()) return "other input files";
+    if (then.bytes != now.bytes || then.modified_ns != now.modified_ns)
+      return "another " + then.path + ": it has changed since";
+  }
+  return {};
+}
 
 // A resumed run must be the same job on the same files, or its tiles would not fit together.
 Status check_same_job(const RoutedRun& run, const Cloud& cloud, const std::string& key, const ResultFolder& folder) {
@@ -22,16 +38,18 @@ Status check_same_job(const RoutedRun& run, const Cloud& cloud, const std::strin
     return error(Errc::usage, folder.path().string() + ": cannot be resumed: " + reason);
   };
   if (run.options_key != key) return refuse("the unfinished run was started with other options");
-  if (run.inputs.size() != cloud.files().size()) return refuse("the unfinished run was started with other input files");
-  for (std::size_t i = 0; i < run.inputs.size(); ++i) {
-    const auto& then = run.inputs[i];
-    const auto& now = cloud.files()[i];
-    if (then.path != now.path.string()) return refuse("the unfinished run was started with other input files");
-    if (then.bytes != now.bytes || then.modified_ns != now.modified_ns) {
-      return refuse(then.path + " has changed since the run was started");
-    }
-  }
+  const auto reason = difference(run.inputs, cloud);
+  if (!reason.empty()) return refuse("the unfinished run was started with " + reason);
   return success();
+}
+
+// What is finished must be what was asked for, as far as its manifest tells.
+Status check_finished(const Cloud& cloud, const ResultFolder& folder) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(folder.path()));
+  const auto reason = difference(manifest.inputs, cloud);
+  if (reason.empty()) return success();
+  return error(Errc::usage, folder.path().string() + ": holds a finished result of " + reason +
+                                ": there is nothing to resume; " + option("overwrite", "true") + " replaces it");
 }
 
 // The routed points: those of the run that is resumed, or of a new one.
@@ -65,8 +83,8 @@ std::vector<Span> with_threads_from_0(std::vector<Span> spans) {
   return spans;
 }
 
-Result<JobSummary> make_result(const JobOptions& options, Cloud cloud, ResultFolder& folder, Progress& progress,
-                               const std::stop_token& stop) {
+Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud cloud, ResultFolder& folder,
+                               Progress& progress, const std::stop_token& stop) {
   const auto elapsed_s = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count();
   };
@@ -83,36 +101,28 @@ Result<JobSummary> make_result(const JobOptions& options, Cloud cloud, ResultFol
                                .memory_bytes = options.memory_bytes,
                                .kernel = options.kernel,
                                .keep = options.keep,
-                               .store = {.neighbors = options.neighbors, .schema = run.schema}};
-  BOOST_OUTCOME_TRY(tiles, run_tiles(run, folder.path(), run_options, progress, stop));
+                               .neighbors = options.neighbors,
+                               .resumable = options.resumable};
+  BOOST_OUTCOME_TRY(tiles, engine.run(run, folder.path(), run_options, progress, stop));
   const double ran_s = elapsed_s();
 
   progress.phase = Phase::finishing;
   auto manifest = manifest_of(options, run, tiles);
   auto summary = summary_of(options, folder.path(), manifest, tiles);
-  manifest.seconds = {{"routing", routed_s - began_s},
-                      {"triangulating", tiles.triangulate_s},
-                      {"splaying", tiles.splay_s},
-                      {"collecting", tiles.collect_s}};
-  manifest.figures = {{"threads", options.threads},
-                      {"messages", static_cast<double>(tiles.batches)},
-                      {"points_sent", static_cast<double>(tiles.points_sent)},
-                      {"points_received", static_cast<double>(tiles.points_received)},
-                      {"points_inserted", static_cast<double>(tiles.points_inserted)},
-                      {"points_kept", static_cast<double>(tiles.points_kept)},
-                      {"rounds", static_cast<double>(tiles.rounds)},
-                      {"sleeps", static_cast<double>(tiles.sleeps)},
-                      {"triangulating_cpu_s", tiles.triangulate_cpu_s},
-                      {"splaying_cpu_s", tiles.splay_cpu_s},
-                      {"collecting_cpu_s", tiles.collect_cpu_s},
-                      {"peak_memory_bytes", static_cast<double>(peak_memory())}};
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, tiles.duplicates));
-
+  DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
+  BOOST_OUTCOME_TRYV(gather_duplicates(run, tiles.tiles, duplicates));
   summary.seconds = {{"routing", routed_s - began_s},
-                     {"triangulating", tiles.triangulate_s},
-                     {"splaying", tiles.splay_s},
-                     {"collecting", tiles.collect_s},
-                     {"finishing", elapsed_s() - ran_s}};
+                     {"triangulating", tiles.wall.triangulating},
+                     {"splaying", tiles.wall.splaying},
+                     {"collecting", tiles.wall.collecting}};
+  summary.peak_memory_bytes = peak_memory();
+  add_figures(summary, manifest);
+  BOOST_OUTCOME_TRYV(folder.check_claim());
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates));
+
+  summary.duplicates = manifest.duplicates;
+  summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
+  summary.seconds.emplace_back("finishing", elapsed_s() - ran_s);
   summary.total_s = elapsed_s();
   summary.peak_memory_bytes = peak_memory();
   auto spans = with_threads_from_0(progress.spans());
@@ -121,15 +131,15 @@ Result<JobSummary> make_result(const JobOptions& options, Cloud cloud, ResultFol
   // The run folder goes first: the report is small, and may find the space that it frees.
   BOOST_OUTCOME_TRYV(folder.finish());
   BOOST_OUTCOME_TRYV(
-      write_html_report(folder.path() / "report.html", report_of(summary, manifest, tiles, std::move(spans))));
+      write_html_report(report_file(folder.path()), report_of(summary, manifest, tiles, std::move(spans))));
   progress.phase = Phase::done;
   return summary;
 }
 
 }  // namespace
 
-Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& open, ResultFolder& folder,
-                                          Progress& progress, const std::stop_token& stop) {
+Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
+                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
   // Where the result goes there is room for what has to be unpacked.
   std::error_code ignored;
   auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
@@ -138,6 +148,10 @@ Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& o
   BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
   if (folder.resuming() && folder.state() == FolderState::finished) {
+    if (!folder.has_run()) {
+      BOOST_OUTCOME_TRYV(check_finished(cloud, folder));
+      return std::nullopt;
+    }
     // Stopped between its last two steps: the result is whole, only the run folder is left.
     BOOST_OUTCOME_TRY(run, open_run(folder.run()));
     BOOST_OUTCOME_TRYV(check_same_job(run, cloud, options_key(options), folder));
@@ -145,7 +159,7 @@ Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& o
     return std::nullopt;
   }
   BOOST_OUTCOME_TRYV(folder.discard_runs());
-  BOOST_OUTCOME_TRY(summary, make_result(options, std::move(cloud), folder, progress, stop));
+  BOOST_OUTCOME_TRY(summary, make_result(engine, options, std::move(cloud), folder, progress, stop));
   return std::move(summary);
 }
 

@@ -5,9 +5,10 @@
 #include <optional>
 #include <stop_token>
 
+#include "actors/engine.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 #include "src/job/result_folder.h"
 #include "src/report/summary.h"
@@ -19,8 +20,8 @@ using OpenCloud = std::function<Result<Cloud>(JobOptions& options, const std::st
 
 // Makes the result, or goes on with the run that `folder` holds. Nothing when that result was complete already. After
 // an error the caller says what shall stay: folder.abandon(), or, when it is `interrupted`, folder.interrupted().
-// Several jobs may run at once, each in its own folder.
-Result<std::optional<JobSummary>> run_job(JobOptions options, const OpenCloud& open, ResultFolder& folder,
-                                          Progress& progress, const std::stop_token& stop);
+// Several jobs may run at once on one engine, each in its own folder and with its share of threads and memory.
+Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
+                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop);
 
 }  // namespace tessera

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "actors/local_run.h"
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "src/kernel/kernel.h"
+#include "src/run/part.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -23,6 +23,7 @@ struct JobOptions {
   KernelKind kernel = KernelKind::flat;
   Keep keep = Keep::by_budget;
   bool neighbors = true;
+  bool resumable = true;                             // what an interrupted job leaves is worth a resume
   std::vector<std::string> command = {};             // for the manifest: how the job was started
   std::function<void(const std::string&)> log = {};  // what happens, for people
 };

@@ -15,6 +15,7 @@ Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunS
   manifest.crs = run.crs;
   manifest.partition_kind = name_of(run.partition.kind());
   manifest.boxes = run.partition.boxes();
+  manifest.partition = run.partition.to_json();
   manifest.bounds = run.bounds;
   manifest.neighbors = options.neighbors;
   manifest.schema = run.schema;
@@ -22,7 +23,6 @@ Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunS
   manifest.points_read = run.counts.read;
   manifest.invalid = run.counts.invalid;
   manifest.filtered = run.counts.filtered;
-  manifest.duplicates = tiles.duplicates.size();
   manifest.vertices = tiles.vertices;
   manifest.cells = tiles.cells;
   return manifest;
@@ -36,22 +36,32 @@ JobSummary summary_of(const JobOptions& options, const std::filesystem::path& ou
   summary.points_read = manifest.points_read;
   summary.invalid = manifest.invalid;
   summary.filtered = manifest.filtered;
-  summary.duplicates = manifest.duplicates;
   summary.vertices = manifest.vertices;
   summary.cells = manifest.cells;
   summary.tiles = manifest.tiles.size();
-  summary.messages = tiles.batches;
-  summary.points_sent = tiles.points_sent;
-  summary.points_received = tiles.points_received;
-  summary.points_inserted = tiles.points_inserted;
-  summary.points_kept = tiles.points_kept;
-  summary.rounds = tiles.rounds;
-  summary.waves = tiles.waves;
-  summary.sleeps = tiles.sleeps;
+  summary.exchange = tiles.exchange;
   summary.threads = options.threads;
   summary.memory_budget_bytes = options.memory_bytes;
   for (const auto& tile : manifest.tiles) summary.result_bytes += tile.bytes;
   return summary;
+}
+
+void add_figures(const JobSummary& summary, Manifest& manifest) {
+  manifest.seconds = {summary.seconds.begin(), summary.seconds.end()};
+  const ExchangeFigures& e = summary.exchange;
+  const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  manifest.figures = {{"threads", number(summary.threads)},
+                      {"messages", number(e.batches)},
+                      {"points_sent", number(e.points.sent)},
+                      {"points_received", number(e.points.received)},
+                      {"points_inserted", number(e.points.inserted)},
+                      {"points_kept", number(e.points.kept)},
+                      {"rounds", number(e.rounds)},
+                      {"sleeps", number(e.sleeps)},
+                      {"triangulating_cpu_s", e.work.triangulating},
+                      {"splaying_cpu_s", e.work.splaying},
+                      {"collecting_cpu_s", e.work.collecting},
+                      {"peak_memory_bytes", number(summary.peak_memory_bytes)}};
 }
 
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
@@ -65,14 +75,15 @@ ReportData report_of(const JobSummary& summary, const Manifest& manifest, const 
   report.partition_kind = manifest.partition_kind;
   report.boxes_disjoint = manifest.partition_kind != name_of(PartitionKind::random);
   report.bounds = manifest.bounds;
-  for (const auto& entry : manifest.tiles) {
+  for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
+    const TileEntry& entry = manifest.tiles[i];
     TileFigures figures;
     figures.tile = entry.tile;
     figures.points = entry.own_points;
     figures.cells = entry.main_cells;
     figures.bytes = entry.bytes;
     if (entry.tile < manifest.boxes.size()) figures.box = manifest.boxes[entry.tile];
-    if (entry.tile < tiles.tile_seconds.size()) figures.seconds = tiles.tile_seconds[entry.tile];
+    figures.seconds = tiles.tile_seconds[i];
     report.tiles.push_back(figures);
   }
   report.spans = std::move(spans);

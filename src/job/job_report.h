@@ -4,21 +4,23 @@
 #include <filesystem>
 #include <vector>
 
-#include "actors/local_run.h"
 #include "src/base/progress.h"
 #include "src/job/job_options.h"
 #include "src/report/html_report.h"
 #include "src/report/summary.h"
+#include "src/run/run_summary.h"
 #include "src/store/tile_store.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
 
-// Without seconds and figures, which are known later.
+// Without duplicates, seconds and figures, which are known later.
 Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles);
-// Likewise.
+// Without duplicates, seconds and peak memory.
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
                       const RunSummary& tiles);
+// What the manifest keeps of the summary, for people.
+void add_figures(const JobSummary& summary, Manifest& manifest);
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
                      std::vector<Span> spans);
 

@@ -1,16 +1,16 @@
 #include "src/job/result_folder.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
+#include "src/base/option.h"
+#include "src/files/descriptor.h"
+#include "src/files/names.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
@@ -19,19 +19,7 @@ namespace {
 
 bool is_run(const fs::path& folder) {
   std::error_code ec;
-  return fs::is_regular_file(folder / "plan.json", ec);
-}
-
-// The names finish_store, write_tile and the report make, temporary ones included.
-bool is_ours(const fs::path& file) {
-  std::string name = file.filename().string();
-  if (const auto at = name.find(".tmp"); at != std::string::npos) name.resize(at);
-  return name == "manifest.json" || name == "triangulation.vtkhdf" || name == "duplicates.bin" || name == "report.html";
-}
-
-bool is_our_tile(const fs::path& file) {
-  const auto name = file.filename().string();
-  return name.size() > 7 && std::all_of(name.begin(), name.begin() + 6, [](char c) { return c >= '0' && c <= '9'; });
+  return fs::is_regular_file(plan_file(folder), ec);
 }
 
 Error refused_by_system(const fs::path& path, const std::string& reason) {
@@ -58,23 +46,24 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
   for (; entries != fs::directory_iterator(); entries.increment(ec)) {
     if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
-    anything = anything || entries->path().filename() != ".run.new";
+    anything = anything || (entries->path() != new_run_folder(out) && !is_lock_name(entries->path()));
   }
-  const bool manifest = fs::exists(out / "manifest.json", ec);
+  const bool manifest = fs::exists(manifest_file(out), ec);
   if (manifest) {
     // A damaged or newer manifest is nothing to build on, nor to delete: its owner decides.
     const auto read = read_manifest(out);
     if (!read) return read.error();
-    if (resume && is_run(out / ".run")) return ResultFolder(std::move(out), FolderState::finished, true);
+    if (resume) return ResultFolder(std::move(out), FolderState::finished, true);
     if (!overwrite) {
-      return error(Errc::usage, out.string() + ": holds a finished result; --overwrite replaces it");
+      return error(Errc::usage,
+                   out.string() + ": holds a finished result; " + option("overwrite", "true") + " replaces it");
     }
     return ResultFolder(std::move(out), FolderState::finished, false);
   }
-  if (is_run(out / ".run")) {
+  if (is_run(run_folder(out))) {
     if (!resume && !overwrite) {
-      return error(Errc::usage,
-                   out.string() + ": holds an unfinished run; --resume continues it, --overwrite starts again");
+      return error(Errc::usage, out.string() + ": holds an unfinished run; " + option("resume", "true") +
+                                    " continues it, " + option("overwrite", "true") + " starts again");
     }
     return ResultFolder(std::move(out), FolderState::unfinished, resume);
   }
@@ -84,18 +73,7 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   return ResultFolder(std::move(out), FolderState::empty, false);
 }
 
-ResultFolder::ResultFolder(ResultFolder&& other) noexcept
-    : out_(std::move(other.out_)),
-      state_(other.state_),
-      resuming_(other.resuming_),
-      created_(other.created_),
-      old_result_stands_(other.old_result_stands_),
-      complete_(other.complete_),
-      lock_(std::exchange(other.lock_, -1)) {}
-
-ResultFolder::~ResultFolder() {
-  if (lock_ >= 0) close(lock_);
-}
+bool ResultFolder::has_run() const { return is_run(run()); }
 
 Status ResultFolder::claim() {
   std::error_code ec;
@@ -103,17 +81,9 @@ Status ResultFolder::claim() {
     created_ = fs::create_directory(out_, ec);
     if (ec) return refused_by_system(out_, "cannot be made: " + ec.message());
   }
-  lock_ = open(out_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) return refused_by_system(out_, std::strerror(errno));
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    const int reason = errno;
-    close(std::exchange(lock_, -1));
-    if (reason == EWOULDBLOCK) return error(Errc::usage, out_.string() + ": another tessera is at work in it");
-    return refused_by_system(out_, std::string("cannot be locked: ") + std::strerror(reason));
-  }
-  if (access(out_.c_str(), W_OK | X_OK) != 0) {
-    return refused_by_system(out_, std::string("cannot be written: ") + std::strerror(errno));
-  }
+  if (access(out_.c_str(), W_OK | X_OK) != 0) return io_error(out_, "cannot be written", errno);
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(out_));
+  lock_ = std::move(lock);
   old_result_stands_ = state_ == FolderState::finished;
   return success();
 }
@@ -122,7 +92,7 @@ Status ResultFolder::discard_runs() {
   std::error_code ec;
   fs::remove_all(new_run(), ec);
   if (ec) return refused_by_system(new_run(), "cannot be removed: " + ec.message());
-  if (!resuming_ && is_run(run())) {
+  if (!resuming_ && has_run()) {
     fs::remove_all(run(), ec);
     if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
   }
@@ -132,8 +102,8 @@ Status ResultFolder::discard_runs() {
 Status ResultFolder::remove_result() const {
   std::error_code ec;
   // The manifest first: without it nobody takes the rest for a result.
-  fs::remove(out_ / "manifest.json", ec);
-  if (ec) return refused_by_system(out_ / "manifest.json", "cannot be removed: " + ec.message());
+  fs::remove(manifest_file(out_), ec);
+  if (ec) return refused_by_system(manifest_file(out_), "cannot be removed: " + ec.message());
   const auto remove_from = [&](const fs::path& folder, bool (*ours)(const fs::path&)) -> Status {
     if (!fs::is_directory(fs::symlink_status(folder, ec))) return success();
     std::vector<fs::path> files;
@@ -146,13 +116,14 @@ Status ResultFolder::remove_result() const {
     if (ec) return refused_by_system(folder, "cannot be cleared: " + ec.message());
     return success();
   };
-  BOOST_OUTCOME_TRYV(remove_from(out_, is_ours));
-  BOOST_OUTCOME_TRYV(remove_from(out_ / "tiles", is_our_tile));
-  fs::remove(out_ / "tiles", ec);  // stays when somebody else's files are in it
+  BOOST_OUTCOME_TRYV(remove_from(out_, is_result_name));
+  BOOST_OUTCOME_TRYV(remove_from(tiles_folder(out_), is_tile_name));
+  fs::remove(tiles_folder(out_), ec);  // stays when somebody else's files are in it
   return success();
 }
 
 Status ResultFolder::accept_new_run() {
+  BOOST_OUTCOME_TRYV(check_claim());
   BOOST_OUTCOME_TRYV(remove_result());
   old_result_stands_ = false;
   std::error_code ec;
@@ -172,18 +143,20 @@ Status ResultFolder::finish() {
 void ResultFolder::abandon() {
   std::error_code ignored;  // see the header
   // Without the lock another process may be at work.
-  if (complete_ || lock_ < 0) return;
+  if (complete_ || !lock_ || !lock_->check_held()) return;
   fs::remove_all(new_run(), ignored);
   if (resuming_) return;
   if (!old_result_stands_) {
-    if (is_run(run())) fs::remove_all(run(), ignored);
+    if (has_run()) fs::remove_all(run(), ignored);
     if (const auto removed = remove_result(); !removed) return;
   }
-  if (created_) fs::remove(out_, ignored);  // only when empty
+  if (!created_) return;
+  lock_.reset();              // it is in the folder
+  fs::remove(out_, ignored);  // only when empty
 }
 
 bool ResultFolder::interrupted() {
-  if (is_run(run())) return true;
+  if (has_run()) return true;
   abandon();
   return false;
 }

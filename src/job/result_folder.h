@@ -4,7 +4,7 @@
 //   absent     | nothing, its parent exists            | always
 //   empty      | an empty folder, or a crashed routing | always
 //   unfinished | .run/plan.json                        | with --resume or --overwrite
-//   finished   | a manifest                            | with --overwrite
+//   finished   | a manifest                            | with --overwrite; --resume has nothing to write
 //   foreign    | anything else                         | never
 //
 // A run is routed into .run.new and renamed to .run when complete. An old result is removed just before that: whatever
@@ -13,8 +13,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "src/base/result.h"
+#include "src/files/folder_lock.h"
+#include "src/files/names.h"
 
 namespace tessera {
 
@@ -24,20 +27,25 @@ class ResultFolder {
  public:
   // Creates nothing. Error io when `out` is not a folder or cannot be looked at; usage when its state forbids the job.
   static Result<ResultFolder> inspect(std::filesystem::path out, bool resume, bool overwrite);
-  ~ResultFolder();
-  ResultFolder(ResultFolder&& other) noexcept;
+  ResultFolder(ResultFolder&&) noexcept = default;
   ResultFolder& operator=(ResultFolder&&) = delete;
 
   const std::filesystem::path& path() const { return out_; }
   FolderState state() const { return state_; }
-  // Whether the job continues the run that is there.
+  // Whether the job continues the run that is there, or finds it finished.
   bool resuming() const { return resuming_; }
-  std::filesystem::path run() const { return out_ / ".run"; }
-  std::filesystem::path new_run() const { return out_ / ".run.new"; }
+  std::filesystem::path run() const { return run_folder(out_); }
+  std::filesystem::path new_run() const { return new_run_folder(out_); }
+
+  // Whether there is a run that is routed.
+  bool has_run() const;
 
   // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when
   // another process works in it.
   Status claim();
+  // Error io when another process has taken the lock meanwhile (folder_lock.h). To be asked before what others can see
+  // is replaced.
+  Status check_claim() const { return lock_ ? lock_->check_held() : success(); }
   // Removes what a crashed routing left, and an unfinished run that is to be overwritten.
   Status discard_runs();
   // Removes the old result and makes the new run the run.
@@ -61,7 +69,7 @@ class ResultFolder {
   bool created_ = false;
   bool old_result_stands_ = false;
   bool complete_ = false;
-  int lock_ = -1;
+  std::optional<FolderLock> lock_;
 };
 
 }  // namespace tessera

@@ -18,6 +18,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "src/base/ieee_arithmetic.h"
 #include "src/base/point.h"
 
 namespace tessera::exact {

@@ -30,6 +30,8 @@ class Array {
   const T& operator[](std::size_t i) const { return data()[i]; }
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return size_ * sizeof(T); }
+  // What has been used since the last trim, and so has pages.
+  std::size_t touched() const { return high_ * sizeof(T); }
   std::size_t capacity() const { return mapping_.reserved / sizeof(T); }
 
   // Address space for n elements: costs no memory until they are touched.
@@ -86,5 +88,11 @@ class Array {
   std::size_t size_ = 0;
   std::size_t high_ = 0;  // the largest size since the last trim
 };
+
+// Empties vectors and gives their memory back, which clear() and `= {}` keep.
+template <class... Vectors>
+void release(Vectors&... vectors) {
+  ((vectors = Vectors()), ...);
+}
 
 }  // namespace tessera::flat

@@ -18,6 +18,7 @@
 //   fill(v)                 joins the zone's boundary to v, whose zone it is
 //   leave()                 forgets the zone; the next walk starts here
 //   around(v, found)        the cells around v, none of them frozen
+//   release_scratch()       gives back what find_zone() and fill() have grown; the zone is forgotten
 //   memory()                bytes on the heap
 #pragma once
 
@@ -28,6 +29,7 @@
 #include "src/kernel/flat_cells.h"
 #include "src/kernel/flat_kernel.h"
 #include "src/kernel/flat_memory.h"
+#include "src/kernel/flat_nearby.h"
 #include "src/kernel/flat_points.h"
 
 namespace tessera::flat {
@@ -76,6 +78,13 @@ class MeshBase {
       : points(std::min(options.vertices_max, vertices_max)), cells_max_(std::min(options.cells_max, cells_max)) {}
   const Point& corner(std::size_t i) const { return points[simplex_[i]]; }
   Word new_slot();
+  // To be called before a zone is collected and after, with its number of cells: a zone of unusual size leaves scratch
+  // of its size, which goes when some usual ones have followed. Where all are large it stays.
+  void before_zone();
+  void after_zone(std::size_t size) {
+    if (size > usual_zone) [[unlikely]]
+      usual_left_ = usual_zones;
+  }
   // A cell around v, which is alive.
   Word incident(Vertex v) const;
   std::size_t base_memory() const;
@@ -87,13 +96,20 @@ class MeshBase {
   Word frozen_ = 0;         // cells that are gone
   Word last_ = 0;           // where the last insertion was
   static constexpr Vertex none = ~Vertex{0};
-  Vertex newest_ = none;  // what was inserted last, if nothing has changed since
+  Vertex newest_ = none;                           // what was inserted last, if nothing has changed since
+  static constexpr std::size_t usual_zone = 4096;  // cells, at most; a zone of uniform points has 21
 
  private:
   Mesh& self() { return static_cast<Mesh&>(*this); }
   const Mesh& self() const { return static_cast<const Mesh&>(*this); }
-  Word near_by_chance(const Point& p) const;
-  Located search(const Point& p, Word start) const;
+  static constexpr Word usual_zones = 64;
+  Word usual_left_ = 0;  // zones until scratch is released, or 0
+
+  mutable NearbyCells<Cell::dimension> nearby_;  // of those there were when it was last asked with twice as many
+  mutable std::size_t nearby_of_ = 0;            // so many cells
+
+  std::vector<Word> nearby(const Point& p) const;
+  Located search(const Point& p, const std::vector<Word>& starts) const;
 };
 
 }  // namespace tessera::flat

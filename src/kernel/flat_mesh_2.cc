@@ -44,6 +44,7 @@ bool Mesh::conflicts(const Point& p, Word slot) const {
 // before either answer is used: answers cannot be foreseen, and so two are waited for at once.
 void Mesh::find_zone(const Point& query, Word start) {
   const Point p = query;
+  before_zone();
   const Cell* const all = cells.data();
   const Point* const at = points.first();
   if (near_.size() < 64) near_.resize(64), pending_.resize(64), boundary_.resize(64), zone_.resize(64);
@@ -113,6 +114,7 @@ void Mesh::find_zone(const Point& query, Word start) {
   }
   zone_size_ = zone_size;
   boundary_size_ = boundary_size;
+  after_zone(zone_size);
 }
 
 // A boundary of k edges encloses k - 2 triangles and takes k new ones: (v, from, from of the next edge).
@@ -152,6 +154,11 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
     check(!(across & frozen_bit), "the triangles around a vertex are not frozen");
     slot = across >> 2;
   } while (slot != first);
+}
+
+void Mesh::release_scratch() {
+  zone_size_ = boundary_size_ = 0;
+  flat::release(zone_, boundary_, pending_, near_);
 }
 
 void Mesh::zone_into(std::vector<Vertex>& vertices) const {

@@ -45,15 +45,18 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
   return false;
 }
 
-// The slots of the zone first: they are in the cache.
+// The slots of the zone first: they are in the cache. What is left of them is freed, and only that: free slots may be
+// many, and have been for long.
 void Mesh::take_slots(Word facets) {
   const Word zone_cells = static_cast<Word>(zone_size_);
   if (slots_.size() < facets) slots_.resize(2 * facets);
   if (zone_.size() < facets) zone_.resize(2 * facets);
   if (facets < zone_cells || !free_.empty()) {
-    for (Word z = 0; z < zone_cells; ++z) free_.push_back(zone_[z] >> 2);
-    for (Word f = 0; f < facets; ++f) slots_[f] = new_slot();
-    for (const Word slot : free_) cells[slot].free();
+    for (Word f = 0; f < facets; ++f) slots_[f] = f < zone_cells ? zone_[f] >> 2 : new_slot();
+    for (Word z = facets; z < zone_cells; ++z) {
+      cells[zone_[z] >> 2].free();
+      free_.push_back(zone_[z] >> 2);
+    }
     return;
   }
   const Word end = static_cast<Word>(cells.size()), added = facets - zone_cells;
@@ -121,7 +124,8 @@ void Mesh::link_small(Word count, Vertex v) {
 void Mesh::link_large(Word facets, Vertex vertex) {
   for (Word f = 0; f < facets; ++f) put(cells.data(), slots_[f], facets_[f], vertex);
   std::size_t size = 1024;
-  while (size < 6 * std::size_t{facets}) size *= 2;
+  // 3 edges a facet; where they are many, memory counts more than a few steps of the search.
+  while (size < (zone_size_ > usual_zone ? 4 : 6) * std::size_t{facets}) size *= 2;
   edges_.assign(size, {0, 0});
   const auto find = [&](Word from, Word to) -> Edge& {
     const std::uint64_t key = std::uint64_t{from} << 32 | to;
@@ -171,6 +175,12 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
     }
   }
   for (const Word slot : found) all[slot].v[0] &= vertex_mask;
+}
+
+void Mesh::release_scratch() {
+  newest_ = none;
+  zone_size_ = facets_size_ = zone_vertices_size_ = 0;
+  flat::release(zone_, pending_, facets_, slots_, zone_vertices_, edges_);
 }
 
 void Mesh::zone_into(std::vector<Vertex>& vertices) const {

@@ -13,6 +13,8 @@ template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::drop_cells() {
   cells.clear();
   free_.clear();
+  nearby_.clear();
+  self().release_scratch();
   spanned_ = -1;
   frozen_ = last_ = 0;
   newest_ = none;
@@ -50,6 +52,13 @@ void MeshBase<Mesh, Cell>::start() {
       }
     }
   }
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::before_zone() {
+  if (usual_left_ == 0 || --usual_left_ > 0) [[likely]]
+    return;
+  self().release_scratch();
 }
 
 template <class Mesh, class Cell>
@@ -97,6 +106,7 @@ void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
   cells = std::move(others);
   frozen_ = frozen;
   free_.clear();
+  nearby_.clear();
   last_ = 0;
   newest_ = none;
   for (Word slot = 0; slot < cells.size(); ++slot) {
@@ -111,6 +121,8 @@ void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
 template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::compact() {
   newest_ = none;
+  nearby_.clear();
+  self().release_scratch();
   std::sort(free_.begin(), free_.end());
   for (std::size_t next = 0, end = free_.size(); next < end;) {
     const Word last = static_cast<Word>(cells.size() - 1);
@@ -127,12 +139,13 @@ void MeshBase<Mesh, Cell>::compact() {
     }
     cells.resize(last);
   }
-  free_.clear();
+  release(free_);
+  if (cells.touched() - cells.bytes() > cells.bytes() / 8) cells.trim();
 }
 
 template <class Mesh, class Cell>
 std::size_t MeshBase<Mesh, Cell>::base_memory() const {
-  return points.memory() + cells.bytes() + free_.capacity() * sizeof(Word);
+  return points.memory() + cells.touched() + free_.capacity() * sizeof(Word) + nearby_.memory();
 }
 
 }  // namespace tessera::flat

@@ -18,30 +18,32 @@ template <class Mesh, class Cell>
 Located MeshBase<Mesh, Cell>::locate(const Point& p) const {
   Located found;
   if (self().walk(p, last_, found)) return found;
-  const Word start = near_by_chance(p);
-  if (self().walk(p, start, found)) return found;
-  return search(p, start);
+  std::vector<Word> starts = nearby(p);
+  if (starts.empty()) starts.push_back(last_);
+  if (self().walk(p, starts.front(), found)) return found;
+  return search(p, starts);
 }
 
-// Of a few cells the one nearest to p: beyond a hole, most of the time.
+// Cells near p, the nearest first. What a hole leaves is thin layers, in which a search from elsewhere would visit most
+// cells; and the nearest one may lie on the other side of the hole, but hardly all of them.
 template <class Mesh, class Cell>
-Word MeshBase<Mesh, Cell>::near_by_chance(const Point& p) const {
-  Word best = last_;
-  double least = std::numeric_limits<double>::infinity();
-  std::uint64_t random = last_;
-  for (int k = 0; k < 64; ++k) {
-    random = random * 6364136223846793005u + 1442695040888963407u;
-    const Word slot = static_cast<Word>((random >> 33) % cells.size());
-    if (cells[slot].dead()) continue;
-    const double distance = squared_distance<dimension>(p, points[cells[slot].v[0]]);
-    if (distance < least) least = distance, best = slot;
+std::vector<Word> MeshBase<Mesh, Cell>::nearby(const Point& p) const {
+  constexpr std::size_t step = 16;  // 2 bytes a cell
+  if (nearby_.empty() || live_cells() > 2 * nearby_of_) {
+    std::vector<typename NearbyCells<dimension>::Place> places;
+    places.reserve(cells.size() / step + 1);
+    for (std::size_t slot = 0; slot < cells.size(); slot += step) {
+      if (!cells[slot].dead()) places.push_back({points[cells[slot].v[0]], static_cast<Word>(slot)});
+    }
+    nearby_.set(std::move(places));
+    nearby_of_ = live_cells();
   }
-  return best;
+  return nearby_.nearest(p, [&](Word slot) { return slot < cells.size() && !cells[slot].dead(); });
 }
 
 // Nearest cells first, from one to its neighbours. Those that are left are connected through the infinite ones.
 template <class Mesh, class Cell>
-Located MeshBase<Mesh, Cell>::search(const Point& p, Word start) const {
+Located MeshBase<Mesh, Cell>::search(const Point& p, const std::vector<Word>& starts) const {
   using Entry = std::pair<double, Word>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   std::unordered_set<Word> seen;
@@ -53,7 +55,7 @@ Located MeshBase<Mesh, Cell>::search(const Point& p, Word start) const {
     }
     queue.emplace(distance, slot);
   };
-  meet(start);
+  for (const Word start : starts) meet(start);
   while (!queue.empty()) {
     const Word slot = queue.top().second;
     queue.pop();

@@ -177,11 +177,29 @@ struct ZoneCode {
     bound<holes>(m, cells);
   }
 
+  template <bool holes>
+  static std::size_t boundary_facets(const Mesh& m, const Cell* cells) {
+    std::size_t facets = 0;
+    for (std::size_t z = 0; z < m.zone_size_; ++z) {
+      for (const Word across : cell_at(cells, m.zone_[z]).n) {
+        facets += (holes && (across & frozen_bit)) || cell_at(cells, across).v[0] >> 31;
+      }
+    }
+    return facets;
+  }
+
   // Numbers the zone's vertices and lists its boundary: the facets across which a cell is not in it.
   template <bool holes>
   [[gnu::always_inline]] static void bound(Mesh& m, const Cell* cells) {
     const std::size_t found = m.zone_size_;
-    if (4 * found + 4 > m.facets_.size()) m.facets_.resize(8 * found + 64);
+    // Cells joined through facets, `found` of them, have 2 found + 2 others at most, and one more is written than
+    // listed. For a large zone they are counted: most of its facets may be inside.
+    if (found > Mesh::usual_zone) [[unlikely]] {
+      const std::size_t facets = boundary_facets<holes>(m, cells) + 1;
+      if (facets > m.facets_.size()) m.facets_.resize(facets);
+    } else if (2 * found + 3 > m.facets_.size()) {
+      m.facets_.resize(3 * found + 64);
+    }
     if (found + 8 > m.zone_vertices_.size()) m.zone_vertices_.resize(2 * found + 64);
     Vertex* const vertices = m.zone_vertices_.data();
     std::uint8_t* const number = m.number_.data();
@@ -308,12 +326,14 @@ struct ZoneCode {
 
 void Mesh::find_zone(const Point& p, Word start) {
   newest_ = none;
+  before_zone();
   if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
   if (vectors_) {
     ZoneCode::avx2(*this, p, start);
   } else {
     ZoneCode::plain(*this, p, start);
   }
+  after_zone(zone_size_);
 }
 
 Mesh::Step Mesh::walk_surely(const Point& p, Step step) const {

@@ -1,6 +1,8 @@
 // Exact predicates. The ties follow Devillers & Teillaud, Perturbations and vertex removal in a 3D Delaunay
 // triangulation, SODA 2003, written out here and not borrowed from CGAL's triangulation: verify must not repeat the
 // engine's own code.
+#include "src/base/ieee_arithmetic.h"  // first: the compiler is then refused at once
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>

@@ -1,11 +1,8 @@
 #include "src/report/html_report.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <system_error>
 
+#include "src/files/whole_file.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -80,16 +77,16 @@ std::string cards(const JobSummary& s) {
 }
 
 std::string exchange(const JobSummary& s) {
+  const ExchangeFigures& e = s.exchange;
   const auto share = [&](std::uint64_t n) {
     return s.vertices == 0 ? std::string()
                            : " (" + fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) +
                                  " % of the vertices)";
   };
-  return "<p>" + grouped(s.messages) + " messages carried " + grouped(s.points_sent) + " points" +
-         share(s.points_sent) + ". Of " + grouped(s.points_received) + " received, " + grouped(s.points_inserted) +
-         " were inserted and " + grouped(s.points_kept) +
-         " kept. The longest chain of messages that caused one another: " + grouped(s.rounds) +
-         "; the counters were collected " + grouped(s.waves) + " times; tiles were put to sleep " + grouped(s.sleeps) +
+  return "<p>" + grouped(e.batches) + " messages carried " + grouped(e.points.sent) + " points" + share(e.points.sent) +
+         ". Of " + grouped(e.points.received) + " received, " + grouped(e.points.inserted) + " were inserted and " +
+         grouped(e.points.kept) + " kept. The longest chain of messages that caused one another: " + grouped(e.rounds) +
+         "; the counters were collected " + grouped(e.waves) + " times; tiles were put to sleep " + grouped(e.sleeps) +
          " times.</p>\n";
 }
 
@@ -183,20 +180,7 @@ std::string html_report(const ReportData& data) {
 }
 
 Status write_html_report(const std::filesystem::path& path, const ReportData& data) {
-  const auto temporary = path.string() + ".tmp";
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << html_report(data);
-  file.close();
-  if (!file) {
-    const std::string reason = std::strerror(errno);
-    std::error_code ignored;  // the sentence about the write is what the user needs
-    std::filesystem::remove(temporary, ignored);
-    return error(Errc::io, path.string() + ": cannot be written: " + reason);
-  }
-  std::error_code ec;
-  std::filesystem::rename(temporary, path, ec);
-  if (ec) return error(Errc::io, path.string() + ": cannot be written: " + ec.message());
-  return success();
+  return write_whole(path, html_report(data));
 }
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 namespace tessera {
 
 std::string summary_text(const JobSummary& s) {
+  const ExchangeFigures& e = s.exchange;
   std::string text;
   const auto line = [&](std::string name, const std::string& value) {
     name.resize(14, ' ');
@@ -17,19 +18,21 @@ std::string summary_text(const JobSummary& s) {
                      also(s.filtered, " filtered out"));
   line("vertices", grouped(s.vertices));
   line(s.dimension == 3 ? "tetrahedra" : "triangles", grouped(s.cells));
-  line("tiles", grouped(s.tiles) + (s.sleeps > 0 ? " (put to sleep " + grouped(s.sleeps) + " times)" : ""));
-  line("messages", grouped(s.messages) + " with " + grouped(s.points_sent) + " points, " + grouped(s.rounds) +
-                       " rounds equivalent");
+  line("tiles", grouped(s.tiles) + (e.sleeps > 0 ? " (put to sleep " + grouped(e.sleeps) + " times)" : ""));
+  line("messages",
+       grouped(e.batches) + " with " + grouped(e.points.sent) + " points, " + grouped(e.rounds) + " rounds equivalent");
   std::string phases;
   for (const auto& [name, seconds] : s.seconds)
     phases += (phases.empty() ? "" : ", ") + name + " " + human_seconds(seconds);
   line("time", human_seconds(s.total_s) + " (" + phases + ")");
   line("memory", human_bytes(s.peak_memory_bytes) + " at most, of " + human_bytes(s.memory_budget_bytes));
   line("result", s.out + " (" + human_bytes(s.result_bytes) + ")");
+  if (!s.digest.empty()) line("digest", s.digest);
   return text;
 }
 
 std::string summary_json(const JobSummary& s) {
+  const ExchangeFigures& e = s.exchange;
   nlohmann::ordered_json seconds = nlohmann::ordered_json::object();
   for (const auto& [name, value] : s.seconds) seconds[name] = value;
   const nlohmann::ordered_json json{{"event", "summary"},
@@ -42,18 +45,19 @@ std::string summary_json(const JobSummary& s) {
                                     {"vertices", s.vertices},
                                     {"cells", s.cells},
                                     {"tiles", s.tiles},
-                                    {"messages", s.messages},
-                                    {"points_sent", s.points_sent},
-                                    {"points_received", s.points_received},
-                                    {"points_inserted", s.points_inserted},
-                                    {"points_kept", s.points_kept},
-                                    {"rounds", s.rounds},
-                                    {"waves", s.waves},
-                                    {"sleeps", s.sleeps},
+                                    {"messages", e.batches},
+                                    {"points_sent", e.points.sent},
+                                    {"points_received", e.points.received},
+                                    {"points_inserted", e.points.inserted},
+                                    {"points_kept", e.points.kept},
+                                    {"rounds", e.rounds},
+                                    {"waves", e.waves},
+                                    {"sleeps", e.sleeps},
                                     {"threads", s.threads},
                                     {"memory_budget_bytes", s.memory_budget_bytes},
                                     {"peak_memory_bytes", s.peak_memory_bytes},
                                     {"result_bytes", s.result_bytes},
+                                    {"digest", s.digest},
                                     {"seconds", seconds},
                                     {"total_s", s.total_s}};
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/figures.h"
+
 namespace tessera {
 
 struct JobSummary {
@@ -13,13 +15,10 @@ struct JobSummary {
   int dimension = 3;
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0;
   std::uint64_t vertices = 0, cells = 0;
-  std::uint64_t tiles = 0;     // that hold points
-  std::uint64_t messages = 0;  // batches of points between tiles
-  std::uint64_t points_sent = 0, points_received = 0, points_inserted = 0, points_kept = 0;
-  std::uint64_t rounds = 0;  // the longest chain of messages that caused one another
-  std::uint64_t waves = 0;   // collections of counters until quiet was proved
-  std::uint64_t sleeps = 0;  // times a tile was put to sleep on disk
+  std::uint64_t tiles = 0;  // that hold points
+  ExchangeFigures exchange;
   std::uint64_t result_bytes = 0;
+  std::string digest;  // "" when a tile stored by an older version has none
   std::uint64_t peak_memory_bytes = 0;
   std::uint32_t threads = 1;
   std::uint64_t memory_budget_bytes = 0;

@@ -30,14 +30,15 @@ DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bo
   XXH3_64bits_reset(hash_.get());
 }
 
-Result<DirectWriter> DirectWriter::open(const std::filesystem::path& path, const std::filesystem::path& final_name) {
+Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, const std::filesystem::path& final_name) {
   bool direct = true;
-  FileHandle file(::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_DIRECT));
+  constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
+  FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
   if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always go through the cache
     direct = false;
-    file = FileHandle(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    file = FileHandle(::open(path.c_str(), flags, 0666));
   }
-  if (file.get() < 0) return io_error(final_name, "cannot open", errno);
+  if (file.get() < 0) return io_error(final_name, "cannot create", errno);
   return DirectWriter(std::move(file), final_name, direct);
 }
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "src/base/result.h"
-#include "src/store/files.h"
+#include "src/files/descriptor.h"
 
 struct XXH3_state_s;
 
@@ -17,8 +17,8 @@ namespace tessera::store {
 
 class DirectWriter {
  public:
-  // Opens an existing file, `path`; error messages name `final_name`.
-  static Result<DirectWriter> open(const std::filesystem::path& path, const std::filesystem::path& final_name);
+  // Error messages name `final_name`, which `path` is a temporary name of.
+  static Result<DirectWriter> create(const std::filesystem::path& path, const std::filesystem::path& final_name);
 
   Status append(std::span<const std::byte> bytes);
 

@@ -1,25 +1,19 @@
 // Sorts more records than fit into memory: sorted runs in unnamed files, merged at the end.
 #pragma once
 
-#include <fcntl.h>
-#include <sys/types.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <queue>
 #include <span>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/store/files.h"
+#include "src/files/descriptor.h"
 
 namespace tessera {
 
@@ -64,7 +58,7 @@ class ExternalSort {
 
  private:
   struct Run {
-    store::FileHandle file;
+    FileHandle file;
     std::uint64_t records = 0;
   };
 
@@ -77,14 +71,8 @@ class ExternalSort {
       const auto wanted = std::min<std::uint64_t>(buffer_.size(), run_->records - done_);
       if (wanted == 0) return false;
       const auto bytes = std::as_writable_bytes(std::span(buffer_.data(), wanted));
-      std::size_t read = 0;
-      while (read < bytes.size()) {
-        const auto n = ::pread(run_->file.get(), bytes.data() + read, bytes.size() - read,
-                               static_cast<off_t>(done_ * sizeof(Record) + read));
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return store::io_error("the scratch file", "cannot read back", n < 0 ? errno : EIO);
-        read += static_cast<std::size_t>(n);
-      }
+      BOOST_OUTCOME_TRY(read, read_up_to(run_->file.get(), bytes, done_ * sizeof(Record), "the scratch file"));
+      if (read != bytes.size()) return io_error("the scratch file", "cannot read back", EIO);
       done_ += wanted;
       filled_ = wanted;
       at_ = 0;
@@ -101,11 +89,9 @@ class ExternalSort {
 
   Status spill() {
     std::sort(buffer_.begin(), buffer_.end());
-    std::string name = (scratch_ / "tessera-sort-XXXXXX").string();
-    Run run{store::FileHandle(::mkostemp(name.data(), O_CLOEXEC)), buffer_.size()};
-    if (run.file.get() < 0) return store::io_error(scratch_, "cannot create a scratch file", errno);
-    ::unlink(name.c_str());  // gone when closed, however the process ends
-    BOOST_OUTCOME_TRYV(store::write_at(run.file.get(), std::as_bytes(std::span(buffer_)), 0, scratch_));
+    BOOST_OUTCOME_TRY(file, nameless_file(scratch_));
+    Run run{std::move(file), buffer_.size()};
+    BOOST_OUTCOME_TRYV(write_at(run.file.get(), std::as_bytes(std::span(buffer_)), 0, scratch_));
     runs_.push_back(std::move(run));
     buffer_.clear();
     return success();

@@ -1,16 +1,12 @@
-// HDF5 identifiers that close themselves, and its errors as one sentence. HDF5 calls are serialised by the library's
-// own lock, so bulk data never goes through them: see tile_file.cc.
+// HDF5 identifiers that close themselves, and its errors as one sentence.
 #pragma once
 
 #include <hdf5.h>
 
-#include <cstddef>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "src/base/attribute.h"
-#include "src/store/files.h"
 
 namespace tessera::store {
 
@@ -45,26 +41,11 @@ struct QuietHdf5 {
 // The innermost reason of the last failed call in this thread: "write failed: No space left on device".
 std::string hdf5_reason();
 
-inline Hdf5Handle space_of(const std::vector<hsize_t>& shape) {
-  return {H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose};
-}
 inline Hdf5Handle property_list(hid_t kind) { return {H5Pcreate(kind), H5Pclose}; }
 
+// How files are opened: without HDF5's own locks, which fail on network file systems. A folder's lock is FolderLock.
+Hdf5Handle file_access();
+
 hid_t hdf5_type(AttributeType type);
-
-// New file, group /VTKHDF with its two attributes; reproducible: no times, one version of the format.
-struct VtkHdfFile {
-  Hdf5Handle file, group, point_data, cell_data;
-  bool ok() const { return file.ok() && group.ok() && point_data.ok() && cell_data.ok(); }
-};
-// `path` is created and stays empty: what HDF5 writes goes to `memory`. HDF5 1.10 leaves a file that it could not
-// close, because the disk is full, in its tables, and crashes on it when the process ends.
-VtkHdfFile create_vtkhdf(const std::string& path, const MemoryFile& memory);
-
-// A small array written at once.
-bool write_counts(hid_t group, const char* name, const std::vector<std::int64_t>& values);
-
-// Properties of a dataset without modification times.
-Hdf5Handle dataset_properties();
 
 }  // namespace tessera::store

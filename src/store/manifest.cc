@@ -1,22 +1,19 @@
 #include "src/store/manifest.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <bit>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
-#include "src/store/checksum.h"
-#include "src/store/files.h"
-#include "src/store/sync_queue.h"
+#include "src/files/checksum.h"
+#include "src/files/disk_file.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
 #include "src/store/tile_layout.h"
+#include "src/store/vtk_xml.h"
 
 namespace tessera {
 
@@ -24,20 +21,13 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using nlohmann::ordered_json;
 
-fs::path tile_file(const fs::path& out, TileId tile) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06u.vtkhdf", tile.value);
-  return out / "tiles" / name;
-}
-
 namespace store {
 
-fs::path done_file(const fs::path& out, TileId tile) { return tile_file(out, tile).replace_extension(".done"); }
-fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
-fs::path master_file(const fs::path& out) { return out / "triangulation.vtkhdf"; }
-fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
-
 namespace {
+
+// Checksums stand under the names of their files.
+std::string master_key(int format) { return master_file("", format).string(); }
+const std::string duplicates_key = duplicates_file("").string();
 
 constexpr const char* type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
 
@@ -85,14 +75,24 @@ std::uint64_t to_sum(const json& value) {
   return std::stoull(text, nullptr, 16);
 }
 
+std::optional<Digest> to_digest(const json& value) {
+  if (!value.contains("digest")) return std::nullopt;
+  const auto text = value.at("digest").get<std::string>();
+  const auto digest = parse_digest(text);
+  if (!digest) throw json::other_error::create(501, "'" + text + "' is not a digest", &value);
+  return digest;
+}
+
 ordered_json entry_to_json(const TileEntry& entry) {
-  return {{"tile", entry.tile},
-          {"points", entry.points},
-          {"own_points", entry.own_points},
-          {"cells", entry.cells},
-          {"main_cells", entry.main_cells},
-          {"bytes", entry.bytes},
-          {"xxh3", checksum_text(entry.xxh3)}};
+  ordered_json value{{"tile", entry.tile},
+                     {"points", entry.points},
+                     {"own_points", entry.own_points},
+                     {"cells", entry.cells},
+                     {"main_cells", entry.main_cells},
+                     {"bytes", entry.bytes},
+                     {"xxh3", checksum_text(entry.xxh3)}};
+  if (entry.digest) value["digest"] = digest_text(*entry.digest);
+  return value;
 }
 
 TileEntry to_entry(const json& value) {
@@ -107,7 +107,17 @@ TileEntry to_entry(const json& value) {
   entry.main_cells = to_count(value.at("main_cells"));
   entry.bytes = to_count(value.at("bytes"));
   entry.xxh3 = to_sum(value.at("xxh3"));
+  entry.digest = to_digest(value);
   return entry;
+}
+
+// The members that make a partition. Whether the splits are a tree is for those to check who walk it.
+std::string partition_text(const json& value, const Manifest& manifest) {
+  if (to_count(value.at("dimension")) != static_cast<std::uint64_t>(manifest.dimension) ||
+      to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
+    throw json::other_error::create(501, "the partition does not fit to the result", &value);
+  const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
+  return json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}).dump();
 }
 
 Manifest to_manifest(const json& value) {
@@ -124,6 +134,7 @@ Manifest to_manifest(const json& value) {
   manifest.crs = value.at("crs").get<std::string>();
   manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
   for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
+  if (value.at("partition").contains("splits")) manifest.partition = partition_text(value.at("partition"), manifest);
   manifest.bounds = to_corners<Bounds>(value.at("bounds"));
   manifest.neighbors = value.at("neighbors").get<bool>();
   for (const auto& attribute : value.at("attributes")) {
@@ -147,9 +158,10 @@ Manifest to_manifest(const json& value) {
   manifest.duplicates = to_count(counts.at("duplicates"));
   manifest.vertices = to_count(counts.at("vertices"));
   manifest.cells = to_count(counts.at("cells"));
-  manifest.master_xxh3 = to_sum(value.at("checksums").at("triangulation.vtkhdf"));
-  if (value.at("checksums").contains("duplicates.bin"))
-    manifest.duplicates_xxh3 = to_sum(value.at("checksums").at("duplicates.bin"));
+  manifest.digest = to_digest(value);
+  manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key(manifest.format_version)));
+  if (value.at("checksums").contains(duplicates_key))
+    manifest.duplicates_xxh3 = to_sum(value.at("checksums").at(duplicates_key));
   manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
   manifest.figures = value.at("figures").get<std::map<std::string, double>>();
   return manifest;
@@ -158,12 +170,11 @@ Manifest to_manifest(const json& value) {
 }  // namespace
 
 Status write_done(const fs::path& out, const TileEntry& entry) {
-  const auto path = done_file(out, TileId{entry.tile});
-  std::ofstream file(path, std::ios::trunc);
-  file << entry_to_json(entry).dump() << "\n";
-  file.close();
-  if (!file) return io_error(path, "cannot write", errno);
-  return success();
+  const std::string text = entry_to_json(entry).dump();
+  const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, TileId{entry.tile}), DiskFile::Mode::replace));
+  BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
+  return file.close();
 }
 
 std::string manifest_to_text(const Manifest& manifest) {
@@ -185,8 +196,9 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
-  value["checksums"]["triangulation.vtkhdf"] = checksum_text(manifest.master_xxh3);
-  if (manifest.duplicates_xxh3 != 0) value["checksums"]["duplicates.bin"] = checksum_text(manifest.duplicates_xxh3);
+  if (manifest.digest) value["digest"] = digest_text(*manifest.digest);
+  value["checksums"][master_key(manifest.format_version)] = checksum_text(manifest.master_xxh3);
+  if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
   // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
@@ -202,7 +214,14 @@ std::string manifest_to_text(const Manifest& manifest) {
   };
   std::string result = text(value, 2);
   result.erase(result.rfind('\n'));  // the closing brace: two members follow
-  result += ",\n  \"partition\": {\n    \"kind\": " + text(manifest.partition_kind, -1) + ",\n    \"boxes\": ";
+  result += ",\n  \"partition\": {\n    \"kind\": " + text(manifest.partition_kind, -1);
+  if (!manifest.partition.empty()) {
+    const json partition = json::parse(manifest.partition);
+    result += ",\n    \"dimension\": " + partition.at("dimension").dump() +
+              ",\n    \"tiles\": " + partition.at("tiles").dump() + ",\n    \"splits\": ";
+    result += lines(partition.at("splits"), "    ", [](const ordered_json& split) { return split; });
+  }
+  result += ",\n    \"boxes\": ";
   result += lines(manifest.boxes, "    ", [](const Box& box) { return corners(box); }) + "\n  },\n  \"tiles\": ";
   result += lines(manifest.tiles, "  ", [](const TileEntry& entry) { return entry_to_json(entry); }) + "\n}\n";
   return result;
@@ -211,11 +230,11 @@ std::string manifest_to_text(const Manifest& manifest) {
 }  // namespace store
 
 Result<Manifest> read_manifest(const fs::path& out) {
-  const auto path = store::manifest_file(out);
+  const auto path = manifest_file(out);
   std::error_code code;
   if (!fs::exists(path, code))
     return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
-  BOOST_OUTCOME_TRY(bytes, store::read_whole(path));
+  BOOST_OUTCOME_TRY(bytes, read_whole(path));
   const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
   const char* text = reinterpret_cast<const char*>(bytes.data());
   const json value = json::parse(text, text + bytes.size(), nullptr, false);
@@ -233,94 +252,44 @@ Result<Manifest> read_manifest(const fs::path& out) {
   }
 }
 
-Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
-  BOOST_OUTCOME_TRYV(store::SyncQueue::instance().settle(out));
-  std::vector<TileEntry> entries;
-  std::error_code code;
-  for (fs::directory_iterator file(out / "tiles", code), end; !code && file != end; file.increment(code)) {
-    if (file->path().extension() != ".done") continue;
-    BOOST_OUTCOME_TRY(bytes, store::read_whole(file->path()));
-    const char* text = reinterpret_cast<const char*>(bytes.data());
-    const json value = json::parse(text, text + bytes.size(), nullptr, false);
-    try {
-      const TileEntry entry = store::to_entry(value);
-      const auto tile = tile_file(out, TileId{entry.tile});
-      // A side file without its tile is what a crash between two renames cannot leave, but a person can.
-      std::error_code missing;
-      if (fs::file_size(tile, missing) == entry.bytes && !missing) entries.push_back(entry);
-    } catch (const json::exception&) {
-      continue;  // written when the power went: the tile is made again
-    }
-  }
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
-  return entries;
-}
-
-Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const fs::path& out) {
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
-  const auto path = store::duplicates_file(out);
-  std::error_code code;
-  if (!fs::exists(path, code)) return pairs;
-  BOOST_OUTCOME_TRY(bytes, store::read_whole(path));
-  if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
-  pairs.resize(bytes.size() / 16);
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    std::memcpy(&pairs[i].first, bytes.data() + 16 * i, 8);
-    std::memcpy(&pairs[i].second, bytes.data() + 16 * i + 8, 8);
-    if (i > 0 && pairs[i - 1].first >= pairs[i].first)
-      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
-    if (pairs[i].second >= pairs[i].first)
-      return error(Errc::corrupt,
-                   path.string() + ", pair " + std::to_string(i) + ": the kept point comes after its duplicate");
-  }
-  return pairs;
-}
-
 namespace {
 
-// Side files and temporary files of this folder's runs: worthless once the manifest is there.
-void remove_side_files(const fs::path& out) {
-  std::error_code code;
-  std::vector<fs::path> old;
-  for (fs::directory_iterator file(out / "tiles", code), end; !code && file != end; file.increment(code))
-    if (file->path().extension() == ".done" || file->path().extension() == ".tmp") old.push_back(file->path());
-  for (const auto& path : old) ::unlink(path.c_str());
+// Nothing when the line is not what write_done() wrote.
+std::optional<TileEntry> read_done(std::string_view line) {
+  constexpr std::size_t sum_bytes = 18;  // a space, the checksum, the end of the line
+  if (line.size() < sum_bytes) return std::nullopt;
+  const auto text = line.substr(0, line.size() - sum_bytes);
+  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n")
+    return std::nullopt;
+  try {
+    return store::to_entry(json::parse(text));
+  } catch (const json::exception&) {
+    return std::nullopt;  // of another version
+  }
+}
+
+// Whether the file is the one that was stored. One that is missing, unreadable or damaged is made again.
+bool is_whole(const fs::path& tile, const TileEntry& entry) {
+  std::error_code missing;
+  if (fs::file_size(tile, missing) != entry.bytes || missing) return false;
+  const auto sum = checksum_file(tile);
+  return sum && sum.value() == entry.xxh3;
 }
 
 }  // namespace
 
-Status finish_store(const fs::path& out, Manifest& manifest,
-                    std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates) {
-  static_assert(std::endian::native == std::endian::little);
-  BOOST_OUTCOME_TRYV(store::SyncQueue::instance().settle(out));
-  BOOST_OUTCOME_TRYV(store::make_directories(out / "tiles"));
-  BOOST_OUTCOME_TRYV(store::sync_folder(out / "tiles"));
-  std::sort(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
-  BOOST_OUTCOME_TRY(schema, store::stored_schema(manifest.schema));
-  manifest.schema = schema;
-
-  const auto master = store::master_file(out);
-  BOOST_OUTCOME_TRY(master_bytes, store::make_master(master, manifest));
-  manifest.master_xxh3 = checksum(master_bytes);
-  BOOST_OUTCOME_TRYV(store::write_whole(master, master_bytes));
-
-  manifest.duplicates_xxh3 = 0;
-  if (duplicates.empty()) {
-    ::unlink(store::duplicates_file(out).c_str());  // of an earlier result in this folder
-  } else {
-    std::vector<std::uint64_t> flat;
-    flat.reserve(2 * duplicates.size());
-    for (const auto& [duplicate, kept] : duplicates) {
-      flat.push_back(duplicate);
-      flat.push_back(kept);
-    }
-    const auto bytes = std::as_bytes(std::span(flat));
-    manifest.duplicates_xxh3 = checksum(bytes);
-    BOOST_OUTCOME_TRYV(store::write_whole(store::duplicates_file(out), bytes));
+Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
+  std::vector<TileEntry> entries;
+  std::error_code code;
+  for (fs::directory_iterator file(tiles_folder(out), code), end; !code && file != end; file.increment(code)) {
+    if (!is_done_name(file->path())) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(file->path()));
+    const auto entry = read_done(as_text(bytes));
+    if (!entry || done_file(out, TileId{entry->tile}) != file->path()) continue;
+    if (is_whole(tile_file(out, TileId{entry->tile}), *entry)) entries.push_back(*entry);
   }
-  BOOST_OUTCOME_TRYV(store::write_whole(store::manifest_file(out), store::manifest_to_text(manifest)));
-  remove_side_files(out);
-  return success();
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  return entries;
 }
 
 }  // namespace tessera

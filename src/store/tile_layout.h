@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -11,22 +10,30 @@
 
 namespace tessera::store {
 
-enum class ArrayOf : std::uint8_t { points, cells, cells_plus_one, connectivity };
+// The elements of a VTK XML file that hold arrays, in the order in which they stand.
+enum class Section : std::uint8_t { points, point_data, cells, cell_data };
+enum class ArrayOf : std::uint8_t { points, cells, corners };
+// Plain: zlib streams of stored blocks, for what hardly gets smaller. Deflated: for what is nearly constant.
+enum class Packing : std::uint8_t { plain, deflated };
 
 struct ArrayInfo {
-  std::string name;  // below /VTKHDF
+  Section section;
+  std::string name;
   AttributeType type;
   ArrayOf rows;           // what there is one row of
-  std::uint64_t columns;  // 1: a one-dimensional dataset
+  std::uint64_t columns;  // numbers in a row
+  Packing packing;
 };
 
-// All arrays in the order in which they are created.
+// All arrays in the order in which they stand in the file.
 std::vector<ArrayInfo> tile_arrays(int dimension, bool neighbors, const std::vector<Attribute>& schema);
+inline constexpr std::size_t first_attribute = 4;  // where those of the schema begin in that list
 
 constexpr std::uint8_t vtk_cell_type(int dimension) { return dimension == 2 ? 5 : 10; }  // triangle, tetrahedron
 
-// The schema with names under which HDF5 and VTK can keep them: '/' becomes '_', and "id" and "vtkGhostType", which
-// are taken, get a trailing '_'. Error usage when two names collide or one is empty.
+// The schema with names under which XML and VTK can keep them: '/', control characters and what is not UTF-8 become
+// '_', and "id", "owner" and "vtkGhostType", which are taken, get a trailing '_'. Error usage when two names collide or
+// one is empty.
 Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema);
 
 }  // namespace tessera::store

@@ -1,18 +1,24 @@
-// Reads a tile file back. Nothing in it is believed: an array is allocated only after its size was compared with the
-// size of the file, and every value that others will use as an index is checked.
+// Reads a tile file back. Nothing in it is believed: the header must be one that this program writes, arrays must
+// follow each other without a gap, memory is taken only for what the file is large enough to hold, every block carries
+// a checksum, and every value that others will use as an index is checked.
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <limits>
-#include <optional>
+#include <utility>
 
-#include "src/store/hdf5_handle.h"
-#include "src/store/sync_queue.h"
+#include "src/files/descriptor.h"
+#include "src/files/names.h"
+#include "src/store/block_sum.h"
+#include "src/store/format1_reader.h"
+#include "src/store/mesh_checks.h"
+#include "src/store/packed_array.h"
 #include "src/store/tile_layout.h"
 #include "src/store/tile_store.h"
+#include "src/store/vtk_xml.h"
 
 namespace tessera {
 
@@ -23,245 +29,262 @@ namespace {
 
 class TileReader {
  public:
-  explicit TileReader(fs::path path) : path_(std::move(path)) {}
+  TileReader(fs::path path, TileId tile) : path_(std::move(path)), tile_(tile) {}
 
   Result<StoredTile> read(bool with_cells, bool with_rows) {
     BOOST_OUTCOME_TRYV(open());
-    StoredTile tile;
-    TileMesh& mesh = tile.mesh;
-    BOOST_OUTCOME_TRYV(read_dimension(mesh));
-    BOOST_OUTCOME_TRYV(read_vertices(mesh));
+    BOOST_OUTCOME_TRYV(read_header());
+    BOOST_OUTCOME_TRYV(read_tables());
+    StoredTile stored;
+    TileMesh& mesh = stored.mesh;
+    mesh.dimension = header_.dimension;
+    stored.schema = header_.schema;
+    BOOST_OUTCOME_TRYV(read_array(Section::points, "Points", mesh.points));
+    BOOST_OUTCOME_TRYV(read_array(Section::point_data, "id", mesh.ids));
+    BOOST_OUTCOME_TRYV(read_array(Section::point_data, "owner", mesh.owners));
+    BOOST_OUTCOME_TRYV(read_array(Section::point_data, "vtkGhostType", mesh.point_ghost));
     if (with_cells) {
-      BOOST_OUTCOME_TRYV(read_cells(mesh));
+      BOOST_OUTCOME_TRYV(read_array(Section::cells, "connectivity", mesh.cells));
+      BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "vtkGhostType", mesh.cell_ghost));
+      if (header_.neighbors) {
+        BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "neighbors", mesh.neighbors));
+      }
+      BOOST_OUTCOME_TRYV(check_constant_arrays());
     }
-    BOOST_OUTCOME_TRYV(check_values(mesh));
-    BOOST_OUTCOME_TRYV(read_schema(tile.schema));
+    BOOST_OUTCOME_TRYV(check_values(
+        mesh, [this](const std::string& place, const std::string& reason) { return corrupt(place, reason); }));
+    for (std::size_t i = 0; i < mesh.owners.size(); ++i)
+      if ((mesh.owners[i] != tile_.value) != (mesh.point_ghost[i] != 0))
+        return corrupt("PointData/owner", "point " + std::to_string(i) + " of tile " + std::to_string(mesh.owners[i]) +
+                                              " has the wrong vtkGhostType");
     if (with_rows) {
-      BOOST_OUTCOME_TRYV(read_rows(mesh.points.size(), tile));
+      BOOST_OUTCOME_TRYV(read_rows(stored));
     }
-    return tile;
+    return stored;
   }
 
  private:
-  Status read_vertices(TileMesh& mesh) const {
-    static_assert(sizeof(Point) == 3 * sizeof(double));
-    BOOST_OUTCOME_TRY(dims, shape("Points", AttributeType::f64));
-    if (dims.size() != 2 || dims[1] != 3) return corrupt("Points", "is not an array of 3 columns");
-    const hsize_t n = dims[0];
-    BOOST_OUTCOME_TRYV(read_array("Points", AttributeType::f64, {n, 3}, mesh.points));
-    BOOST_OUTCOME_TRYV(read_array("PointData/id", AttributeType::u64, {n}, mesh.ids));
-    BOOST_OUTCOME_TRYV(read_array("PointData/vtkGhostType", AttributeType::u8, {n}, mesh.point_ghost));
-    return check_count("NumberOfPoints", n);
-  }
-
-  Status read_cells(TileMesh& mesh) const {
-    const auto corners = static_cast<hsize_t>(mesh.dimension + 1);
-    BOOST_OUTCOME_TRY(dims, shape("CellData/vtkGhostType", AttributeType::u8));
-    if (dims.size() != 1) return corrupt("CellData/vtkGhostType", "is not a list");
-    const hsize_t m = dims[0];
-    BOOST_OUTCOME_TRYV(read_array("CellData/vtkGhostType", AttributeType::u8, {m}, mesh.cell_ghost));
-    BOOST_OUTCOME_TRYV(read_array("Connectivity", AttributeType::i32, {m * corners}, mesh.cells));
-    if (H5Lexists(group_, "CellData/neighbors", H5P_DEFAULT) > 0) {
-      BOOST_OUTCOME_TRYV(read_array("CellData/neighbors", AttributeType::i32, {m, corners}, mesh.neighbors));
-    }
-    return check_constant_arrays(mesh, m);
-  }
+  // An array in the file.
+  struct Packed {
+    ArrayInfo info;
+    std::uint64_t bytes = 0;           // unpacked
+    std::uint64_t begin = 0;           // of the first block
+    std::vector<std::uint64_t> sizes;  // of the blocks
+  };
 
   Error corrupt(const std::string& place, const std::string& reason) const {
-    return error(Errc::corrupt, path_.string() + ", /VTKHDF/" + place + ": " + reason);
+    return error(Errc::corrupt, path_.string() + ", " + place + ": " + reason);
+  }
+
+  static std::string place_of(const ArrayInfo& info) {
+    switch (info.section) {
+      case Section::points:
+        return info.name;
+      case Section::point_data:
+        return "PointData/" + info.name;
+      case Section::cells:
+        return "Cells/" + info.name;
+      case Section::cell_data:
+        return "CellData/" + info.name;
+    }
+    return info.name;
   }
 
   Status open() {
-    struct stat status {};
-    if (::stat(path_.c_str(), &status) != 0)
-      return error(Errc::io, path_.string() + ": cannot open: " + std::strerror(errno));
-    bytes_ = static_cast<std::uint64_t>(status.st_size);
-    file_ = {H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-    if (!file_.ok())
-      return error(Errc::corrupt, path_.string() + ": is not a tile file, or damaged (" + hdf5_reason() + ")");
-    group_ = {H5Gopen2(file_, "VTKHDF", H5P_DEFAULT), H5Gclose};
-    if (!group_.ok()) return error(Errc::corrupt, path_.string() + ": has no group /VTKHDF");
+    BOOST_OUTCOME_TRY(file, open_handle(path_, O_RDONLY));
+    BOOST_OUTCOME_TRY(bytes, size_of(file, path_));
+    file_ = std::move(file);
+    bytes_ = bytes;
     return success();
   }
 
-  static std::optional<AttributeType> type_of(hid_t dataset) {
-    const Hdf5Handle type{H5Dget_type(dataset), H5Tclose};
-    for (const auto candidate :
-         {AttributeType::u8, AttributeType::i8, AttributeType::u16, AttributeType::i16, AttributeType::u32,
-          AttributeType::i32, AttributeType::u64, AttributeType::i64, AttributeType::f32, AttributeType::f64})
-      if (H5Tequal(type, hdf5_type(candidate)) > 0) return candidate;
-    return std::nullopt;
+  // False when the file ends before.
+  Result<bool> read_at(std::uint64_t offset, std::span<std::byte> buffer) const {
+    BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), buffer, offset, path_));
+    return read == buffer.size();
   }
 
-  Result<Hdf5Handle> open_array(const std::string& name) const {
-    if (H5Lexists(group_, name.substr(0, name.find('/')).c_str(), H5P_DEFAULT) <= 0 ||
-        H5Lexists(group_, name.c_str(), H5P_DEFAULT) <= 0)
-      return corrupt(name, "is missing");
-    Hdf5Handle dataset{H5Dopen2(group_, name.c_str(), H5P_DEFAULT), H5Dclose};
-    if (!dataset.ok()) return corrupt(name, "cannot be opened (" + hdf5_reason() + ")");
-    return dataset;
-  }
-
-  Result<std::vector<hsize_t>> shape(const std::string& name, AttributeType type) const {
-    BOOST_OUTCOME_TRY(dataset, open_array(name));
-    return shape(dataset, name, type);
-  }
-
-  Result<std::vector<hsize_t>> shape(hid_t dataset, const std::string& name, AttributeType type) const {
-    if (type_of(dataset) != type) return corrupt(name, "has the wrong type");
-    const Hdf5Handle space{H5Dget_space(dataset), H5Sclose};
-    const int rank = H5Sget_simple_extent_ndims(space);
-    if (rank != 1 && rank != 2) return corrupt(name, "has the wrong number of dimensions");
-    std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
-    H5Sget_simple_extent_dims(space, dims.data(), nullptr);
-    return dims;
-  }
-
-  // `compressed`: the array may be larger than the file; the caller has bounded `wanted` by another array.
-  template <class List>
-  Status read_array(const std::string& name, AttributeType type, const std::vector<hsize_t>& wanted, List& values,
-                    bool compressed = false) const {
-    BOOST_OUTCOME_TRY(dataset, open_array(name));
-    BOOST_OUTCOME_TRY(dims, shape(dataset, name, type));
-    if (dims != wanted) return corrupt(name, "has the wrong length");
-    hsize_t elements = 1;
-    for (const auto extent : dims) {
-      if (extent != 0 && elements > bytes_ * 64 / extent) return corrupt(name, "is larger than its file");
-      elements *= extent;
+  Status read_header() {
+    std::string text;
+    std::size_t end = std::string::npos;
+    for (std::uint64_t wanted = 1 << 14; end == std::string::npos; wanted *= 4) {
+      text.resize(std::min(wanted, bytes_));
+      BOOST_OUTCOME_TRY(whole, read_at(0, std::as_writable_bytes(std::span(text))));
+      end = whole ? text.find(header_end) : std::string::npos;
+      if (end == std::string::npos && (!whole || text.size() == bytes_ || text.find('\0') != std::string::npos))
+        return corrupt("header", "is not that of a tile file, or damaged");
     }
-    const std::uint64_t size = elements * size_of(type);
-    if (!compressed && size > bytes_) return corrupt(name, "is larger than its file");
-    values.resize(size / sizeof(typename List::value_type));
-    if (size > 0 && H5Dread(dataset, hdf5_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0)
-      return corrupt(name, "cannot be read (" + hdf5_reason() + ")");
+    text.resize(end + header_end.size());
+    auto header = parse_header(text);
+    if (!header) return corrupt("header", "is not that of a tile file, or damaged");
+    if (header->tile != tile_) return corrupt("header", "is that of tile " + std::to_string(header->tile.value));
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    const auto corners = static_cast<std::uint64_t>(header->dimension + 1);
+    if (header->points > std::min(most, bytes_ / sizeof(Point)) ||
+        header->cells > std::min(most, bytes_ / sizeof(std::int32_t)) / corners)
+      return corrupt("header", "tells of more than the file can hold");
+    header_ = std::move(*header);
+    data_begin_ = text.size();
     return success();
   }
 
-  // The fill value of Types tells triangles from tetrahedra, also when there is no cell.
-  Status read_dimension(TileMesh& mesh) const {
-    BOOST_OUTCOME_TRY(dataset, open_array("Types"));
-    const Hdf5Handle properties{H5Dget_create_plist(dataset), H5Pclose};
-    std::uint8_t type = 0;
-    if (H5Pget_fill_value(properties, H5T_NATIVE_UINT8, &type) < 0) return corrupt("Types", "has no fill value");
-    if (type == vtk_cell_type(2)) {
-      mesh.dimension = 2;
-    } else if (type == vtk_cell_type(3)) {
-      mesh.dimension = 3;
-    } else {
-      return corrupt("Types", "is neither of triangles nor of tetrahedra");
-    }
-    return success();
-  }
-
-  Status check_count(const char* name, hsize_t wanted) const {
-    std::vector<std::int64_t> count;
-    BOOST_OUTCOME_TRYV(read_array(name, AttributeType::i64, {1}, count));
-    if (count[0] < 0 || static_cast<hsize_t>(count[0]) != wanted)
-      return corrupt(name, "does not agree with the arrays");
-    return success();
-  }
-
-  Status check_constant_arrays(const TileMesh& mesh, hsize_t m) const {
-    const auto corners = static_cast<std::size_t>(mesh.dimension + 1);
-    BOOST_OUTCOME_TRYV(check_count("NumberOfCells", m));
-    BOOST_OUTCOME_TRYV(check_count("NumberOfConnectivityIds", m * corners));
-    std::vector<std::uint8_t> types;
-    BOOST_OUTCOME_TRYV(read_array("Types", AttributeType::u8, {m}, types, true));
-    for (std::size_t i = 0; i < types.size(); ++i)
-      if (types[i] != vtk_cell_type(mesh.dimension))
-        return corrupt("Types", "cell " + std::to_string(i) + " is of another type");
-    std::vector<std::int32_t> offsets;
-    BOOST_OUTCOME_TRYV(read_array("Offsets", AttributeType::i32, {m + 1}, offsets, true));
-    for (std::size_t i = 0; i < offsets.size(); ++i)
-      if (static_cast<std::uint64_t>(static_cast<std::int64_t>(offsets[i])) != i * corners)
-        return corrupt("Offsets", "entry " + std::to_string(i) + " is not " + std::to_string(i * corners));
-    return success();
-  }
-
-  Status check_values(const TileMesh& mesh) const {
-    const auto corners = static_cast<std::size_t>(mesh.dimension + 1);
-    const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
-    if (n > std::numeric_limits<std::int32_t>::max()) return corrupt("Points", "has more than 2^31 points");
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!is_finite(mesh.points[i])) return corrupt("Points", "point " + std::to_string(i) + " is not finite");
-      if (mesh.dimension == 2 && mesh.points[i].z != 0)
-        return corrupt("Points", "point " + std::to_string(i) + " of a plane triangulation has a z");
-      if (mesh.point_ghost[i] > 1)
-        return corrupt("PointData/vtkGhostType", "point " + std::to_string(i) + " is neither 0 nor 1");
-    }
-    for (std::size_t i = 0; i < m; ++i) {
-      const std::int32_t* cell = mesh.cells.data() + i * corners;
-      for (std::size_t k = 0; k < corners; ++k) {
-        if (cell[k] < 0 || static_cast<std::size_t>(cell[k]) >= n)
-          return corrupt("Connectivity", "cell " + std::to_string(i) + " has vertex " + std::to_string(cell[k]) +
-                                             ", which does not exist");
-        for (std::size_t j = 0; j < k; ++j)
-          if (cell[j] == cell[k])
-            return corrupt("Connectivity", "cell " + std::to_string(i) + " has the same vertex twice");
+  // Arrays stand end to end, from the header to the footer.
+  Status read_tables() {
+    std::uint64_t at = data_begin_;
+    const auto infos = header_.arrays();
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      Packed array{infos[i], header_.bytes_of(infos[i]), 0, {}};
+      const auto damaged = [&] { return corrupt(place_of(array.info), "its table of blocks is damaged"); };
+      const std::uint64_t blocks = block_count(array.bytes);
+      if (header_.offsets[i] != at - data_begin_ || table_bytes(blocks) > bytes_ - at) return damaged();
+      std::vector<std::uint64_t> table(3 + blocks);
+      BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(table))));
+      if (!whole || table[0] != blocks || table[1] != block_bytes || table[2] != array.bytes % block_bytes)
+        return damaged();
+      at += table_bytes(blocks);
+      array.begin = at;
+      array.sizes.assign(table.begin() + 3, table.end());
+      for (std::uint64_t b = 0; b < blocks; ++b) {
+        const bool fits = array.info.packing == Packing::plain
+                              ? array.sizes[b] == unpacked(array, b) + plain_extra_bytes
+                              : array.sizes[b] <= compressBound(static_cast<uLong>(block_bytes));
+        if (!fits || array.sizes[b] > bytes_ - at) return damaged();
+        at += array.sizes[b];
       }
-      if (mesh.cell_ghost[i] > 1)
-        return corrupt("CellData/vtkGhostType", "cell " + std::to_string(i) + " is neither 0 nor 1");
+      arrays_.push_back(std::move(array));
     }
-    for (std::size_t i = 0; i < mesh.neighbors.size(); ++i)
-      if (mesh.neighbors[i] < -2 || (mesh.neighbors[i] >= 0 && static_cast<std::size_t>(mesh.neighbors[i]) >= m))
-        return corrupt("CellData/neighbors", "cell " + std::to_string(i / corners) + " has neighbour " +
-                                                 std::to_string(mesh.neighbors[i]) + ", which does not exist");
+    std::string end(footer.size(), '\0');
+    BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(end))));
+    if (!whole || end != footer || at + footer.size() != bytes_) return corrupt("end", "is not where the arrays end");
     return success();
   }
 
-  Status read_schema(std::vector<Attribute>& schema) const {
-    const Hdf5Handle group{H5Gopen2(group_, "PointData", H5P_DEFAULT), H5Gclose};
-    if (!group.ok()) return corrupt("PointData", "is missing");
-    std::vector<std::string> names;
-    const auto take = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
-      static_cast<std::vector<std::string>*>(data)->emplace_back(name);
-      return 0;
+  static std::uint64_t unpacked(const Packed& array, std::uint64_t block) {
+    return std::min(block_bytes, array.bytes - block * block_bytes);
+  }
+
+  const Packed& find(Section section, std::string_view name) const {
+    return *std::find_if(arrays_.begin(), arrays_.end(),
+                         [&](const Packed& array) { return array.info.section == section && array.info.name == name; });
+  }
+
+  // REQUIRES: every tile has the array.
+  template <class List>
+  Status read_array(Section section, std::string_view name, List& values) const {
+    return read_array(find(section, name), values);
+  }
+
+  template <class List>
+  Status read_array(const Packed& array, List& values) const {
+    values.resize(array.bytes / sizeof(typename List::value_type));
+    return read_blocks(array, std::as_writable_bytes(std::span(values)));
+  }
+
+  Status read_blocks(const Packed& array, std::span<std::byte> values) const {
+    const auto damaged = [&](std::uint64_t block) {
+      return corrupt(place_of(array.info), "block " + std::to_string(block) + " is damaged");
     };
-    if (H5Literate(group, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, take, &names) < 0)
-      return corrupt("PointData", "cannot be listed (" + hdf5_reason() + ")");
-    for (const auto& name : names) {
-      if (name == "id" || name == "vtkGhostType") continue;
-      BOOST_OUTCOME_TRY(dataset, open_array("PointData/" + name));
-      const auto type = type_of(dataset);
-      if (!type) return corrupt("PointData/" + name, "has a type that attributes never have");
-      schema.push_back({name, *type});
+    constexpr std::uint64_t at_once = 16;  // a megabyte a call
+    std::vector<std::byte> buffer;
+    std::uint64_t at = array.begin;
+    for (std::uint64_t first = 0; first < array.sizes.size(); first += at_once) {
+      const std::uint64_t end = std::min<std::uint64_t>(first + at_once, array.sizes.size());
+      std::uint64_t size = 0;
+      for (std::uint64_t block = first; block < end; ++block) size += array.sizes[block];
+      buffer.resize(size);
+      BOOST_OUTCOME_TRY(whole, read_at(at, buffer));
+      if (!whole) return damaged(first);
+      at += size;
+      std::span<const std::byte> rest = buffer;
+      for (std::uint64_t block = first; block < end; ++block) {
+        const auto to = values.subspan(block * block_bytes, unpacked(array, block));
+        const auto from = rest.first(array.sizes[block]);
+        if (!(array.info.packing == Packing::plain ? take_plain(from, to) : inflate_block(from, to)))
+          return damaged(block);
+        rest = rest.subspan(from.size());
+      }
     }
     return success();
   }
 
-  Status read_rows(hsize_t n, StoredTile& tile) const {
-    const std::size_t stride = row_bytes(tile.schema);
-    if (n * stride > bytes_) return corrupt("PointData", "is larger than its file");
-    tile.rows.resize(n * stride);
+  // REQUIRES: sizes fit together.
+  static bool take_plain(std::span<const std::byte> from, std::span<std::byte> to) {
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned>(from[i]); };
+    const auto size = static_cast<unsigned>(to.size());
+    if (byte(0) != 0x78 || byte(1) != 0x01 || byte(2) != 0x01 || (byte(3) | byte(4) << 8u) != size ||
+        (byte(5) | byte(6) << 8u) != (size ^ 0xffffu))
+      return false;
+    std::memcpy(to.data(), from.data() + plain_head_bytes, to.size());
+    const std::size_t sum_at = plain_head_bytes + to.size();
+    const unsigned sum = byte(sum_at) << 24u | byte(sum_at + 1) << 16u | byte(sum_at + 2) << 8u | byte(sum_at + 3);
+    return block_sum(to) == sum;
+  }
+
+  static bool inflate_block(std::span<const std::byte> from, std::span<std::byte> to) {
+    auto size = static_cast<uLongf>(to.size());
+    auto used = static_cast<uLong>(from.size());
+    return uncompress2(reinterpret_cast<Bytef*>(to.data()), &size, reinterpret_cast<const Bytef*>(from.data()),
+                       &used) == Z_OK &&
+           size == to.size() && used == from.size();
+  }
+
+  Status check_constant_arrays() const {
+    const auto corners = static_cast<std::uint64_t>(header_.dimension + 1);
+    std::vector<std::uint8_t> types;
+    BOOST_OUTCOME_TRYV(read_array(Section::cells, "types", types));
+    for (std::size_t i = 0; i < types.size(); ++i)
+      if (types[i] != vtk_cell_type(header_.dimension))
+        return corrupt("Cells/types", "cell " + std::to_string(i) + " is of another type");
+    std::vector<std::int32_t> numbers;
+    BOOST_OUTCOME_TRYV(read_array(Section::cells, "offsets", numbers));
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (numbers[i] < 0 || static_cast<std::uint64_t>(numbers[i]) != (i + 1) * corners)
+        return corrupt("Cells/offsets", "entry " + std::to_string(i) + " is not " + std::to_string((i + 1) * corners));
+    BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "tile", numbers));
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      if (static_cast<std::uint32_t>(numbers[i]) != tile_.value)
+        return corrupt("CellData/tile", "cell " + std::to_string(i) + " is of another tile");
+    return success();
+  }
+
+  Status read_rows(StoredTile& stored) const {
+    const std::size_t stride = row_bytes(stored.schema), n = header_.points;
+    stored.rows.resize(n * stride);
     std::size_t offset = 0;
     std::vector<std::byte> column;
-    for (const auto& attribute : tile.schema) {
-      const std::size_t size = size_of(attribute.type);
-      BOOST_OUTCOME_TRYV(read_array("PointData/" + attribute.name, attribute.type, {n}, column));
-      for (hsize_t i = 0; i < n; ++i)
-        std::memcpy(tile.rows.data() + i * stride + offset, column.data() + i * size, size);
+    for (std::size_t k = 0; k < stored.schema.size(); ++k) {
+      const std::size_t size = size_of(stored.schema[k].type);
+      BOOST_OUTCOME_TRYV(read_array(arrays_[first_attribute + k], column));
+      for (std::size_t i = 0; i < n; ++i)
+        std::memcpy(stored.rows.data() + i * stride + offset, column.data() + i * size, size);
       offset += size;
     }
     return success();
   }
 
   fs::path path_;
+  TileId tile_;
+  FileHandle file_;
   std::uint64_t bytes_ = 0;
-  Hdf5Handle file_, group_;
+  TileHeader header_;
+  std::uint64_t data_begin_ = 0;
+  std::vector<Packed> arrays_;
 };
+
+Result<StoredTile> read_stored(const fs::path& out, TileId tile, bool with_cells, bool with_rows) {
+  const fs::path path = stored_tile_file(out, tile);
+  if (path == tile_file(out, tile)) return TileReader(path, tile).read(with_cells, with_rows);
+  return read_format1_tile(path, with_cells, with_rows);
+}
 
 }  // namespace
 
 Result<StoredTile> read_tile(const fs::path& out, TileId tile, bool with_rows) {
-  const QuietHdf5 quiet;
-  BOOST_OUTCOME_TRYV(SyncQueue::instance().settle(out));
-  return TileReader(tile_file(out, tile)).read(true, with_rows);
+  return read_stored(out, tile, true, with_rows);
 }
 
 Result<StoredTile> read_tile_vertices(const fs::path& out, TileId tile, bool with_rows) {
-  const QuietHdf5 quiet;
-  BOOST_OUTCOME_TRYV(SyncQueue::instance().settle(out));
-  return TileReader(tile_file(out, tile)).read(false, with_rows);
+  return read_stored(out, tile, false, with_rows);
 }
 
 }  // namespace tessera

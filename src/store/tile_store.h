@@ -1,10 +1,11 @@
-// The result folder: VTKHDF tile files, master file and manifest. Format: FORMAT.md.
+// The result folder: tile files, master file and manifest. Format: FORMAT.md.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,7 +14,10 @@
 #include "src/base/attribute.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/tile/tile_mesh.h"
+#include "src/files/names.h"
+#include "src/mesh/tile_mesh.h"
+#include "src/store/digest.h"
+#include "src/store/external_sort.h"
 
 namespace tessera {
 
@@ -25,7 +29,8 @@ struct TileEntry {
   std::uint64_t cells = 0;  // cells in the file
   std::uint64_t main_cells = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t xxh3 = 0;  // XXH3-64 of the file's bytes
+  std::uint64_t xxh3 = 0;        // XXH3-64 of the file's bytes
+  std::optional<Digest> digest;  // of main cells and own vertices; older software wrote none
   friend bool operator==(const TileEntry&, const TileEntry&) = default;
 };
 
@@ -34,29 +39,28 @@ struct StoreOptions {
   std::vector<Attribute> schema;  // of `rows` below
 };
 
-// Writes OUT/tiles/NNNNNN.vtkhdf under a temporary name and checksums it; `rows`: mesh.points.size() rows of the
-// schema. A thread of the store syncs and renames it while the caller goes on: the tile counts as stored, and shows in
-// stored_tiles(), only after that. Its error is told by the next call for the same folder. Arrays are not kept: the
-// mesh may go when this returns. Safe to call from several threads for different tiles.
+// Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the
+// schema. Safe to call from several threads for different tiles.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
-// Also leaves a side file (OUT/tiles/NNNNNN.done, the entry as JSON), by which a resumed run knows the tile is stored;
-// finish_store() removes them. Waits for tiles on their way to disk; so do read_tile() and finish_store().
+// Also leaves a side file (OUT/tiles/NNNNNN.done: a line of the entry as JSON and its XXH3-64), by which a resumed run
+// knows the tile is stored; finish_store() removes them. Reads every tile file: one that is not what was stored, or
+// whose side file is damaged, is not listed, so that the tile is made again.
 Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out);
 
-// Reads a tile file back. Every array is checked (lengths, ranges, ghost flags); corrupt names the file and the place.
-// owners is left empty: the file does not say.
+// Reads a tile file back, of this format or an older one. Every array is checked (lengths, checksums, ranges, flags);
+// corrupt names the file and the place. owners is empty for format 1, which does not tell them.
 struct StoredTile {
   TileMesh mesh;
   std::vector<Attribute> schema;
   std::vector<std::byte> rows;
 };
 Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false);
-// The same without cells.
+// The same without cells: cells, cell_ghost and neighbors are empty.
 Result<StoredTile> read_tile_vertices(const std::filesystem::path& out, TileId tile, bool with_rows = false);
 
 struct Manifest {
-  int format_version = 1;
+  int format_version = 2;  // of the folder; finish_store() writes the newest
   std::string software_version;
   std::vector<std::string> command;
   struct Input {
@@ -68,26 +72,37 @@ struct Manifest {
   int dimension = 3;
   std::string crs;
   std::string partition_kind;
-  std::vector<Box> boxes;
+  std::vector<Box> boxes;  // by tile id
+  // As Partition::to_json() gives it, for Partition::from_json(): tile_of() of the result. Empty in format 1.
+  std::string partition;
   Bounds bounds;
   bool neighbors = true;
   std::vector<Attribute> schema;
   std::vector<TileEntry> tiles;  // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
+  std::optional<Digest> digest;           // the sum of the tiles'; none when a tile has none
   std::uint64_t duplicates_xxh3 = 0;      // of duplicates.bin; 0 when there is none
-  std::uint64_t master_xxh3 = 0;          // of triangulation.vtkhdf
+  std::uint64_t master_xxh3 = 0;          // of the master file
   std::map<std::string, double> seconds;  // by phase
   std::map<std::string, double> figures;  // messages, peak memory, ...: for people, not for programs
 };
 
-// Writes triangulation.vtkhdf (virtual datasets over the tiles), duplicates.bin when `duplicates` is not empty
-// (ascending), and the manifest last. Sets the manifest's checksums, and the schema's names as they are stored.
+struct DuplicatePair {
+  std::uint64_t duplicate = 0, kept = 0;
+  friend auto operator<=>(const DuplicatePair&, const DuplicatePair&) = default;
+};
+// There may be more than fit into memory.
+using DuplicateSort = ExternalSort<DuplicatePair>;
+
+// Writes triangulation.pvtu (which names the tiles), duplicates.bin when `duplicates` is not empty
+// and the manifest last. Sets the manifest's digest, checksums, number of duplicates, and the schema's names as they
+// are stored.
+Status finish_store(const std::filesystem::path& out, Manifest& manifest, DuplicateSort& duplicates);
+// The same with pairs in memory.
 Status finish_store(const std::filesystem::path& out, Manifest& manifest,
                     std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates);
 // Error io when there is none, corrupt when it is damaged or from a future version.
 Result<Manifest> read_manifest(const std::filesystem::path& out);
 Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const std::filesystem::path& out);
-
-std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile);
 
 }  // namespace tessera

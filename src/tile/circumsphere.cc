@@ -14,6 +14,8 @@
 
 #include <cmath>
 
+#include "src/base/ieee_arithmetic.h"
+
 namespace tessera {
 namespace {
 

@@ -7,8 +7,8 @@
 
 #include "src/base/point.h"
 #include "src/kernel/kernel.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/tile/final_cells.h"
-#include "src/tile/tile_mesh.h"
 
 namespace tessera {
 

@@ -1,63 +1,13 @@
-// A sleeping tile as bytes: counts first, then flat arrays. Read back on the machine and by the version that wrote it,
-// so layout and byte order are the memory's own; lengths and ranges are checked all the same.
-#include <cstring>
-#include <type_traits>
-
+// What outlives a tile's triangulation. A sleeping tile as bytes: counts first, then flat arrays. Read back on the
+// machine and by the version that wrote it, so layout and byte order are the memory's own; lengths and ranges are
+// checked all the same.
+#include "src/base/flat_codec.h"
 #include "src/tile/tile_triangulation.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t magic = 0x3265676d49454c54u;
-
-class Writer {
- public:
-  template <class T>
-  void value(const T& v) {
-    static_assert(std::is_trivially_copyable_v<T>);
-    const auto* p = reinterpret_cast<const std::byte*>(&v);
-    bytes_.insert(bytes_.end(), p, p + sizeof(T));
-  }
-  template <class List>
-  void list(const List& v) {
-    using T = typename List::value_type;
-    static_assert(std::is_trivially_copyable_v<T>);
-    value(static_cast<std::uint64_t>(v.size()));
-    const auto* p = reinterpret_cast<const std::byte*>(v.data());
-    bytes_.insert(bytes_.end(), p, p + v.size() * sizeof(T));
-  }
-  void reserve(std::size_t n) { bytes_.reserve(n); }
-  std::vector<std::byte> take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::byte> bytes_;
-};
-
-class Reader {
- public:
-  explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
-  template <class T>
-  bool value(T& v) {
-    if (rest_.size() < sizeof(T)) return false;
-    std::memcpy(&v, rest_.data(), sizeof(T));
-    rest_ = rest_.subspan(sizeof(T));
-    return true;
-  }
-  template <class List>
-  bool list(List& v) {
-    using T = typename List::value_type;
-    std::uint64_t n = 0;
-    if (!value(n) || n > rest_.size() / sizeof(T)) return false;
-    v.resize(n);
-    if (n > 0) std::memcpy(v.data(), rest_.data(), n * sizeof(T));
-    rest_ = rest_.subspan(n * sizeof(T));
-    return true;
-  }
-  bool at_end() const { return rest_.empty(); }
-
- private:
-  std::span<const std::byte> rest_;
-};
+constexpr std::uint64_t magic = 0x3365676d49454c54u;
 
 struct KnownForeign {
   std::uint64_t id;
@@ -67,22 +17,23 @@ struct KnownForeign {
 }  // namespace
 
 std::vector<std::byte> TileTriangulation::save() const {
-  Writer out;
-  const KernelImage image = kernel_->save();
+  FlatWriter out;
+  KernelImage image = kernel_->save();
   const std::vector<std::uint64_t> sent = sent_.keys();
   out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + foreign_.size() * 16 +
               open_cells_.size() * 16 + 1024);
   out.value(magic);
   out.value(options_.self.value);
   out.value(static_cast<std::int32_t>(options_.dimension));
+  out.value(options_.kernel);
   out.value(static_cast<std::uint8_t>(reduced_));
   out.value(counts_);
   out.value(static_cast<std::int32_t>(image.dimension));
-  out.list(image.points);
-  out.list(image.local);
-  out.list(image.alive);
-  out.list(image.cells.vertices);
-  out.list(image.cells.neighbors);
+  out.last(image.points);
+  out.last(image.local);
+  out.last(image.alive);
+  out.last(image.cells.vertices);
+  out.last(image.cells.neighbors);
   out.value(image.frozen);
   out.list(ids_);
   out.list(owners_);
@@ -96,12 +47,13 @@ std::vector<std::byte> TileTriangulation::save() const {
   return out.take();
 }
 
-bool TileTriangulation::load(std::span<const std::byte> bytes) {
-  Reader in(bytes);
+bool TileTriangulation::load(std::vector<std::byte> bytes) {
+  FlatReader in(bytes);
   std::uint64_t found = 0;
   std::uint32_t self = 0;
   std::int32_t dimension = 0;
   std::uint8_t reduced = 0;
+  KernelKind kernel = KernelKind::flat;
   ExchangeCounts counts;
   KernelImage image;
   std::vector<std::uint64_t> ids, sent;
@@ -109,11 +61,12 @@ bool TileTriangulation::load(std::span<const std::byte> bytes) {
   std::vector<KnownForeign> foreign;
   std::vector<CellKey> open_cells;
   const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self.value &&
-                    in.value(dimension) && dimension == options_.dimension && in.value(reduced) && in.value(counts) &&
-                    in.value(image.dimension) && in.list(image.points) && in.list(image.local) &&
-                    in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
-                    in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(ranks) && in.list(foreign) &&
-                    in.list(sent) && in.list(open_cells) && in.at_end();
+                    in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
+                    kernel == options_.kernel && in.value(reduced) && in.value(counts) && in.value(image.dimension) &&
+                    in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
+                    in.list(image.cells.vertices) && in.list(image.cells.neighbors) && in.value(image.frozen) &&
+                    in.list(ids) && in.list(owners) && in.list(ranks) && in.list(foreign) && in.list(sent) &&
+                    in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || (reduced ? ranks.size() != n : !ranks.empty())) return false;
@@ -123,7 +76,10 @@ bool TileTriangulation::load(std::span<const std::byte> bytes) {
   for (const std::uint64_t key : sent) {
     if (key >> 32 >= n) return false;
   }
+  // A tile wakes up when memory is short: no more than two copies of it at a time.
+  std::vector<std::byte>().swap(bytes);
   if (!kernel_->load(image)) return false;
+  image = {};
   ids_ = std::move(ids);
   owners_ = std::move(owners);
   ranks_ = std::move(ranks);
@@ -136,6 +92,24 @@ bool TileTriangulation::load(std::span<const std::byte> bytes) {
   open_cells_ = {open_cells.begin(), open_cells.end()};
   updates_.clear();
   return true;
+}
+
+void TileTriangulation::replay() {
+  for (const std::uint64_t key : sent_.keys()) {
+    const auto v = static_cast<Vertex>(key >> 32);
+    const auto tile = static_cast<std::uint32_t>(key);
+    if (owners_[v] == tile) continue;
+    updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+    ++counts_.sent;
+  }
+}
+
+std::vector<SharedPoint> TileTriangulation::foreign_vertices() const {
+  std::vector<SharedPoint> out;
+  for (Vertex v = 1; v < ids_.size(); ++v) {
+    if (!is_local(v) && kernel_->alive(v)) out.push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+  }
+  return out;
 }
 
 }  // namespace tessera

@@ -23,7 +23,8 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   owners_.assign(points.size() + 1, options_.self.value);
   std::vector<Vertex> around;
   for (const SharedPoint& seed : seeds) {
-    if (seed.tile != options_.self.value) add_foreign(seed, true, around);
+    if (seed.tile == options_.self.value) continue;
+    check(add_foreign(seed, true, around).has_value(), "seeds are points of the cloud, each once");
   }
   // The seeds count as one batch: what matters is who their neighbours are once all of them are in.
   if (kernel_->dimension() < options_.dimension) {
@@ -168,19 +169,18 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
   }
 }
 
-void TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch) {
+Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch) {
   if (options_.rule == ExchangeRule::published) return receive_published(from, batch);
-  std::vector<Vertex> around;
   for (const SharedPoint& p : batch) {
     ++counts_.received;
-    check(p.tile != options_.self.value, "a tile is only told of foreign points");
+    if (p.tile == options_.self.value || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
       if (known->second != 0) sent_.add(known->second, from.value);
       continue;
     }
-    const Vertex v = add_foreign(p, false, around);
+    BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
     if (v == 0) {  // rule C: not kept, but its owner hears of all it would have had as neighbours
-      for (const Vertex w : around) share(w, p.tile);
+      for (const Vertex w : around_) share(w, p.tile);
       continue;
     }
     sent_.add(v, from.value);
@@ -190,16 +190,24 @@ void TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch)
       share_star(v);
     }
   }
+  return success();
+}
+
+// What a peer says is never a reason to stop the process.
+Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
+  return error(Errc::internal, "tile " + std::to_string(options_.self.value) + ": tile " + std::to_string(from.value) +
+                                   " told it of point " + std::to_string(p.id) + ", which it cannot have");
 }
 
 // The published order: insert everything, simplify, then splay what survived.
-void TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> batch) {
+Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> batch) {
   std::vector<Vertex> around, added;
   for (const SharedPoint& p : batch) {
     ++counts_.received;
     if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
-    added.push_back(add_foreign(p, true, around));
-    sent_.add(added.back(), from.value);
+    BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));
+    added.push_back(v);
+    sent_.add(v, from.value);
   }
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
@@ -209,20 +217,24 @@ void TileTriangulation::receive_published(TileId from, std::span<const SharedPoi
       foreign_[ids_[v]] = 0;
     }
   }
-  if (kernel_->dimension() < options_.dimension) return share_with_all();
+  if (kernel_->dimension() < options_.dimension) {
+    share_with_all();
+    return success();
+  }
   for (const Vertex v : added) {
     if (kernel_->alive(v)) share_star(v);
   }
+  return success();
 }
 
-Vertex TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
+Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
   const auto mode = always ? InsertMode::always : InsertMode::if_local_neighbour;
   const Insertion result = kernel_->insert(p.at, false, mode, around);
   if (!result.inserted) {
-    check(result.vertex == 0, "equal coordinates are one id");
+    if (result.vertex != 0) return refuse(TileId{p.tile}, p);  // equal coordinates are one id
     foreign_[p.id] = 0;
     ++counts_.refused;
-    return 0;
+    return Vertex{0};
   }
   check(result.vertex == ids_.size(), "vertices are numbered in the order of insertion");
   ids_.push_back(p.id);

@@ -18,12 +18,14 @@
 #include <tsl/robin_map.h>
 #include <tsl/robin_set.h>
 
+#include "src/base/figures.h"
 #include "src/base/mix_hash.h"
 #include "src/base/point.h"
+#include "src/base/result.h"
 #include "src/kernel/kernel.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/tile/final_cells.h"
 #include "src/tile/sent_set.h"
-#include "src/tile/tile_mesh.h"
 
 namespace tessera {
 
@@ -43,14 +45,6 @@ struct TileOptions {
 struct TileNeighbour {
   TileId tile;
   Bounds bounds;  // of its points
-};
-
-struct ExchangeCounts {
-  std::uint64_t received = 0;  // foreign points, repeats included
-  std::uint64_t inserted = 0;
-  std::uint64_t refused = 0;  // conflict with no local star (rule C)
-  std::uint64_t sent = 0;     // points put into updates
-  std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; set by collect()
 };
 
 class TileTriangulation {
@@ -73,8 +67,16 @@ class TileTriangulation {
   // but for cells much larger than most. Only speeds things up. `points` as in triangulate().
   void announce(std::span<const Point> points, const Box& box, std::span<const TileNeighbour> neighbours);
 
-  // Processes points from another tile.
-  void receive(TileId from, std::span<const SharedPoint> batch);
+  // Processes points from another tile. Error internal, with a sentence, when no sound peer can have sent them: a point
+  // that this tile owns, or other coordinates' twin under another id.
+  Status receive(TileId from, std::span<const SharedPoint> batch);
+
+  // Everything that this tile has ever told others, or heard from them of points they do not own, becomes updates once
+  // more: the way back into the exchange of a tile that begins from an image (docs/design.md, section 3).
+  void replay();
+  // The foreign vertices: whatever cells the tile's own points have in the end, their other vertices are among these
+  // once all tiles are quiet.
+  std::vector<SharedPoint> foreign_vertices() const;
 
   // What others must now hear of, by tile, and forgets it. A tile is only ever told of points it does not own.
   std::map<std::uint32_t, std::vector<SharedPoint>> take_updates();
@@ -86,22 +88,24 @@ class TileTriangulation {
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;
   int kernel_dimension() const { return kernel_->dimension(); }
+  bool reduced() const { return reduced_; }
 
   // The whole state as bytes, to put a tile to sleep. REQUIRES: take_updates() has been called.
   std::vector<std::byte> save() const;
-  // Restores it. False if the bytes are not what save() made for this tile.
-  bool load(std::span<const std::byte> bytes);
+  // Restores it. False if the bytes are not what save() made for this tile, with a kernel of this kind.
+  bool load(std::vector<std::byte> bytes);
 
  private:
   FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
   FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
   std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
-  Vertex add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
+  Result<Vertex> add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
+  Error refuse(TileId from, const SharedPoint& p) const;
   void share_star(Vertex v);
   void share_with_all();
   void share(Vertex v, std::uint32_t tile);
-  void receive_published(TileId from, std::span<const SharedPoint> batch);
+  Status receive_published(TileId from, std::span<const SharedPoint> batch);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
   bool is_local(Vertex v) const {
     return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value;
@@ -119,7 +123,7 @@ class TileTriangulation {
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<std::uint32_t, std::vector<SharedPoint>> updates_;
   ExchangeCounts counts_;
-  std::vector<Vertex> star_;  // scratch
+  std::vector<Vertex> star_, around_;  // scratch
 };
 
 }  // namespace tessera

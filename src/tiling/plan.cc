@@ -1,10 +1,16 @@
 #include "src/tiling/plan.h"
 
 #include <array>
-#include <numeric>
+#include <charconv>
+#include <memory>
+#include <span>
 #include <utility>
 
-#include "src/tiling/disk_file.h"
+#include "src/files/checksum.h"
+#include "src/files/descriptor.h"
+#include "src/files/disk_file.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
 #include "src/tiling/json_read.h"
 
 namespace tessera {
@@ -12,7 +18,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int format_version = 1;
+constexpr int format_version = 2;
 constexpr std::uint64_t plan_bytes_max = std::uint64_t{1} << 30;  // 1000 bytes for each of 2^20 tiles
 constexpr std::array<const char*, 10> type_names{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
 
@@ -30,6 +36,29 @@ bool read_bounds(const json& from, Bounds& b) {
   return b.lo.x <= b.hi.x && b.lo.y <= b.hi.y && b.lo.z <= b.hi.z;
 }
 
+bool read_sum(const json& from, std::uint64_t& value) {
+  std::string text;
+  if (!read_string(from, text) || text.size() != 16) return false;
+  const auto end = text.data() + text.size();
+  return std::from_chars(text.data(), end, value, 16).ptr == end && text == checksum_text(value);
+}
+
+// {"xxh3":"0123456789abcdef",
+constexpr std::string_view seal_begin = "{\"xxh3\":\"";
+constexpr std::string_view seal_end = "\",\n";
+constexpr std::size_t seal_bytes = seal_begin.size() + 16 + seal_end.size();
+
+Status check_seal(const std::filesystem::path& path, std::string_view text) {
+  if (!text.starts_with(seal_begin) || text.size() < seal_bytes ||
+      text.substr(seal_bytes - seal_end.size(), seal_end.size()) != seal_end)
+    return damaged_run(path, "is damaged, or of an older version: it does not begin with its checksum");
+  const auto sum = checksum(std::as_bytes(std::span(text.substr(seal_bytes))));
+  if (text.substr(seal_begin.size(), 16) != checksum_text(sum))
+    return damaged_run(path, "is damaged: its checksum is " + checksum_text(sum) + ", it says " +
+                                 std::string(text.substr(seal_begin.size(), 16)));
+  return success();
+}
+
 // Reads plan.json field by field; the first thing wrong is the error.
 class PlanReader {
  public:
@@ -45,7 +74,7 @@ class PlanReader {
   }
 
  private:
-  Error bad(const std::string& what) const { return error(Errc::corrupt, path_.string() + ": " + what); }
+  Error bad(const std::string& what) const { return damaged_run(path_, what); }
 
   // null when missing, which no reading function takes for a value it needs.
   const json& at(const json& object, const char* key) const {
@@ -90,7 +119,12 @@ class PlanReader {
       if (!read_bounds(at(tile, "bounds"), bounds) || bounds.empty() != (points == 0)) {
         return bad(name + " has no possible bounds");
       }
+      TileSums sums;
+      if (!read_sum(at(tile, "points_xxh3"), sums.points) || !read_sum(at(tile, "attributes_xxh3"), sums.rows)) {
+        return bad(name + " has no checksums");
+      }
       sum += points;
+      run_.tile_sums.push_back(sums);
       run_.tile_points.push_back(points);
       run_.tile_bounds.push_back(bounds);
       run_.bounds.add(bounds);
@@ -159,22 +193,30 @@ Status check_size(const std::filesystem::path& path, std::uint64_t records, std:
   std::error_code failed;
   const std::uint64_t bytes = std::filesystem::file_size(path, failed);
   if (records == 0 && failed == std::errc::no_such_file_or_directory) return success();
-  if (failed) return system_error(path, "cannot read its size", failed.value());
+  if (failed) return io_error(path, "cannot read its size", failed.value());
   // Divided, not multiplied: the number comes from a file.
   if (bytes % record_bytes == 0 && bytes / record_bytes == records) return success();
-  return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but " +
-                                  std::to_string(records) + " records of " + std::to_string(record_bytes) +
-                                  " bytes were written");
+  return wrong_size(path, bytes, records, record_bytes);
 }
 
 }  // namespace
 
-std::filesystem::path plan_file(const std::filesystem::path& run_folder) { return run_folder / "plan.json"; }
+std::string sealed_plan(std::string_view json) {
+  const auto rest = json.substr(1);  // without the brace, which the seal has
+  std::string text(seal_begin);
+  text += checksum_text(checksum(std::as_bytes(std::span(rest))));
+  text += seal_end;
+  text += rest;
+  return text;
+}
 
 Status write_plan(const RoutedRun& run) {
   json tiles = json::array();
   for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
-    tiles.push_back({{"points", run.tile_points[t]}, {"bounds", to_json(run.tile_bounds[t])}});
+    tiles.push_back({{"points", run.tile_points[t]},
+                     {"bounds", to_json(run.tile_bounds[t])},
+                     {"points_xxh3", checksum_text(run.tile_sums[t].points)},
+                     {"attributes_xxh3", checksum_text(run.tile_sums[t].rows)}});
   }
   json seeds = json::array();
   for (const SharedPoint& s : run.seeds) seeds.push_back({{"at", to_json(s.at)}, {"id", s.id}});
@@ -197,7 +239,7 @@ Status write_plan(const RoutedRun& run) {
       {"crs", run.crs},
       {"options_key", run.options_key}};
   // File names and coordinate systems need not be UTF-8, which JSON is.
-  return write_atomically(plan_file(run.folder), plan.dump(-1, ' ', false, json::error_handler_t::replace));
+  return write_whole(plan_file(run.folder), sealed_plan(plan.dump(-1, ' ', false, json::error_handler_t::replace)));
 }
 
 Result<RoutedRun> open_run(const std::filesystem::path& folder) {
@@ -206,13 +248,14 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
   {
     BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
     BOOST_OUTCOME_TRY(bytes, file.size());
-    if (bytes > plan_bytes_max) return error(Errc::corrupt, path.string() + ": is larger than a plan can be");
+    if (bytes > plan_bytes_max) return damaged_run(path, "is larger than a plan can be");
     text.resize(bytes);
     BOOST_OUTCOME_TRY(got, file.read(std::as_writable_bytes(std::span(text))));
     text.resize(got);
   }
+  BOOST_OUTCOME_TRYV(check_seal(path, text));
   const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (root.is_discarded()) return error(Errc::corrupt, path.string() + ": is not JSON");
+  if (root.is_discarded()) return damaged_run(path, "is not JSON");
   BOOST_OUTCOME_TRY(run, PlanReader(path, root).read(folder));
   const std::size_t row = row_bytes(run.schema);
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
@@ -221,6 +264,7 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
       BOOST_OUTCOME_TRYV(check_size(attributes_file(folder, TileId{t}), run.tile_points[t], row));
     }
   }
+  run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
   return std::move(run);
 }
 

@@ -1,13 +1,17 @@
 // plan.json: a RoutedRun as text.
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
 
 // Writes RUN/plan.json under a temporary name, synced and renamed: it is there as a whole or not at all.
 Status write_plan(const RoutedRun& run);
-
-std::filesystem::path plan_file(const std::filesystem::path& run_folder);
+// `json`, an object, with the checksum of its text as first member, on a line of its own: so that a flipped digit
+// shows.
+std::string sealed_plan(std::string_view json);
 
 }  // namespace tessera

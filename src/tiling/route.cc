@@ -1,10 +1,15 @@
 // From a cloud of any size to the files of a run folder, in bounded memory.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
-#include "src/tiling/disk_file.h"
+#include "src/base/option.h"
+#include "src/budget/budget.h"
+#include "src/files/descriptor.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"
 #include "src/tiling/routed_run.h"
@@ -13,10 +18,6 @@
 
 namespace tessera {
 namespace {
-
-// More buys nothing: writes are long enough, and fresh memory costs its first touch.
-constexpr std::uint64_t buffer_bytes_max = std::uint64_t{128} << 20;
-constexpr std::uint64_t sample_max = 100'000;
 
 // Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.
 class RunFolder {
@@ -35,18 +36,17 @@ class RunFolder {
     std::error_code failed;
     for (const auto& path : parts()) {
       std::filesystem::remove_all(path, failed);
-      if (failed) return system_error(path, "cannot remove", failed.value());
+      if (failed) return io_error(path, "cannot remove", failed.value());
     }
-    std::filesystem::create_directories(path_ / "points", failed);
-    if (!failed && with_rows) std::filesystem::create_directories(path_ / "attributes", failed);
-    if (failed) return system_error(path_, "cannot create this folder", failed.value());
+    BOOST_OUTCOME_TRYV(make_directories(points_folder(path_)));
+    if (with_rows) return make_directories(attributes_folder(path_));
     return success();
   }
   void keep() { keep_ = true; }
 
  private:
   std::vector<std::filesystem::path> parts() const {
-    return {plan_file(path_), path_ / "plan.json.tmp", path_ / "points", path_ / "attributes"};
+    return {plan_file(path_), temporary_name(plan_file(path_)), points_folder(path_), attributes_folder(path_)};
   }
 
   std::filesystem::path path_;
@@ -80,9 +80,7 @@ Result<Survey> survey_all(const Cloud& cloud, std::size_t wanted, const std::sto
 }
 
 Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, const std::stop_token& stop) {
-  // The sample exists up to four times: while it is thinned, and in the partition's builder.
-  const std::uint64_t affordable = options.memory_bytes / 8 / (4 * sizeof(Point));
-  const auto wanted = static_cast<std::size_t>(std::clamp<std::uint64_t>(affordable, 4096, sample_max));
+  const auto wanted = static_cast<std::size_t>(budget::sample_points(options.memory_bytes));
   Survey survey;
   bool known = !cloud.options().crop && cloud.options().classes.empty();
   for (const FileInfo& file : cloud.files()) {
@@ -120,7 +118,8 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
                   " were filtered out, " + std::to_string(counts.invalid) + " were not finite");
   }
   if (rank == dimension) return success();
-  return refuse(why_flat(points, rank, dimension));
+  const bool plane = rank == 2 && points > 3;
+  return refuse(why_flat(points, rank, dimension) + (plane ? " (try " + option("dim", "2") + ")" : ""));
 }
 
 // The least point and the spanning ones, each once, with their owners.
@@ -166,7 +165,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   progress.tiles_total = run.partition.tiles();
 
   const std::uint64_t buffer =
-      std::min({options.memory_bytes / 2, buffer_bytes_max, (points_max + 1) * TileWriter::bytes_per_point(row)});
+      std::min(budget::route_buffer_bytes(options.memory_bytes), (points_max + 1) * TileWriter::bytes_per_point(row));
   TileWriter writer(folder, row, buffer);
   SpanFinder finder(run.dimension);
   const auto visit = [&](CloudBatch& batch) -> Status {
@@ -182,11 +181,13 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   BOOST_OUTCOME_TRYV(writer.flush());
   if (options.tiles == 0 && options.max_points_per_tile > 0) {
     BOOST_OUTCOME_TRYV(split_large_tiles(run.partition, writer, folder, row, options.max_points_per_tile,
-                                         options.memory_bytes / 4, stop));
+                                         budget::refine_bytes(options.memory_bytes), stop));
   }
 
   run.tile_points = std::move(writer.counts());
   run.tile_bounds = std::move(writer.bounds());
+  run.tile_sums = std::move(writer.sums());
+  run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
   for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
   run.seeds = seeds_of(finder, run.partition);
   progress.points_total = progress.points_routed.load();

@@ -1,6 +1,7 @@
 // A cloud cut into per-tile files under a run folder: what the tile actors start from, and what --resume continues.
 //
-//   RUN/plan.json             everything below, written last: a run folder without it has not been routed
+//   RUN/plan.json             everything below and its own checksum, written last: a run folder without it has not been
+//                             routed
 //   RUN/points/000042.bin     LocalPoint records (32 bytes) by ascending id
 //   RUN/attributes/000042.bin rows in the same order; absent when nothing is carried
 #pragma once
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -17,8 +19,10 @@
 #include "src/base/point.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/io/cloud.h"
+#include "src/files/names.h"
+#include "src/io/cloud/cloud.h"
 #include "src/tiling/partition.h"
+#include "src/tiling/tile_sums.h"
 
 namespace tessera {
 
@@ -35,6 +39,7 @@ struct RoutedRun {
   Partition partition;
   std::vector<std::uint64_t> tile_points;  // by tile, duplicates included
   std::vector<Bounds> tile_bounds;         // by tile: of its points; empty for an empty tile
+  std::vector<TileSums> tile_sums;         // by tile
   CloudCounts counts;
   Bounds bounds;
   // Known to every tile from the start: the lexicographically least point, and d+1 points that span the space, so that
@@ -44,6 +49,8 @@ struct RoutedRun {
   std::vector<InputFile> inputs;
   std::string crs;
   std::string options_key;  // equal keys = the same job; a resume with another key is refused
+  // By tile; copies of this run share it. Without it, load_rows() checks the files whenever it is called.
+  std::shared_ptr<std::vector<TileChecked>> checked;
 };
 
 struct RouteOptions {
@@ -59,11 +66,9 @@ struct RouteOptions {
 Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
                         Progress& progress, std::stop_token stop);
 
-// Reads plan.json and checks it against the files.
+// Reads plan.json, checks it, and the files' sizes. What is in the files is checked when it is read. Error corrupt
+// names the damaged file.
 Result<RoutedRun> open_run(const std::filesystem::path& folder);
-
-std::filesystem::path points_file(const std::filesystem::path& run_folder, TileId tile);
-std::filesystem::path attributes_file(const std::filesystem::path& run_folder, TileId tile);
 
 // A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
 struct LoadedTile {
@@ -71,11 +76,14 @@ struct LoadedTile {
   std::vector<std::uint64_t> ids;                                   // of equal points, the lowest
   std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates;  // (duplicate, kept), by ascending duplicate
 };
+// Error corrupt when the file is not the one that was written.
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
 // The same from memory (tests, harness). REQUIRES: finite coordinates without -0.
 LoadedTile order_points(std::vector<LocalPoint> points, int dimension);
 
-// The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing.
+// The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing, or
+// if the tile's files are not those that were written, which the first call for a tile finds out. Safe to call from
+// several threads.
 Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<std::uint64_t>& ids);
 
 }  // namespace tessera

@@ -48,7 +48,7 @@ std::string why_flat(std::uint64_t points, int rank, int dimension) {
   }
   if (rank == 0) return "all " + n + " points are identical";
   if (rank == 1) return "all " + n + " points lie on one line; a " + d + "D triangulation needs points off it";
-  return "all " + n + " points lie in one plane; a 3D triangulation needs points off it (try --dim 2)";
+  return "all " + n + " points lie in one plane; a 3D triangulation needs points off it";
 }
 
 }  // namespace tessera

@@ -1,13 +1,14 @@
 // Reading the files of a run folder back. They are ours, but a disk can be full, a copy cut short: nothing is assumed.
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 #include <cstring>
 #include <numeric>
 #include <span>
 #include <utility>
 
-#include "src/tiling/disk_file.h"
+#include "src/files/checksum.h"
+#include "src/files/disk_file.h"
+#include "src/files/mapped_file.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -16,21 +17,27 @@ static_assert(std::endian::native == std::endian::little, "tile files are little
 
 namespace {
 
-std::filesystem::path numbered(const std::filesystem::path& folder, const char* kind, TileId tile) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06u.bin", tile.value);
-  return folder / kind / name;
-}
-
-Error wrong_size(const std::filesystem::path& path, std::uint64_t bytes, std::uint64_t points, std::size_t record) {
-  return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, but " +
-                                  std::to_string(points) + " records of " + std::to_string(record) +
-                                  " bytes were written");
-}
-
 Status check_tile(const RoutedRun& run, TileId tile) {
   if (tile.value < run.tile_points.size()) return success();
   return error(Errc::internal, "tile " + std::to_string(tile.value) + " of " + std::to_string(run.tile_points.size()));
+}
+
+// Once for each tile in this process: rows are looked up here and there in mapped files, which never reads all of them.
+// Two threads may both check a tile; that costs time, not truth.
+Status check_files(const RoutedRun& run, TileId tile, std::size_t row) {
+  TileChecked not_remembered;
+  TileChecked& checked = run.checked ? (*run.checked)[tile.value] : not_remembered;
+  const std::uint64_t count = run.tile_points[tile.value];
+  const TileSums& sums = run.tile_sums[tile.value];
+  if (!checked.points) {
+    BOOST_OUTCOME_TRYV(check_records(points_file(run.folder, tile), count, sizeof(LocalPoint), sums.points));
+    checked.points = true;
+  }
+  if (!checked.rows) {
+    BOOST_OUTCOME_TRYV(check_records(attributes_file(run.folder, tile), count, row, sums.rows));
+    checked.rows = true;
+  }
+  return success();
 }
 
 LocalPoint record(std::span<const std::byte> records, std::size_t i) {
@@ -40,14 +47,6 @@ LocalPoint record(std::span<const std::byte> records, std::size_t i) {
 }
 
 }  // namespace
-
-std::filesystem::path points_file(const std::filesystem::path& run_folder, TileId tile) {
-  return numbered(run_folder, "points", tile);
-}
-
-std::filesystem::path attributes_file(const std::filesystem::path& run_folder, TileId tile) {
-  return numbered(run_folder, "attributes", tile);
-}
 
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
@@ -63,13 +62,16 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
     BOOST_OUTCOME_TRY(got, file.read(std::as_writable_bytes(std::span(points))));
     if (got != bytes) return wrong_size(path, got, count, sizeof(LocalPoint));
   }
+  const std::uint64_t sum = record_checksum(std::as_bytes(std::span(points)), sizeof(LocalPoint), 0);
+  if (const auto written = run.tile_sums[tile.value].points; sum != written) return wrong_sum(path, sum, written);
+  if (run.checked) (*run.checked)[tile.value].points = true;
   const Box& box = run.partition.boxes()[tile.value];
   for (std::size_t i = 0; i < points.size(); ++i) {
     const LocalPoint& p = points[i];
-    // A block of zeros after a crash, or a file of another tile, fails one of these.
+    // The checksum tells that these are the bytes that were written; this, that they were the right ones.
     if (!is_finite(p.at) || !box.contains(p.at) || (i > 0 && p.id <= points[i - 1].id)) {
-      return error(Errc::corrupt, path.string() + ", record " + std::to_string(i) +
-                                      ": is not a point of this tile with an id above the one before");
+      return damaged_run(
+          path, "record " + std::to_string(i) + " is not a point of this tile with an id above the one before");
     }
   }
   return order_points(std::move(points), run.dimension);
@@ -83,8 +85,8 @@ Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, cons
   const std::uint64_t count = run.tile_points[tile.value];
   const auto path = points_file(run.folder, tile);
   const auto rows_path = attributes_file(run.folder, tile);
-  if (count == 0)
-    return error(Errc::corrupt, path.string() + ": is empty, but point " + std::to_string(ids[0]) + " is wanted");
+  if (count == 0) return damaged_run(path, "is empty, but point " + std::to_string(ids[0]) + " is wanted");
+  BOOST_OUTCOME_TRYV(check_files(run, tile, row));
   BOOST_OUTCOME_TRY(points_map, MappedFile::open(path));
   BOOST_OUTCOME_TRY(rows_map, MappedFile::open(rows_path));
   const auto points = points_map.bytes();
@@ -115,7 +117,7 @@ Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, cons
       }
     }
     if (low == count || record(points, low).id != ids[i]) {
-      return error(Errc::corrupt, path.string() + ": has no point " + std::to_string(ids[i]));
+      return damaged_run(path, "has no point " + std::to_string(ids[i]));
     }
     std::memcpy(rows.data() + i * row, from.data() + low * row, row);
   }

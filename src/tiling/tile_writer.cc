@@ -4,7 +4,8 @@
 #include <cstring>
 #include <utility>
 
-#include "src/tiling/disk_file.h"
+#include "src/files/checksum.h"
+#include "src/files/disk_file.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -32,6 +33,7 @@ Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> p
                        std::span<const std::byte> rows) {
   counts_.resize(partition.tiles());
   bounds_.resize(partition.tiles());
+  sums_.resize(partition.tiles());
   while (!points.empty()) {
     const std::size_t n = std::min(points.size(), capacity_ - points_.size());
     const std::size_t old = tiles_.size();
@@ -69,6 +71,8 @@ Status TileWriter::flush() {
 
 Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
   Bounds& bounds = bounds_[tile.value];
+  TileSums& sums = sums_[tile.value];
+  const std::uint64_t first = counts_[tile.value];  // of these records in the files
   block_.resize(block_points * std::max(sizeof(LocalPoint), row_bytes_));
   {
     BOOST_OUTCOME_TRY(file, DiskFile::open(points_file(folder_, tile), DiskFile::Mode::append));
@@ -78,7 +82,9 @@ Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
         bounds.add(points_[part[i]].at);
         std::memcpy(block_.data() + i * sizeof(LocalPoint), &points_[part[i]], sizeof(LocalPoint));
       }
-      BOOST_OUTCOME_TRYV(file.write(std::span(block_).first(part.size() * sizeof(LocalPoint))));
+      const auto records = std::span(block_).first(part.size() * sizeof(LocalPoint));
+      sums.points += record_checksum(records, sizeof(LocalPoint), first + begin);
+      BOOST_OUTCOME_TRYV(file.write(records));
     }
     BOOST_OUTCOME_TRYV(file.close());
   }
@@ -90,7 +96,9 @@ Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
     for (std::size_t i = 0; i < part.size(); ++i) {
       std::memcpy(block_.data() + i * row_bytes_, rows_.data() + part[i] * row_bytes_, row_bytes_);
     }
-    BOOST_OUTCOME_TRYV(file.write(std::span(block_).first(part.size() * row_bytes_)));
+    const auto records = std::span(block_).first(part.size() * row_bytes_);
+    sums.rows += record_checksum(records, row_bytes_, first + begin);
+    BOOST_OUTCOME_TRYV(file.write(records));
   }
   return file.close();
 }
@@ -98,6 +106,7 @@ Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
 void TileWriter::restart(TileId tile) {
   counts_[tile.value] = 0;
   bounds_[tile.value] = {};
+  sums_[tile.value] = {};
 }
 
 }  // namespace tessera

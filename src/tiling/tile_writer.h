@@ -10,6 +10,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/tiling/partition.h"
+#include "src/tiling/tile_sums.h"
 
 namespace tessera {
 
@@ -32,6 +33,7 @@ class TileWriter {
   // By tile, of what has been flushed.
   std::vector<std::uint64_t>& counts() { return counts_; }
   std::vector<Bounds>& bounds() { return bounds_; }
+  std::vector<TileSums>& sums() { return sums_; }
 
  private:
   Status append(TileId tile, std::span<const std::uint32_t> rows);
@@ -46,6 +48,7 @@ class TileWriter {
   std::vector<std::byte> block_;
   std::vector<std::uint64_t> counts_;
   std::vector<Bounds> bounds_;
+  std::vector<TileSums> sums_;
 };
 
 }  // namespace tessera

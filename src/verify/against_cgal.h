@@ -7,7 +7,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/tile/tile_mesh.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/verify/place.h"
 
 namespace tessera {

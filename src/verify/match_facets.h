@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "src/base/result.h"
-#include "src/tile/tile_mesh.h"
+#include "src/mesh/tile_mesh.h"
 
 namespace tessera {
 

@@ -28,15 +28,15 @@ inline std::string text_of(const IdSet& ids) {
   return text;
 }
 
-// Error not_delaunay: "out/tiles/000007.vtkhdf: cell 12 (vertices 1 5 8 9) is not positively oriented".
+// Error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
 inline Error wrong_cell(const std::filesystem::path& out, const Place& place, const IdSet& ids,
                         const std::string& reason) {
-  return error(Errc::not_delaunay, tile_file(out, TileId{place.tile}).string() + ": cell " +
+  return error(Errc::not_delaunay, stored_tile_file(out, TileId{place.tile}).string() + ": cell " +
                                        std::to_string(place.cell) + " (vertices " + text_of(ids) + ") " + reason);
 }
 
 inline Error wrong_tile(const std::filesystem::path& out, std::uint32_t tile, const std::string& reason) {
-  return error(Errc::not_delaunay, tile_file(out, TileId{tile}).string() + ": " + reason);
+  return error(Errc::not_delaunay, stored_tile_file(out, TileId{tile}).string() + ": " + reason);
 }
 
 }  // namespace tessera

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "src/files/checksum.h"
 #include "src/kernel/kernel.h"
-#include "src/store/checksum.h"
 
 namespace tessera {
 

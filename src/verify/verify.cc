@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <optional>
 #include <system_error>
+#include <vector>
 
-#include "src/store/checksum.h"
+#include "src/files/names.h"
 #include "src/verify/against_cgal.h"
+#include "src/verify/boxes.h"
 #include "src/verify/cell_copies.h"
 #include "src/verify/hull.h"
 #include "src/verify/match_facets.h"
+#include "src/verify/result_files.h"
 #include "src/verify/tile_check.h"
 #include "src/verify/vertex_ids.h"
 
@@ -18,37 +21,35 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Status check_sum(const fs::path& path, std::uint64_t expected) {
-  BOOST_OUTCOME_TRY(sum, checksum_file(path));
-  if (sum == expected) return success();
-  return error(Errc::corrupt, path.string() + ": its checksum is " + checksum_text(sum) + ", the manifest says " +
-                                  checksum_text(expected) + ": the file was changed or damaged");
-}
-
-// The file is what the manifest says, and only then parsed.
-Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Manifest& manifest) {
-  const auto path = tile_file(out, TileId{entry.tile});
-  BOOST_OUTCOME_TRYV(check_sum(path, entry.xxh3));
-  BOOST_OUTCOME_TRY(tile, read_tile(out, TileId{entry.tile}));
-  TileMesh& mesh = tile.mesh;
-  const auto count = [](const auto& ghosts) {
-    return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
-  };
-  if (mesh.dimension != manifest.dimension)
-    return error(Errc::corrupt, path.string() + ": has another dimension than the manifest");
-  if (mesh.points.size() != entry.points || count(mesh.point_ghost) != entry.own_points ||
-      mesh.cell_ghost.size() != entry.cells || count(mesh.cell_ghost) != entry.main_cells)
-    return error(Errc::corrupt, path.string() + ": holds other numbers of vertices or cells than the manifest says");
-  if (mesh.neighbors.empty() && entry.cells > 0 && manifest.neighbors)
-    return error(Errc::corrupt, path.string() + ": has no neighbours, though the manifest says so");
-  if (entry.tile < manifest.boxes.size()) {
-    const Box& box = manifest.boxes[entry.tile];
+// What the tiles have been found to hold, to be compared with what the manifest says.
+struct Contents {
+  Bounds bounds;
+  std::vector<Digest> digests;  // by place in manifest.tiles
+  void add(const TileMesh& mesh) {
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
-      if (mesh.point_ghost[i] == 0 && !box.contains(mesh.points[i]))
-        return error(Errc::not_delaunay,
-                     path.string() + ": own vertex " + std::to_string(mesh.ids[i]) + " lies outside the tile's box");
+      if (mesh.point_ghost[i] == 0) bounds.add(mesh.points[i]);
+    digests.push_back(digest_of(mesh));
   }
-  return std::move(mesh);
+};
+
+// Digests that are not there, as in results of older software, say nothing.
+Status check_contents(const Contents& contents, const Manifest& manifest, const fs::path& out) {
+  const auto place = manifest_file(out).string();
+  if (contents.bounds != manifest.bounds)
+    return error(Errc::corrupt, place + ": its bounds are not those of the vertices");
+  Digest sum;
+  for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
+    const TileEntry& entry = manifest.tiles[i];
+    sum += contents.digests[i];
+    if (entry.digest && *entry.digest != contents.digests[i])
+      return error(Errc::corrupt, tile_file(out, TileId{entry.tile}, manifest.format_version).string() +
+                                      ": its digest is " + digest_text(contents.digests[i]) + ", the manifest says " +
+                                      digest_text(*entry.digest) + ": it holds another triangulation than was stored");
+  }
+  if (manifest.digest && *manifest.digest != sum)
+    return error(Errc::corrupt, place + ": its digest " + digest_text(*manifest.digest) +
+                                    " is not the sum of the tiles', " + digest_text(sum));
+  return success();
 }
 
 std::uint64_t largest_tile(const Manifest& manifest) {
@@ -62,17 +63,13 @@ std::uint64_t largest_tile(const Manifest& manifest) {
 Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   VerifyReport report;
-  BOOST_OUTCOME_TRYV(check_sum(out / "triangulation.vtkhdf", manifest.master_xxh3));
-  if (manifest.duplicates_xxh3 != 0) {
-    BOOST_OUTCOME_TRYV(check_sum(out / "duplicates.bin", manifest.duplicates_xxh3));
-  }
-
   fs::path scratch = options.scratch;
   if (scratch.empty()) {
     std::error_code code;
     scratch = fs::temp_directory_path(code);
     if (code) return error(Errc::io, "no temporary folder is set: " + code.message());
   }
+  BOOST_OUTCOME_TRYV(check_files(out, manifest));
   // A tile is in memory once, and its facets when neighbours must be found; the four sorters share the rest.
   const std::uint64_t tile_bytes = largest_tile(manifest) * (manifest.neighbors ? 1 : 3);
   const std::uint64_t rest = options.memory_bytes > tile_bytes ? options.memory_bytes - tile_bytes : 0;
@@ -84,6 +81,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   std::optional<AgainstCgal> cgal;
   if (options.against_cgal) cgal.emplace(manifest.dimension);
 
+  Contents contents;
   TileSinks sinks{copies, own, claims, hull};
   for (const auto& entry : manifest.tiles) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
@@ -94,6 +92,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     }
     BOOST_OUTCOME_TRYV(check_tile(mesh, entry.tile, neighbors_stored, out, sinks, stop));
     if (cgal) cgal->add(mesh);
+    contents.add(mesh);
     report.cells += entry.main_cells;
     report.vertices += entry.own_points;
   }
@@ -103,14 +102,16 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   BOOST_OUTCOME_TRYV(check_claims(claims, out));
   BOOST_OUTCOME_TRYV(hull.finish());
   if (report.cells != manifest.cells)
-    return error(Errc::not_delaunay, (out / "manifest.json").string() + ": counts " + std::to_string(manifest.cells) +
+    return error(Errc::not_delaunay, manifest_file(out).string() + ": counts " + std::to_string(manifest.cells) +
                                          " cells, the tiles have " + std::to_string(report.cells) + " main ones");
   if (report.cells == 0) return error(Errc::not_delaunay, out.string() + ": holds no cell");
+  BOOST_OUTCOME_TRYV(check_boxes(manifest, out));
+  BOOST_OUTCOME_TRYV(check_contents(contents, manifest, out));
   report.facets = sinks.facets;
   report.hull_facets = hull.facets();
 
   report.passed = {
-      "checksums of all files",
+      "checksums of all files; the master file leads to these tiles, and there are no others",
       "vertices = points - duplicates - rejects; every vertex is one tile's own, with the same coordinates everywhere",
       "every cell is main in exactly one tile, and present where its vertices are",
       "every cell is positively oriented",
@@ -119,6 +120,9 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
       "every facet inside is locally Delaunay, exactly, with the perturbation's tie rule",
       "the hull is closed, convex and winds around its inside once",
   };
+  report.passed.emplace_back(
+      "the tiles' boxes part space, and each vertex is in its tile's; the bounds are the vertices'");
+  if (manifest.digest) report.passed.push_back("the digest " + digest_text(*manifest.digest));
   if (cgal) {
     BOOST_OUTCOME_TRYV(cgal->compare(out));
     report.passed.emplace_back("the set of cells equals that of CGAL's triangulation of all vertices");

@@ -1,6 +1,8 @@
 // Proves a result folder, independently of how it was made.
 // By the Delaunay lemma a closed complex that is locally Delaunay, positively oriented and bounded by its convex hull
 // is the Delaunay triangulation of its vertices; ties are checked with the perturbation's rule, so it is *the* one.
+// And everything else that the manifest says of it and that can be known from its files is compared with them: the
+// master file, boxes, bounds, attributes, sizes, digest. Where it came from (inputs, command, CRS, times) cannot be.
 #pragma once
 
 #include <cstdint>

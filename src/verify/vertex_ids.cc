@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "src/files/names.h"
 #include "src/verify/place.h"
 
 namespace tessera {
@@ -12,11 +13,16 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
                         std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates,
                         const std::filesystem::path& out) {
   const auto wrong = [&](const std::string& reason) {
-    return error(Errc::not_delaunay, (out / "manifest.json").string() + ": " + reason);
+    return error(Errc::not_delaunay, manifest_file(out).string() + ": " + reason);
   };
   if (duplicates.size() != manifest.duplicates)
     return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
                  std::to_string(duplicates.size()));
+  // They ascend. A pair with a number that no point has could make up for a point that was lost.
+  if (!duplicates.empty() && duplicates.back().first >= manifest.points_read)
+    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " +
+                                         std::to_string(duplicates.back().first) + " is none of the " +
+                                         std::to_string(manifest.points_read) + " points read");
   std::vector<std::uint64_t> kept;
   kept.reserve(duplicates.size());
   for (const auto& pair : duplicates) kept.push_back(pair.second);
@@ -41,7 +47,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
       return wrong_tile(out, vertex.tile,
                         "vertex " + std::to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
     if (wanted != kept.end() && *wanted < vertex.id)
-      return error(Errc::not_delaunay, (out / "duplicates.bin").string() + ": point " + std::to_string(*wanted) +
+      return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + std::to_string(*wanted) +
                                            " was kept for a duplicate, but is no vertex");
     while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
     last = vertex;
@@ -49,7 +55,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
     return success();
   }));
   if (wanted != kept.end())
-    return error(Errc::not_delaunay, (out / "duplicates.bin").string() + ": point " + std::to_string(*wanted) +
+    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + std::to_string(*wanted) +
                                          " was kept for a duplicate, but is no vertex");
   if (vertices != manifest.vertices)
     return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +

@@ -1,4 +1,4 @@
-#include "actors/harness.h"
+#include "actors/harness/harness.h"
 
 #include <gtest/gtest.h>
 
@@ -17,23 +17,31 @@ struct Case {
   std::uint64_t seeds;
 };
 
-class Schedules : public ::testing::TestWithParam<Case> {};
-
-// At least a thousand interleavings in all; every seventh seed has a network so slow that waves pass meanwhile.
-TEST_P(Schedules, EndInTrueQuiescenceAndInTheGlobalDelaunayTriangulation) {
-  const Case& c = GetParam();
+HarnessOptions options_of(const Case& c) {
   HarnessOptions options;
   options.kind = c.kind;
   options.dimension = c.dimension;
   options.points = c.points;
   options.tiles = c.tiles;
   options.partition = c.partition;
-  options.first_seed = 1;
   options.last_seed = c.seeds;
-  const HarnessReport report = run_harness(options);
+  return options;
+}
+
+std::string name_of_case(const ::testing::TestParamInfo<Case>& info) {
+  return std::string(info.param.kind) + std::to_string(info.param.dimension) + name_of(info.param.partition);
+}
+
+class Schedules : public ::testing::TestWithParam<Case> {};
+
+// At least a thousand interleavings in all, on one to three nodes; some networks are so slow that waves pass meanwhile.
+TEST_P(Schedules, EndInTrueQuiescenceAndInTheGlobalDelaunayTriangulation) {
+  const Case& c = GetParam();
+  const HarnessReport report = run_harness(options_of(c));
   EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
   EXPECT_EQ(report.seeds, c.seeds);
   EXPECT_GT(report.sleeps, 0u);
+  EXPECT_GT(report.spills, 0u);
   EXPECT_GT(report.waves, 2 * c.seeds);  // some first waves failed: messages were on their way
 }
 INSTANTIATE_TEST_SUITE_P(Clouds, Schedules,
@@ -44,10 +52,29 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Schedules,
                                            Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 150},
                                            Case{"clusters", 3, 40, 6, PartitionKind::random, 100},
                                            Case{"jitter", 3, 40, 4, PartitionKind::kdtree, 100}),
-                         [](const auto& info) {
-                           return std::string(info.param.kind) + std::to_string(info.param.dimension) +
-                                  name_of(info.param.partition);
-                         });
+                         name_of_case);
+
+class Accidents : public ::testing::TestWithParam<Case> {};
+
+// Storage that fails or throws, memory that runs out, at the k-th call: the run ends with an error, never without an
+// end; processes that are killed or cancelled at any step, scratch that is damaged meanwhile: what is resumed is right.
+TEST_P(Accidents, EndInAnErrorAndWhatIsResumedIsTheGlobalDelaunayTriangulation) {
+  const Case& c = GetParam();
+  HarnessOptions options = options_of(c);
+  options.faults = options.restarts = true;
+  const HarnessReport report = run_harness(options);
+  EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+  EXPECT_EQ(report.seeds, c.seeds);
+  EXPECT_GT(report.failures, c.seeds / 10);
+  EXPECT_GT(report.restarts, c.seeds);
+  EXPECT_GT(report.settled_restarts, 0u);
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, Accidents,
+                         ::testing::Values(Case{"lattice", 3, 40, 7, PartitionKind::kdtree, 200},
+                                           Case{"lattice", 2, 40, 7, PartitionKind::random, 300},
+                                           Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 200},
+                                           Case{"clusters", 3, 40, 6, PartitionKind::random, 100}),
+                         name_of_case);
 
 TEST(Harness, TheSameSeedIsTheSameScheduleStepByStep) {
   HarnessOptions options;

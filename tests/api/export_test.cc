@@ -45,7 +45,7 @@ TEST(ExportTo, RefusesInTheWordsOfTheLibrary) {
   t.export_to(target);
   const auto taken = failure_of([&] { t.export_to(target); });
   EXPECT_EQ(taken.cause(), Cause::usage);
-  EXPECT_EQ(taken.what(), target.string() + ": exists already; overwrite replaces it");
+  EXPECT_EQ(taken.what(), target.string() + ": exists already; overwrite=true replaces it");
   t.export_to(target, {.overwrite = true});
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "mesh.obj"); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "no" / "mesh.ply"); }).cause(), Cause::io);

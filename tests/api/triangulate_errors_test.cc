@@ -47,7 +47,7 @@ TEST_F(TriangulateErrors, OfAnArrayNameItAndTheRow) {
   points.push_back(0);
   points[17 * 3 + 1] = std::numeric_limits<double>::quiet_NaN();
   expect_array(points, 3, Cause::bad_input,
-               "the array, row 17: y is nan (skip_invalid drops such points and counts them)");
+               "the array, row 17: y is nan (skip_invalid=true drops such points and counts them)");
   auto options = small_job();
   options.skip_invalid = true;
   EXPECT_EQ(triangulate(points, options).vertices(), 99u);
@@ -90,7 +90,7 @@ TEST_F(TriangulateErrors, OfDamagedResultsAreCorrupt) {
   options.folder = home_.path() / "out";
   const auto t = triangulate(cloud("uniform", 3, 100), options);
   EXPECT_EQ(failure_of([&] { t.tile(1); }).cause(), Cause::usage);
-  std::ofstream(options.folder / "tiles" / "000000.vtkhdf") << "nonsense";
+  std::ofstream(options.folder / "tiles" / "000000.vtu") << "nonsense";
   EXPECT_EQ(failure_of([&] { t.tile(0); }).cause(), Cause::corrupt);
   std::ofstream(options.folder / "manifest.json") << "nonsense";
   EXPECT_EQ(failure_of([&] { Triangulation::open(options.folder); }).cause(), Cause::corrupt);

@@ -6,7 +6,7 @@
 #include <thread>
 #include <tuple>
 
-#include "src/io/generate.h"
+#include "src/generate/generate.h"
 #include "tests/api/api_testing.h"
 #include "tests/api/temporary_home.h"
 
@@ -144,7 +144,7 @@ TEST(Triangulate, AResultInAFolderStaysAndIsOpenedAgain) {
   const auto other = cloud("uniform", 3, 300, 2);
   const auto refused = testing::failure_of([&] { triangulate(other, options); });
   EXPECT_EQ(refused.cause(), Cause::usage);
-  EXPECT_EQ(refused.what(), options.folder.string() + ": holds a finished result; overwrite replaces it");
+  EXPECT_EQ(refused.what(), options.folder.string() + ": holds a finished result; overwrite=true replaces it");
   options.overwrite = true;
   EXPECT_EQ(cells_of(triangulate(other, options)), expected_cells(other, 3));
 }

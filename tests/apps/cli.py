@@ -34,8 +34,12 @@ class CliTest(unittest.TestCase):
 
     def run_tessera(self, *args, env=None, preexec_fn=None):
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
-        return subprocess.run([TESSERA, *map(str, args)], cwd=self.folder, env=clean | (env or {}), text=True,
+        done = subprocess.run([TESSERA, *map(str, args)], cwd=self.folder, env=clean | (env or {}), text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300, preexec_fn=preexec_fn)
+        # The marks of options in sentences are control characters; JSON would write them as escapes.
+        for said in (done.stdout, done.stderr):
+            self.assertNotRegex(said, r"[\x00-\x08]|\\u000[0-8]")
+        return done
 
     def ok(self, *args, **more):
         done = self.run_tessera(*args, **more)

@@ -83,11 +83,21 @@ class ResultFolders(CliTest):
         self.triangulate()
         before = (self.out / "manifest.json").read_bytes()
         self.refuse(USAGE, says="--overwrite")
-        self.refuse(USAGE, "--resume", says="--overwrite")
         self.assertEqual((self.out / "manifest.json").read_bytes(), before)
         self.ok("triangulate", self.cloud, "-o", self.out, "--tiles", "5", "--overwrite", "--quiet")
         self.assertEqual(len(list((self.out / "tiles").iterdir())), 5)
         self.ok("verify", self.out, "--quiet")
+
+    def test_resuming_what_is_finished_says_so_and_changes_nothing(self):
+        self.triangulate()
+        before = {name: (self.out / name).stat().st_mtime_ns for name in self.files(self.out)}
+        args = "triangulate", self.cloud, "-o", self.out, "--resume"
+        self.assertIn("is finished already", self.ok(*args))
+        self.assertEqual(json.loads(self.ok(*args, "--json").splitlines()[-1])["event"], "finished")
+        self.assertEqual(self.ok(*args, "--quiet"), "")
+        self.assertEqual({name: (self.out / name).stat().st_mtime_ns for name in self.files(self.out)}, before)
+        self.refused(USAGE, "triangulate", self.xyz("other.xyz"), "-o", self.out, "--resume",
+                     says=["other input files", "--overwrite"])
 
     def test_a_bad_new_input_leaves_the_old_result(self):
         self.triangulate()
@@ -167,7 +177,7 @@ class Damage(CliTest):
     def setUp(self):
         super().setUp()
         self.ok("triangulate", self.xyz(), "-o", self.out, "--tiles", "3", "--quiet")
-        self.tile = self.out / "tiles" / "000001.vtkhdf"
+        self.tile = self.out / "tiles" / "000001.vtu"
 
     def test_a_changed_byte_of_a_tile_is_found(self):
         content = bytearray(self.tile.read_bytes())

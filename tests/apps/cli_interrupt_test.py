@@ -89,12 +89,16 @@ class Interrupt(CliTest):
         process.send_signal(signal.SIGKILL)
         process.communicate(timeout=120)
         self.assertEqual(done.returncode, USAGE, done.stderr)
-        self.assertIn("another tessera", done.stderr)
+        self.assertIn(f"another tessera is at work in it: process {process.pid} on ", done.stderr)
 
     def test_a_damaged_run_is_refused(self):
         self.stop(signal.SIGINT)
         points = sorted((self.out / ".run" / "points").iterdir())
-        points[0].write_bytes(points[0].read_bytes()[:-5])
+        whole = bytearray(points[0].read_bytes())
+        whole[100] ^= 1
+        points[0].write_bytes(whole)
+        self.refused(CORRUPT, *self.args, "--resume", says=[points[0], "--overwrite"])
+        points[0].write_bytes(whole[:-5])
         done = self.run_tessera(*self.args, "--resume")
         self.assertEqual(done.returncode, CORRUPT, done.stderr)
         (self.out / ".run" / "plan.json").write_text("{}")

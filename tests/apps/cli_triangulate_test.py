@@ -4,7 +4,7 @@ import pathlib
 import subprocess
 import unittest
 
-from cli import IGN, IO, TESSERA, USAGE, CliTest
+from cli import IGN, IO, MEMORY, TESSERA, USAGE, CliTest
 
 
 class Triangulate(CliTest):
@@ -13,7 +13,7 @@ class Triangulate(CliTest):
         for word in ["points", "262 813", "vertices", "tetrahedra", "tiles", "messages", "time", "memory"]:
             self.assertIn(word, text)
         names = self.files(self.out)
-        for name in ["manifest.json", "triangulation.vtkhdf", "report.html", "duplicates.bin", "tiles/000000.vtkhdf"]:
+        for name in ["manifest.json", "triangulation.pvtu", "report.html", "duplicates.bin", "tiles/000000.vtu"]:
             self.assertIn(name, names)
         self.assertFalse([name for name in names if ".run" in name or ".tmp" in name or ".done" in name])
         self.assertIn("is the Delaunay triangulation", self.ok("verify", self.out))
@@ -98,17 +98,55 @@ class Output(CliTest):
             self.assertIn(phase, summary["seconds"])
         self.assertEqual(self.json_lines(self.ok("verify", self.out, "--json"))[0]["event"], "verified")
 
+    def test_the_digest_is_that_of_the_triangulation_whatever_the_tiles(self):
+        cloud = self.xyz(n=2000)
+        told = {}
+        for name, *options in (("one", "--tiles", "1"), ("nine", "--tiles", "9", "--threads", "1"),
+                               ("grid", "--tiles", "5", "--partition", "grid", "--no-neighbors")):
+            summary = self.json_lines(self.ok("triangulate", cloud, "-o", name, "--json", *options))[-1]
+            told[name] = summary["digest"]
+            self.assertRegex(told[name], "^[0-9a-f]{32}$")
+            self.assertEqual(self.json_lines(self.ok("info", name, "--json"))[0]["digest"], told[name])
+            self.assertIn(f"  digest              {told[name]}\n", self.ok("info", name))
+            self.assertIn(f"digest {told[name]}", "".join(self.json_lines(self.ok("verify", name, "--json"))[0]["passed"]))
+        self.assertEqual(len(set(told.values())), 1)
+        self.assertIn(told["one"], self.ok("triangulate", cloud, "-o", "text", "--tiles", "4"))
+        other = self.write("other.xyz", cloud.read_text() + "0.123 0.456 0.789\n")
+        summary = self.json_lines(self.ok("triangulate", other, "-o", "other", "--json"))[-1]
+        self.assertNotEqual(summary["digest"], told["one"])
+
     def test_json_tells_errors_too(self):
         done = self.refused(IO, "triangulate", "missing.las", "-o", self.out, "--json", says="missing.las")
         error = self.json_lines(done.stdout)[-1]
         self.assertEqual((error["event"], error["status"]), ("error", IO))
         self.assertIn("missing.las", error["message"])
+        self.assertEqual(error["options"], [])
+
+    def test_errors_name_options_as_flags_and_json_by_their_keys(self):
+        cloud = self.xyz(n=30_000)
+        args = ["triangulate", cloud, "-o", self.out, "--threads", "2"]
+        done = self.refused(MEMORY, *args, "--memory", "1M", "--json", says=["--memory is too small", "or fewer --threads"])
+        error = self.json_lines(done.stdout)[-1]
+        self.assertEqual(error["options"], ["memory", "threads"])
+        self.assertIn(error["message"], done.stderr)
+        self.ok(*args, "--quiet")
+        self.refused(USAGE, *args, says="out: holds a finished result; --overwrite replaces it")
+        self.refused(USAGE, "export", self.out, "-o", "tiles.ply", "--format", "npy", says="an ending, and --format npy")
+        self.refused(IO, "info", self.folder / "out" / "tiles", says="holds no point files")
+        (self.folder / "block" / "sub").mkdir(parents=True)
+        self.refused(IO, "info", self.folder / "block", says="; --recursive looks into its subfolders, too")
+        self.refused(USAGE, "info", cloud, "--resolution", "1", says="no levels for --resolution to choose from")
+
+    def test_no_name_of_a_file_is_taken_for_an_option(self):
+        self.refused(IO, "info", "--", "a --memory \x01memory\x02.las", says="a --memory  memory .las: cannot be opened")
 
     def test_progress_and_logs_stay_off_standard_output(self):
         done = self.run_tessera("triangulate", self.xyz(), "-o", self.out, "-v")
         self.assertEqual(done.returncode, 0)
         self.assertTrue(done.stdout.startswith("points"))
         self.assertIn("routed", done.stderr)
+        for name in ("manifest.json", "report.html"):
+            self.assertNotRegex((self.out / name).read_text(), r"[\x00-\x08]|\\u000[0-8]")
 
     def test_a_full_standard_output_is_an_error(self):
         cloud = self.xyz()

@@ -18,6 +18,29 @@ class Help(CliTest):
             self.assertIn("Examples:", text)
             self.assertIn(f"tessera {command} ", text)
 
+    def test_the_overview_lists_commands_for_tests_apart(self):
+        users, tests = self.ok("--help").split("For tests:")
+        for command in COMMANDS:
+            self.assertIn(f"\n  {command} ", tests if command in ("generate", "harness") else users)
+
+    def test_help_is_a_command_too(self):
+        self.assertEqual(self.ok("help"), self.ok("--help"))
+        for command in COMMANDS:
+            self.assertEqual(self.ok("help", command), self.ok(command, "--help"))
+
+    def test_help_shows_no_inner_matters_of_the_parser(self):
+        for command in COMMANDS:
+            text = self.ok(command, "--help")
+            self.assertNotIn("Excludes", text)
+            self.assertRegex(text, r"--json +one JSON object")
+        self.assertIn("--memory SIZE ", self.ok("triangulate", "--help"))
+        self.assertIn("inputs FILE ...", self.ok("triangulate", "--help"))
+
+    def test_a_misspelt_command_is_answered_with_the_nearest(self):
+        self.refused(USAGE, "triangualte", "a.las", says="'triangualte' is no command; perhaps 'triangulate' is meant")
+        self.refused(USAGE, "help", "verfy", says="perhaps 'verify' is meant")
+        self.refused(USAGE, "scan.las", says=["there are triangulate, verify, info, export", "tessera --help"])
+
     def test_nothing_and_nonsense_are_refused(self):
         self.refused(USAGE, says="--help")
         self.refused(USAGE, "fly", says="--help")

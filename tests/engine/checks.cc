@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "src/kernel/kernel.h"
+#include "src/tiling/partition.h"
 #include "src/verify/verify.h"
 
 namespace tessera::testing {
@@ -70,6 +71,7 @@ class TileFileCheck {
       if (m_.ids[i] >= expected_.points.size()) return at + "no such source index";
       if (m_.points[i] != expected_.points[m_.ids[i]].at) return at + "not the coordinates of its source index";
       if ((owners_[m_.ids[i]] != tile_) != (m_.point_ghost[i] != 0)) return at + "ghost flag";
+      if (owners_[m_.ids[i]] != m_.owners[i]) return at + "owner";
     }
     return "";
   }
@@ -173,6 +175,13 @@ std::string wrong_with(const EngineRun& run, const std::filesystem::path& out, c
   for (const LocalPoint& p : expected.points) {
     if (is_finite(p.at)) owners[p.id] = run.routed.partition.tile_of(p.at).value;
   }
+  const auto written = read_manifest(out);
+  if (!written) return written.error().where;
+  const auto partition = Partition::from_json(written.value().partition);
+  if (!partition) return partition.error().where;
+  for (const LocalPoint& p : expected.points)
+    if (is_finite(p.at) && partition.value().tile_of(p.at).value != owners[p.id])
+      return "the manifest's partition gives point " + std::to_string(p.id) + " to another tile";
   const auto by_tile = cells_by_tile(expected.cells, corners, owners, run.routed.partition.tiles());
   std::vector<IdCell> main;
   main.reserve(expected.cells.size());

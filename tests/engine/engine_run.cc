@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "src/base/check.h"
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
+#include "src/run/duplicates.h"
 
 namespace tessera::testing {
 
@@ -35,8 +36,8 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   run_options.threads = options.threads;
   run_options.memory_bytes = options.memory_bytes;
   run_options.keep = options.keep;
-  run_options.store.schema = run.routed.schema;  // 2D: the heights
-  BOOST_OUTCOME_TRY(summary, run_tiles(run.routed, out, run_options, progress, std::stop_token{}));
+  Engine engine(options.threads, options.memory_bytes);
+  BOOST_OUTCOME_TRY(summary, engine.run(run.routed, out, run_options, progress, std::stop_token{}));
   run.summary = std::move(summary);
 
   Manifest& manifest = run.manifest;
@@ -45,16 +46,18 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   manifest.dimension = options.dimension;
   manifest.partition_kind = name_of(options.partition);
   manifest.boxes = run.routed.partition.boxes();
+  manifest.partition = run.routed.partition.to_json();
   manifest.bounds = run.routed.bounds;
   manifest.schema = run.routed.schema;
   manifest.tiles = run.summary.tiles;
   manifest.points_read = run.routed.counts.read;
   manifest.invalid = run.routed.counts.invalid;
   manifest.filtered = run.routed.counts.filtered;
-  manifest.duplicates = run.summary.duplicates.size();
   manifest.vertices = run.summary.vertices;
   manifest.cells = run.summary.cells;
-  BOOST_OUTCOME_TRYV(finish_store(out, manifest, run.summary.duplicates));
+  DuplicateSort duplicates(run_folder, 1 << 20);
+  BOOST_OUTCOME_TRYV(gather_duplicates(run.routed, run.summary.tiles, duplicates));
+  BOOST_OUTCOME_TRYV(finish_store(out, manifest, duplicates));
   fs::remove_all(run_folder);
   return run;
 }

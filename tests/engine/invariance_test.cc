@@ -61,6 +61,8 @@ class Invariance : public ::testing::TestWithParam<Case> {
     return out;
   }
 
+  static Digest digest(const fs::path& out) { return read_manifest(out).value().digest.value(); }
+
   static std::vector<IdCell> cells(const fs::path& out) {
     std::vector<TileMesh> meshes;
     const auto manifest = read_manifest(out);
@@ -117,6 +119,19 @@ TEST_P(Invariance, PermutedInputGivesTheSameCells) {
   EXPECT_EQ(expected.size(), got.size());
 }
 
+TEST_P(Invariance, AnotherPartitionGivesTheSameDigestAndOnePointLessAnother) {
+  auto cloud = points();
+  const auto expected = digest(run("first", cloud, options(7)));
+  for (const auto kind : {PartitionKind::kdtree, PartitionKind::grid, PartitionKind::octree, PartitionKind::random}) {
+    auto other = options(9);
+    other.partition = kind;
+    other.threads = 1;
+    EXPECT_EQ(digest(run(name_of(kind), cloud, other)), expected) << name_of(kind);
+  }
+  cloud.erase(cloud.begin() + 300);
+  EXPECT_NE(digest(run("less", cloud, options(7))), expected);
+}
+
 TEST_P(Invariance, ScalingByPowersOfTwoGivesTheSameCells) {
   const auto original = points();
   const auto expected = cells(run("original", original, options(7)));
@@ -131,9 +146,12 @@ TEST_P(Invariance, ScalingByPowersOfTwoGivesTheSameCells) {
 
 TEST_P(Invariance, AnyNumberOfTilesGivesTheSameCells) {
   const auto original = points();
-  const auto expected = cells(run("1", original, options(1)));
+  const auto one = run("1", original, options(1));
+  const auto expected = cells(one);
   for (const std::uint32_t tiles : {2u, 3u, 5u, 7u, 16u, 33u, 64u}) {
-    EXPECT_EQ(cells(run(std::to_string(tiles), original, options(tiles))), expected) << tiles << " tiles";
+    const auto out = run(std::to_string(tiles), original, options(tiles));
+    EXPECT_EQ(cells(out), expected) << tiles << " tiles";
+    EXPECT_EQ(digest(out), digest(one)) << tiles << " tiles";
   }
 }
 

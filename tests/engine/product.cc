@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/option.h"
 #include "tests/engine/checks.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"
@@ -97,7 +98,7 @@ class Product {
 
   // Tells what goes wrong outside a case.
   void fail(const CloudSet& set, const Error& error) {
-    std::printf("%s: %s\n", set.name.c_str(), error.where.c_str());
+    std::printf("%s: %s\n", set.name.c_str(), in_plain_words(error.where).c_str());
     ++failed_;
   }
 

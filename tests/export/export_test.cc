@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "src/base/option.h"
 #include "src/export/crs.h"
 #include "tests/store/sample_result.h"
 
@@ -89,7 +90,7 @@ TEST(Export, WhatExistsIsReplacedOnlyOnDemand) {
     ASSERT_TRUE(export_result(folder.path(), target.path() / name, options, {})) << name;
     const auto again = export_result(folder.path(), target.path() / name, options, {});
     ASSERT_FALSE(again) << name;
-    EXPECT_NE(again.error().where.find("--overwrite"), std::string::npos);
+    EXPECT_NE(in_plain_words(again.error().where).find("overwrite=true"), std::string::npos);
     ASSERT_TRUE(export_result(folder.path(), target.path() / name, {.format = options.format, .overwrite = true}, {}));
   }
   std::set<std::string> names;

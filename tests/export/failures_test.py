@@ -50,7 +50,7 @@ class Failures(ExportTest):
         for ending in FORMATS:
             path = self.export(f"a.{ending}")
             old = path.read_bytes()
-            tile = self.out / "tiles" / "000001.vtkhdf"
+            tile = self.out / "tiles" / "000001.vtu"
             whole = tile.read_bytes()
             tile.write_bytes(whole[:3000])
             self.refused(5, "export", self.out, "-o", path.name, "--overwrite", says="000001")

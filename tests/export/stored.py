@@ -1,12 +1,11 @@
-"""The result that the command wrote, as h5py reads it, and results to export."""
+"""The result that the command wrote, as its specification says, and results to export."""
 import json
 import pathlib
 import shutil
 
-import h5py
 import numpy as np
-
 from cli import CliTest
+from tile_arrays import read_tile
 
 
 class Stored:
@@ -18,15 +17,14 @@ class Stored:
         self.corners = self.dimension + 1
         self.points, self.attributes, cells = {}, {}, []
         for entry in self.manifest["tiles"]:
-            with h5py.File(pathlib.Path(folder) / "tiles" / ("%06d.vtkhdf" % entry["tile"])) as file:
-                group = file["VTKHDF"]
-                ids = group["PointData/id"][:]
-                main = group["CellData/vtkGhostType"][:] == 0
-                cells.append(ids[group["Connectivity"][:].reshape(-1, self.corners)[main]])
-                self.points.update(zip(ids.tolist(), map(tuple, group["Points"][:].tolist())))
-                for attribute in self.manifest["attributes"]:
-                    values = group["PointData"][attribute["name"]][:]
-                    self.attributes.setdefault(attribute["name"], {}).update(zip(ids.tolist(), values.tolist()))
+            arrays = read_tile(pathlib.Path(folder) / "tiles" / ("%06d.vtu" % entry["tile"]))
+            ids = arrays["PointData/id"]
+            main = arrays["CellData/vtkGhostType"] == 0
+            cells.append(ids[arrays["Cells/connectivity"].reshape(-1, self.corners)[main]])
+            self.points.update(zip(ids.tolist(), map(tuple, arrays["Points"].tolist())))
+            for attribute in self.manifest["attributes"]:
+                values = arrays["PointData/" + attribute["name"]]
+                self.attributes.setdefault(attribute["name"], {}).update(zip(ids.tolist(), values.tolist()))
         if "z" in self.attributes:
             self.points = {i: (x, y, self.attributes["z"][i]) for i, (x, y, _) in self.points.items()}
         self.cells = sorted(map(tuple, np.concatenate(cells).tolist()))

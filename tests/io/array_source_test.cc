@@ -1,11 +1,11 @@
-#include "src/io/array_source.h"
+#include "src/io/npy/array_source.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <vector>
 
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "src/io/reader.h"
 
 namespace tessera {

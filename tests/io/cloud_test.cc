@@ -1,4 +1,4 @@
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -94,7 +94,8 @@ TEST_F(CloudOfFiles, RefusesAnUnreadableFile) {
 TEST_F(CloudOfFiles, RefusesNonFinitePointsNamingFilePlaceAndCoordinate) {
   file("a.xyz", "1 2 3\n\n4 nan 6\n7 8 -inf\n");
   const auto refused = collect({at("a.xyz")});
-  EXPECT_EQ(sentence(refused), at("a.xyz") + ", line 3: y is nan (--skip-invalid drops such points and counts them)");
+  EXPECT_EQ(sentence(refused),
+            at("a.xyz") + ", line 3: y is nan (skip-invalid=true drops such points and counts them)");
   EXPECT_EQ(refused.error().code, Errc::bad_input);
   const auto skipped = collect({at("a.xyz")}, {.skip_invalid = true});
   EXPECT_EQ(skipped.value().counts.invalid, 2u);
@@ -139,7 +140,7 @@ TEST_F(CloudOfFiles, KeepsTheClassesAskedForWhetherOrNotTheClassIsCarried) {
   }
   file("b.xyz", "1 2 3\n");
   EXPECT_EQ(sentence(collect({at("a.las"), at("b.xyz")}, {.classes = {2}})),
-            at("b.xyz") + ": has no classification, so --class cannot choose from it");
+            at("b.xyz") + ": has no classification, so class cannot choose from it");
 }
 
 TEST_F(CloudOfFiles, CarriesAttributesOfSeveralFilesInOneSchema) {
@@ -186,7 +187,7 @@ TEST_F(CloudOfFiles, CarriesTheHeightAsAnAttributeIn2D) {
 TEST_F(CloudOfFiles, RefusesAFileWithoutZForA3DCloud) {
   file("a.xyz", "1 2\n3 4\n");
   EXPECT_EQ(sentence(collect({at("a.xyz")})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see --dim)");
+            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
   EXPECT_EQ(collect({at("a.xyz")}, {.dimension = 2}).value().points.size(), 2u);
 }
 

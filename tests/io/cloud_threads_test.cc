@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "tests/io/las_file.h"
 
 namespace tessera::testing_io {
@@ -29,7 +29,7 @@ Seen see(const std::string& folder, CloudOptions options, std::uint32_t threads)
   options.threads = threads;
   const auto cloud = Cloud::open({folder}, options);
   if (cloud.has_error()) {
-    seen.error = cloud.error().where;
+    seen.error = sentence(cloud);
     return seen;
   }
   const auto self = std::this_thread::get_id();
@@ -41,7 +41,7 @@ Seen see(const std::string& folder, CloudOptions options, std::uint32_t threads)
     return success();
   });
   if (counts.has_error()) {
-    seen.error = counts.error().where;
+    seen.error = sentence(counts);
     return seen;
   }
   seen.counts = counts.value();
@@ -134,7 +134,7 @@ TEST_F(CloudThreads, ReportTheFirstErrorInInputOrder) {
   for (const std::uint32_t threads : {1u, 2u, 3u, 8u})
     for (int trial = 0; trial < 5; ++trial)
       EXPECT_EQ(see(folder_.path().string(), {}, threads).error,
-                at("125.csv") + ", line 12: z is nan (--skip-invalid drops such points and counts them)");
+                at("125.csv") + ", line 12: z is nan (skip-invalid=true drops such points and counts them)");
   std::filesystem::remove(at("125.csv"));
   std::filesystem::remove(at("129.csv"));
   for (const std::uint32_t threads : {1u, 2u, 8u})
@@ -196,7 +196,7 @@ TEST_F(CloudThreads, SettleTheDimensionByAllFiles) {
   folder_.write("b.xyz", "1 2 3\n");
   EXPECT_EQ(Cloud::open({at("b.xyz")}, {.dimension = 0}).value().options().dimension, 3);
   EXPECT_EQ(sentence(Cloud::open({at("a.xyz"), at("b.xyz")}, {.dimension = 0})),
-            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see --dim)");
+            at("a.xyz") + ": holds x and y only, and a 3D cloud was asked for (see dim)");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // The coordinates of LAS files against exact rational arithmetic.
-#include "src/io/decimal_axis.h"
+#include "src/io/las/decimal_axis.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which files a user means: patterns, folders, lists.
-#include "src/io/inputs.h"
+#include "src/io/cloud/inputs.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/option.h"
 #include "tests/io/io_testing.h"
 
 namespace tessera::testing_io {
@@ -27,7 +28,7 @@ class Inputs : public testing::Test {
   // Names below the folder, one a line, or the sentence of the error.
   std::string names(InputQuestion question) const {
     const auto found = find(std::move(question));
-    if (found.has_error()) return found.error().where;
+    if (found.has_error()) return in_plain_words(found.error().where);
     std::string lines;
     for (const auto& input : found.value())
       lines += std::filesystem::path(input.path).lexically_relative(folder_.path()).string() + "\n";
@@ -49,7 +50,7 @@ TEST_F(Inputs, OfAFolderAreItsPointFilesByBytes) {
 
 TEST_F(Inputs, OfAFolderIncludeItsSubfoldersWhenAskedFor) {
   for (const char* name : {"b.las", "a/z.las", "a/deep/y.las", ".hidden/x.las", "out/mesh.ply", "out/manifest.json",
-                           "out/triangulation.vtkhdf"})
+                           "out/triangulation.pvtu", "old/mesh.ply", "old/manifest.json", "old/triangulation.vtkhdf"})
     file("block/" + std::string(name));
   std::filesystem::create_directory_symlink(at("block"), at("block/a/round"));
   EXPECT_EQ(names({.patterns = {at("block")}}), "block/b.las\n");
@@ -63,10 +64,10 @@ TEST_F(Inputs, OfAFolderWithoutPointFilesAreAnError) {
   EXPECT_EQ(names({.patterns = {at("block")}}),
             at("block") +
                 ": holds no point files (.las, .laz, .ply, .npy, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, and these "
-                "with .gz or .zst); --recursive looks into its subfolders, too");
+                "with .gz or .zst); recursive=true looks into its subfolders, too");
   EXPECT_EQ(find({.patterns = {at("block")}}).error().code, Errc::io);
   EXPECT_EQ(names({.patterns = {at("out")}}),
-            at("out") + ": is a result folder, and holds no input; 'tessera export' writes point files");
+            at("out") + ": is a result folder, and holds no input; exporting it makes point files");
 }
 
 TEST_F(Inputs, OfAFolderThatAreNoPointsSayHowToLeaveThemOut) {

@@ -12,7 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/io/byte_source.h"
+#include "src/base/option.h"
+#include "src/io/bytes/byte_source.h"
 #include "src/io/reader.h"
 
 namespace tessera::testing_io {
@@ -79,7 +80,7 @@ inline Result<Contents> read_path(const std::filesystem::path& path, std::vector
 // The sentence of an error, "" if there is none.
 template <class T>
 std::string sentence(const Result<T>& result) {
-  return result.has_error() ? result.error().where : "";
+  return result.has_error() ? in_plain_words(result.error().where) : "";
 }
 
 // Attribute `column` of row `row` as a number; `schema` as asked for.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "tests/io/laz_testing.h"
 #include "tests/io/shared_data.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "src/io/fields.h"
-#include "src/io/las_header.h"
+#include "src/io/bytes/fields.h"
+#include "src/io/las/las_header.h"
 #include "src/io/laz/laz_file.h"
 #include "tests/io/io_testing.h"
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 #include "tests/io/las_file.h"
 #include "tests/io/laz_encoder.h"
 #include "tests/io/laz_testing.h"

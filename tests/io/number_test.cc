@@ -1,4 +1,4 @@
-#include "src/io/number.h"
+#include "src/io/bytes/number.h"
 
 #include <gtest/gtest.h>
 

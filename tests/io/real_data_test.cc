@@ -5,7 +5,7 @@
 #include <map>
 #include <random>
 
-#include "src/io/cloud.h"
+#include "src/io/cloud/cloud.h"
 #include "tests/io/las_file.h"
 #include "tests/io/shared_data.h"
 

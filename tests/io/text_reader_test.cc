@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "src/io/text_columns.h"
+#include "src/io/text/text_columns.h"
 #include "tests/io/io_testing.h"
 
 namespace tessera::testing_io {

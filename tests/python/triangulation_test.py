@@ -41,6 +41,9 @@ class Tiles(FolderTest):
             self.assertEqual((t.n_points, t.n_vertices, t.n_duplicates, t.n_cells, t.dim),
                              (len(points), len(points), 0, whole.nsimplex, points.shape[1]))
             np.testing.assert_array_equal(t.points(), points)
+            self.assertRegex(t.digest, "^[0-9a-f]{32}$")
+            self.assertEqual(t.digest, tessera.triangulate(points, max_points_per_tile=1500).digest)
+            self.assertNotEqual(t.digest, tessera.triangulate(points[::-1], max_points_per_tile=600).digest)
 
     def test_arrays_of_a_tile_have_the_documented_shapes_and_types(self):
         for dim in (2, 3):
@@ -268,7 +271,7 @@ class Files(FolderTest):
         cells = np.load(self.folder / "arrays" / "cells.npy")
         ids = np.load(self.folder / "arrays" / "ids.npy")
         self.assertEqual(clouds.simplex_set(ids[cells]), clouds.simplex_set(t.simplices()))
-        with self.assertRaisesRegex(tessera.UsageError, "mesh.ply: exists already; overwrite replaces it"):
+        with self.assertRaisesRegex(tessera.UsageError, "mesh.ply: exists already; overwrite=True replaces it"):
             t.export(self.folder / "mesh.ply")
         t.export(self.folder / "mesh.ply", overwrite=True)
         with self.assertRaisesRegex(tessera.UsageError, "obj has no tetrahedra"):

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
@@ -99,6 +100,33 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
   return meshes;
 }
 
+namespace {
+
+// The boxes of tiles that are slabs along x; all of space for each, as a random partition has, when they are not.
+void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  manifest.partition_kind = "kdtree";
+  manifest.boxes.assign(meshes.size(), Box{});
+  double next = inf;
+  for (std::size_t tile = meshes.size(); tile-- > 0;) {
+    double lo = next, hi = -inf;
+    for (std::size_t i = 0; i < meshes[tile].points.size(); ++i) {
+      if (meshes[tile].point_ghost[i] != 0) continue;
+      lo = std::min(lo, meshes[tile].points[i].x);
+      hi = std::max(hi, meshes[tile].points[i].x);
+    }
+    if (hi >= next) {
+      manifest.partition_kind = "random";
+      manifest.boxes.assign(meshes.size(), Box{});
+      return;
+    }
+    manifest.boxes[tile].hi.x = next;
+    if (tile > 0) manifest.boxes[tile].lo.x = next = lo;
+  }
+}
+
+}  // namespace
+
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
                       const StoreOptions& options,
                       const std::vector<std::pair<std::uint64_t, std::uint64_t>>& duplicates) {
@@ -106,7 +134,7 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
   manifest.software_version = "0.1.0";
   manifest.command = {"tessera", "triangulate", "cloud.xyz"};
   manifest.dimension = meshes.front().dimension;
-  manifest.partition_kind = "kdtree";
+  set_partition(meshes, manifest);
   manifest.neighbors = options.neighbors;
   manifest.schema = options.schema;
   for (std::uint32_t tile = 0; tile < meshes.size(); ++tile) {
@@ -121,7 +149,6 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
     manifest.vertices += entry.value().own_points;
     manifest.cells += entry.value().main_cells;
     for (const auto& p : mesh.points) manifest.bounds.add(p);
-    manifest.boxes.emplace_back();
   }
   manifest.duplicates = duplicates.size();
   manifest.points_read = manifest.vertices + duplicates.size();

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/base/point.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/store/tile_store.h"
-#include "src/tile/tile_mesh.h"
 
 namespace tessera::test {
 

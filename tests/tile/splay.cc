@@ -129,7 +129,8 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
       tile[m.to].t = make(m.to);
       if (!tile[m.to].t->load(bytes)) return {};
     }
-    tile[m.to].t->receive(TileId{m.from}, m.points);
+    const Status received = tile[m.to].t->receive(TileId{m.from}, m.points);
+    check(received.has_value(), "tiles are told of sound points");
     post(m.to);
   }
   std::vector<TileMesh> meshes;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/tile/tile_mesh.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/tile/tile_triangulation.h"
 
 namespace tessera::testing {

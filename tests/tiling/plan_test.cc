@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "src/tiling/plan.h"
 #include "tests/tiling/run_fixture.h"
 
 namespace tessera {
@@ -23,6 +24,16 @@ class Plan : public RunFixture {
     EXPECT_EQ(run.error().where.find((run_folder() / file).string() + ": "), 0u) << run.error().where;
   }
 
+  // Without the checksum: what is wrong is not found by it.
+  nlohmann::json unsealed() const {
+    auto plan = nlohmann::json::parse(text_);
+    plan.erase("xxh3");
+    return plan;
+  }
+  void write_plan_of(const nlohmann::json& plan) const {
+    write_text(run_folder() / "plan.json", sealed_plan(plan.dump()));
+  }
+
   std::string text_;
 };
 
@@ -34,33 +45,34 @@ TEST_F(Plan, IsRefusedWhenCutShortAnywhere) {
 }
 
 TEST_F(Plan, IsRefusedWhenAFieldIsMissingOrOfAnotherType) {
-  const auto plan = nlohmann::json::parse(text_);
+  const auto plan = unsealed();
   for (const auto& [key, value] : plan.items()) {
     for (const nlohmann::json& other : {nlohmann::json(), nlohmann::json("text"), nlohmann::json(-1),
                                         nlohmann::json(1e300), nlohmann::json::array({7}), nlohmann::json::object()}) {
       if (value.is_string() && other.is_string()) continue;
       auto changed = plan;
       changed[key] = other;
-      write_text(run_folder() / "plan.json", changed.dump());
+      write_plan_of(changed);
       expect_refused(Errc::corrupt, "plan.json");
     }
     auto changed = plan;
     changed.erase(key);
-    write_text(run_folder() / "plan.json", changed.dump());
+    write_plan_of(changed);
     expect_refused(Errc::corrupt, "plan.json");
   }
 }
 
 TEST_F(Plan, IsRefusedWhenItsNumbersDoNotAddUp) {
-  const auto plan = nlohmann::json::parse(text_);
+  const auto plan = unsealed();
   const auto refused = [&](const char* pointer, const nlohmann::json& value) {
     SCOPED_TRACE(pointer);
     auto changed = plan;
     changed[nlohmann::json::json_pointer(pointer)] = value;
-    write_text(run_folder() / "plan.json", changed.dump());
+    write_plan_of(changed);
     expect_refused(Errc::corrupt, "plan.json");
   };
-  refused("/version", 2);
+  refused("/version", 1);
+  refused("/version", 3);
   refused("/counts/read", 501);
   refused("/counts/read", UINT64_MAX);
   refused("/counts/invalid", 1);
@@ -68,12 +80,25 @@ TEST_F(Plan, IsRefusedWhenItsNumbersDoNotAddUp) {
   refused("/tiles/1/points", 0);
   refused("/tiles/1/points", UINT64_MAX);
   refused("/tiles/1/bounds", nullptr);
+  refused("/tiles/1/points_xxh3", "0123456789abcde");
+  refused("/tiles/1/attributes_xxh3", nullptr);
   refused("/tiles/1/bounds/0/0", 1e9);
   refused("/seeds/0/id", 500);
   refused("/seeds/0/at/1", nullptr);
   refused("/seeds/6", nullptr);
   refused("/partition/tiles", 4);
   refused("/inputs/0/bytes", -1);
+}
+
+TEST_F(Plan, IsRefusedWhenAnyBitOfItIsFlipped) {
+  for (std::size_t bit = 0; bit < 8 * text_.size(); bit += 5) {
+    auto damaged = text_;
+    damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ (1 << bit % 8));
+    write_text(run_folder() / "plan.json", damaged);
+    expect_refused(Errc::corrupt, "plan.json");
+  }
+  write_text(run_folder() / "plan.json", text_);
+  EXPECT_TRUE(open_run(run_folder()));
 }
 
 TEST_F(Plan, IsRefusedWhenATileFileIsMissingOrOfAnotherSize) {

@@ -126,6 +126,7 @@ class RunFixture : public testing::Test {
     EXPECT_EQ(a.partition.boxes(), b.partition.boxes());
     EXPECT_EQ(a.tile_points, b.tile_points);
     EXPECT_EQ(a.tile_bounds, b.tile_bounds);
+    EXPECT_EQ(a.tile_sums, b.tile_sums);
     EXPECT_EQ(a.counts.read, b.counts.read);
     EXPECT_EQ(a.counts.invalid, b.counts.invalid);
     EXPECT_EQ(a.counts.filtered, b.counts.filtered);

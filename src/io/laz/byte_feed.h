@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/byte_source.h"
+#include "src/io/bytes/byte_source.h"
 
 namespace tessera::laz {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "src/io/record_stream.h"
+#include "src/io/bytes/record_stream.h"
 
 namespace tessera::laz {
 namespace {

@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 #include "src/io/laz/integer_decoder.h"
 
 namespace tessera::laz {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/byte_source.h"
+#include "src/io/bytes/byte_source.h"
 #include "src/io/laz/chunk_decoder.h"
 #include "src/io/laz/laz_layout.h"
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/io/fields.h"
+#include "src/base/option.h"
+#include "src/io/bytes/fields.h"
 
 namespace tessera::laz {
 namespace {
@@ -53,7 +54,8 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
   }
   if (hints.resolution > 0) {
     if (!std::isfinite(spacing) || spacing <= 0)
-      return bad("info record: the spacing is " + std::to_string(spacing) + ", so --resolution cannot be met");
+      return bad("info record: the spacing is " + std::to_string(spacing) + ", so " + option("resolution") +
+                 " cannot be met");
     octree.finest = 0;
     while (octree.finest < level_max && std::ldexp(spacing, -octree.finest) > hints.resolution) ++octree.finest;
   }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/byte_source.h"
-#include "src/io/las_header.h"
+#include "src/io/bytes/byte_source.h"
+#include "src/io/las/las_header.h"
 #include "src/io/laz/chunk_decoder.h"
 #include "src/io/reader.h"
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 #include "src/io/laz/channel_layer.h"
 #include "src/io/laz/chunk_decoder.h"
 #include "src/io/laz/layer_states.h"

@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "src/base/result.h"
-#include "src/io/las_header.h"
+#include "src/io/bytes/record_stream.h"
+#include "src/io/las/las_header.h"
 #include "src/io/laz/chunk_decoder.h"
 #include "src/io/reader.h"
-#include "src/io/record_stream.h"
 
 namespace tessera::laz {
 

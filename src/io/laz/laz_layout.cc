@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 
 namespace tessera::laz {
 namespace {

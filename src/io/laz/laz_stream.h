@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "src/io/bytes/record_stream.h"
 #include "src/io/laz/chunk_pipeline.h"
-#include "src/io/record_stream.h"
 
 namespace tessera::laz {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 #include "src/io/laz/colour.h"
 #include "src/io/laz/gps_time.h"
 #include "src/io/laz/pointwise.h"

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <utility>
 
-#include "src/io/fields.h"
+#include "src/io/bytes/fields.h"
 
 namespace tessera::laz {
 

@@ -1,0 +1,45 @@
+// One process's node and the jobs it runs: actors, threads and memory are the engine's, a job gets its share of them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stop_token>
+
+#include "src/base/progress.h"
+#include "src/base/result.h"
+#include "src/run/part.h"
+#include "src/run/run_summary.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+
+struct RunOptions {
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  KernelKind kernel = KernelKind::flat;
+  Keep keep = Keep::by_budget;
+  bool neighbors = true;
+  bool resumable = true;  // when it is interrupted, tiles in memory are written to scratch
+};
+
+class Engine {
+ public:
+  // For all jobs together: threads that work on tiles, and memory.
+  Engine(std::uint32_t threads, std::uint64_t memory_bytes);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  // Runs the tiles of a routed cloud as actors until message counting proves quiet, and stores them. Returns when
+  // nothing works on them any more. Error interrupted when `stop` was requested: what is on scratch stays for a run
+  // that goes on. Several threads may call this at once, for different runs.
+  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                         Progress& progress, std::stop_token stop);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,35 @@
+// How an actor that ends by an exception says so.
+#pragma once
+
+#include <exception>
+#include <new>
+#include <string>
+
+#include "actors/protocol.h"
+#include "src/base/option.h"
+#include "src/kernel/kernel.h"
+
+namespace tessera {
+
+// What an exception means for the job. `who`: "tile 7", ...
+inline Failure failure_of(const std::exception_ptr& exception, const std::string& who) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const KernelFull&) {
+    return failure_of(error(Errc::memory, who + " has more points than a kernel can number: use smaller tiles"));
+  } catch (const std::bad_alloc&) {
+    return failure_of(error(Errc::memory, "out of memory while working on " + who +
+                                              ": use smaller tiles or a smaller " + option("memory")));
+  } catch (const std::exception& e) {
+    return failure_of(error(Errc::internal, who + ": " + e.what()));
+  } catch (...) {
+    return failure_of(error(Errc::internal, who + ": an exception of unknown kind"));
+  }
+}
+
+// Why an actor that was watched is gone without having said so.
+inline Failure lost(const std::string& who, const caf::error& reason) {
+  return failure_of(error(Errc::internal, who + " came to an unexpected end (" + caf::to_string(reason) + ")"));
+}
+
+}  // namespace tessera

@@ -1,0 +1,218 @@
+#include "actors/harness/harness.h"
+
+#include <algorithm>
+#include <caf/all.hpp>
+#include <caf/scheduler/test_coordinator.hpp>
+#include <map>
+#include <random>
+#include <utility>
+
+#include "actors/coordinator.h"
+#include "actors/harness/memory_storage.h"
+#include "actors/harness/network.h"
+#include "actors/harness/setting.h"
+#include "actors/node_actor.h"
+#include "src/harness/reference.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t steps_max = 20'000'000;
+
+class DeterministicConfig : public caf::actor_system_config {
+ public:
+  DeterministicConfig() {
+    add_message_types<caf::id_block::tessera>();
+    set("scheduler.policy", caf::atom("testing"));
+  }
+};
+
+// Runs one message of a random ready actor.
+bool step(caf::scheduler::test_coordinator& scheduler, std::mt19937_64& rng) {
+  if (scheduler.jobs.empty()) return false;
+  const auto chosen = scheduler.jobs.begin() + static_cast<std::ptrdiff_t>(rng() % scheduler.jobs.size());
+  auto* job = *chosen;
+  scheduler.jobs.erase(chosen);
+  scheduler.jobs.push_front(job);
+  return scheduler.try_run_once();
+}
+
+// The truth about batches, beside what the tiles count.
+class Truth final : public ExchangeWatch {
+ public:
+  void sent(Peer self, Totals now) override {
+    ++under_way_;
+    ++sent_;
+    note(self, now);
+  }
+  void processed(Peer self, Totals now) override {
+    --under_way_;
+    note(self, now);
+  }
+  std::int64_t under_way() const { return under_way_; }
+  std::uint64_t sent() const { return sent_; }
+  // Whether the counters of all tiles differ by what is under way.
+  bool agrees() const { return counted_ == under_way_; }
+
+ private:
+  void note(Peer self, Totals now) {
+    Totals& before = totals_[self];
+    counted_ +=
+        static_cast<std::int64_t>(now.sent - before.sent) - static_cast<std::int64_t>(now.processed - before.processed);
+    before = now;
+  }
+  std::map<Peer, Totals> totals_;
+  std::int64_t under_way_ = 0, counted_ = 0;
+  std::uint64_t sent_ = 0;
+};
+
+struct Outcome {
+  std::string failure;  // of the harness: what must not be
+  std::optional<RunEnded> ended;
+  std::uint64_t steps = 0, batches = 0;
+  bool was_settled = false;
+};
+
+// What ends a life early.
+enum class End : std::uint8_t { never, cancel, kill };
+
+// From the start of all processes to their end.
+class Life {
+ public:
+  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng)
+      : options_(options), setting_(setting), storage_(storage), rng_(rng) {}
+
+  Outcome live(End end, std::uint64_t end_at) {
+    DeterministicConfig config;
+    caf::actor_system system(config);
+    auto& scheduler = dynamic_cast<caf::scheduler::test_coordinator&>(system.scheduler());
+    caf::scoped_actor self(system, true);
+    Outcome outcome;
+    NetworkState network_state;
+    const NetworkHandle network = self->spawn<Network>(network_state, options_.trace, rng_(), setting_.patience);
+    const auto source = std::make_shared<MemoryParts>(setting_, storage_, truth_);
+    std::vector<NodeHandle> nodes;
+    for (std::uint32_t n = 0; n < setting_.nodes; ++n) {
+      NodeOptions node;
+      node.memory_bytes = ~std::uint64_t{0};
+      node.detached = false;
+      node.progress_interval = std::chrono::hours(24);
+      node.hooks = {options_.trace, network};
+      nodes.push_back(self->spawn<NodeActor>(std::move(node), source));
+    }
+    CoordinatorOptions job;
+    job.spec = setting_.spec;
+    job.mark_settled = [this](bool settled) -> Status {
+      storage_.settled = settled;
+      return success();
+    };
+    job.on_quiet = [&] {
+      tell("coordinator: quiet");
+      if (network_state.held > 0 || truth_.under_way() != 0) {
+        outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " batches not processed";
+      }
+    };
+    outcome.was_settled = storage_.settled;
+    const auto coordinator = self->spawn<Coordinator>(std::move(job), caf::actor_cast<caf::actor>(self.ptr()), nodes);
+    while (outcome.failure.empty() && outcome.steps < steps_max) {
+      if (end != End::never && outcome.steps == end_at) {
+        tell(end == End::kill ? "killed" : "cancelled");
+        if (end == End::kill) break;
+        caf::anon_send(coordinator, Cancel{});
+      }
+      // A store may end at any moment, or when nothing else is left to happen.
+      if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
+      if (!step(scheduler, rng_) && !storage_.store_one(rng_)) break;
+      ++outcome.steps;
+      if (!truth_.agrees()) outcome.failure = "the counters of the tiles do not tell what is under way";
+    }
+    while (self->has_next_message()) {
+      self->receive([](const RunProgress&) {}, [](const TileDone&) {},
+                    [&](RunEnded& message) { outcome.ended = std::move(message); });
+    }
+    for (const NodeHandle& node : nodes) caf::anon_send_exit(node, caf::exit_reason::kill);
+    caf::anon_send_exit(network, caf::exit_reason::kill);
+    caf::anon_send_exit(coordinator, caf::exit_reason::kill);
+    nodes.clear();
+    do {
+      scheduler.run();
+    } while (storage_.lose_pending());
+    outcome.batches = truth_.sent();
+    if (outcome.failure.empty() && end != End::kill && !outcome.ended) {
+      outcome.failure = "no end after " + std::to_string(outcome.steps) + " steps";
+    }
+    return outcome;
+  }
+
+ private:
+  void tell(const char* what) const {
+    if (options_.trace) options_.trace(what);
+  }
+
+  const HarnessOptions& options_;
+  const Setting& setting_;
+  MemoryStorage& storage_;
+  std::mt19937_64& rng_;
+  Truth truth_;
+};
+
+StorageFault draw_fault(std::mt19937_64& rng) {
+  StorageFault fault;
+  fault.call = static_cast<StorageFault::Call>(rng() % 6);
+  fault.how = static_cast<StorageFault::How>(rng() % 3);
+  fault.countdown = rng() % 12;
+  return fault;
+}
+
+void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& report) {
+  std::mt19937_64 rng(seed);
+  const Setting setting = make_setting(options, seed, rng);
+  MemoryStorage storage(options.dimension, setting.tiles);
+  storage.late_stores = setting.late_stores;
+  if (options.faults) storage.fault = draw_fault(rng);
+  const auto fail = [&](const std::string& failure) {
+    report.failed_seed = seed;
+    report.failure = failure;
+  };
+  // The last life is not ended by anybody, and meets no fault.
+  const std::uint64_t ends = options.restarts ? 1 + rng() % 2 : 0;
+  for (std::uint64_t life = 0;; ++life) {
+    const End end = life >= ends ? End::never : rng() % 2 == 0 ? End::cancel : End::kill;
+    const Outcome outcome = Life(options, setting, storage, rng).live(end, rng() % 1500);
+    report.steps += outcome.steps;
+    report.batches += outcome.batches;
+    if (!outcome.failure.empty()) return fail(outcome.failure);
+    if (outcome.ended) {
+      report.waves += outcome.ended->waves;
+      report.sleeps += outcome.ended->sum.sleeps;
+      if (!outcome.ended->failure) break;
+      const bool cancelled =
+          end == End::cancel && outcome.ended->failure.code == static_cast<std::uint8_t>(Errc::interrupted);
+      if (!cancelled && (!options.faults || storage.fault)) return fail(outcome.ended->failure.text);
+      if (!cancelled) ++report.failures;
+    }
+    if (life > ends + 2) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
+    ++report.restarts;
+    if (storage.settled) ++report.settled_restarts;
+    if (options.restarts && rng() % 4 == 0) storage.damage(rng);
+  }
+  report.spills += storage.spills();
+  if (storage.holds_mail()) return fail("mail is left on scratch");
+  std::vector<TileMesh> meshes;
+  for (const auto& [tile, mesh] : storage.meshes()) meshes.push_back(mesh);
+  const std::string wrong = difference(global_delaunay(setting.cloud, options.dimension), main_cells(meshes));
+  if (!wrong.empty()) return fail(wrong);
+  ++report.seeds;
+}
+
+}  // namespace
+
+HarnessReport run_harness(const HarnessOptions& options) {
+  HarnessReport report;
+  for (std::uint64_t seed = options.first_seed; seed <= options.last_seed && !report.failed_seed; ++seed) {
+    run_seed(options, seed, report);
+  }
+  return report;
+}
+
+}  // namespace tessera

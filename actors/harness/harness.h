@@ -1,0 +1,45 @@
+// The real actors under CAF's deterministic scheduler: every seed is another interleaving, and the same seed the same
+// one. Each run is compared with CGAL's triangulation of the whole cloud.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "src/tiling/partition.h"
+
+namespace tessera {
+
+struct HarnessOptions {
+  std::string kind = "uniform";  // src/harness/clouds.h
+  int dimension = 3;
+  std::size_t points = 40;
+  std::uint32_t tiles = 7;
+  PartitionKind partition = PartitionKind::kdtree;
+  std::uint32_t nodes = 0;                        // 0: drawn, 1 to 3
+  std::optional<std::uint64_t> mail_points_max;   // that a tile keeps in memory; else drawn
+  bool faults = false;                            // the storage fails once, or memory runs out
+  bool restarts = false;                          // the processes end, once or twice, and the run is resumed
+  std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
+  std::function<void(const std::string&)> trace;  // hears of every step
+};
+
+struct HarnessReport {
+  std::uint64_t seeds = 0;  // that passed
+  std::uint64_t steps = 0;  // messages handled
+  std::uint64_t batches = 0, waves = 0, sleeps = 0, spills = 0;
+  std::uint64_t failures = 0;  // runs that a fault ended, with an error
+  std::uint64_t restarts = 0, settled_restarts = 0;
+  // The first seed whose run was wrong, and how: cells that differ, quiescence believed too early, or no end.
+  std::optional<std::uint64_t> failed_seed;
+  std::string failure;
+};
+
+// The seed decides, each independently: cloud, schedule, delays, the number of grants under way, the memory budget
+// (some force every tile to sleep after each step, some a part of them), whether tiles are reduced, how much mail they
+// keep in memory, whether they announce, nodes and who lives where, how late meshes are stored, faults and restarts. At
+// every step the counters of all tiles differ by the batches that are under way.
+HarnessReport run_harness(const HarnessOptions& options);
+
+}  // namespace tessera

@@ -1,0 +1,37 @@
+#include "actors/harness/network.h"
+
+#include <utility>
+
+namespace tessera {
+
+Network::Network(caf::actor_config& config, NetworkState& state, Trace trace, std::uint64_t seed,
+                 std::uint32_t patience)
+    : NetworkHandle::base(config), state_(state), trace_(std::move(trace)), rng_(seed), patience_(patience) {}
+
+void Network::on_exit() { held_.clear(); }
+
+Network::behavior_type Network::make_behavior() {
+  return {
+      [this](caf::actor& part, Batch& batch) {
+        held_.emplace_back(part, std::move(batch));
+        state_.held = held_.size();
+        send(this, caf::tick_atom_v);
+      },
+      [this](caf::tick_atom) {
+        if (rng_() % (patience_ + 1) != 0) {
+          send(this, caf::tick_atom_v);
+          return;
+        }
+        std::swap(held_[rng_() % held_.size()], held_.back());
+        auto [part, batch] = std::move(held_.back());
+        held_.pop_back();
+        state_.held = held_.size();
+        if (trace_) trace_("network: delivers " + to_string(batch));
+        Parcel parcel;
+        parcel.batches.push_back(std::move(batch));
+        send(caf::actor_cast<PartHandle>(part), std::move(parcel));
+      },
+  };
+}
+
+}  // namespace tessera

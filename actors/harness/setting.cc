@@ -1,0 +1,87 @@
+#include "actors/harness/setting.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/harness/clouds.h"
+#include "src/run/touching.h"
+#include "src/tiling/span_finder.h"
+
+namespace tessera {
+
+Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng) {
+  Setting s;
+  const int d = options.dimension;
+  s.cloud = make_cloud(options.kind, d, options.points, seed);
+  std::vector<Point> sample;
+  Bounds bounds;
+  for (const LocalPoint& p : s.cloud) {
+    sample.push_back(p.at);
+    bounds.add(p.at);
+  }
+  const Partition partition = Partition::build_tiles(options.partition, d, sample, bounds, options.tiles);
+  s.tiles.resize(partition.tiles());
+  std::vector<Bounds> tile_bounds(partition.tiles());
+  SpanFinder finder(d);
+  for (const LocalPoint& p : s.cloud) {
+    const TileId tile = partition.tile_of(p.at);
+    s.tiles[tile.value].push_back(p);
+    tile_bounds[tile.value].add(p.at);
+  }
+  finder.add(s.cloud);
+  std::vector<LocalPoint> seeds = finder.span();
+  if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
+  for (const LocalPoint& p : seeds) s.context.seeds.push_back({p.at, p.id, partition.tile_of(p.at).value, 0});
+  s.context.dimension = d;
+  s.context.reduce = rng() % 2 == 0;
+  s.context.boxes = final_boxes(partition);
+  if (rng() % 3 != 0) {
+    s.context.neighbours = touching_tiles(partition, tile_bounds);
+  } else {  // no directed exchange: everything hangs on rules S and C
+    s.context.neighbours.resize(partition.tiles());
+  }
+  constexpr std::uint64_t mail_bounds[] = {0, 3, 20, ~std::uint64_t{0}};
+  s.context.mail_points_max = options.mail_points_max.value_or(mail_bounds[rng() % 4]);
+  s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);
+  s.schedule.begin_bytes = s.schedule.collect_bytes = 1000;
+  s.schedule.mail_bytes = 100;
+  // Every tile sleeps whenever it can; or there is room for half of them, which work beside those that fall asleep.
+  const std::uint64_t half = s.cloud.size() * s.schedule.begin_bytes / 2;
+  const std::uint64_t budgets[] = {1, half, std::uint64_t{1} << 40};
+  s.schedule.memory_bytes = budgets[rng() % 3];
+  s.nodes = options.nodes > 0 ? options.nodes : 1 + static_cast<std::uint32_t>(rng() % 3);
+  for (std::size_t t = 0; t < s.tiles.size(); ++t) {
+    s.spec.nodes.push_back(static_cast<std::uint32_t>(rng() % s.nodes));
+    s.spec.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
+  }
+  s.context.incarnations = s.spec.incarnations;
+  // Some networks are so slow that whole waves pass while a batch is on its way.
+  s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
+  s.late_stores = rng() % 2 == 0;
+  return s;
+}
+
+Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
+  auto part = std::make_unique<Part>();
+  part->context = setting_.context;
+  part->context.storage = &storage_;
+  part->context.watch = &watch_;
+  part->schedule = setting_.schedule;
+  BOOST_OUTCOME_TRYV(storage_.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
+  part->settled = storage_.settled;
+  for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
+    const bool here = spec.node_of(TileId{t}) == self;
+    part->points.push_back(here ? setting_.tiles[t].size() : 0);
+    if (part->points.back() == 0) continue;
+    if (storage_.meshes().contains(TileId{t})) {
+      TileEntry entry;
+      entry.tile = t;
+      part->stored.push_back(entry);
+    } else if (part->settled && !can_be_built_alone(storage_, TileId{t})) {
+      part->settled = false;
+    }
+  }
+  return part;
+}
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+// What one seed of the harness runs: a cloud cut into tiles, and the circumstances.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "actors/harness/harness.h"
+#include "actors/harness/memory_storage.h"
+#include "src/run/part.h"
+
+namespace tessera {
+
+struct Setting {
+  std::vector<LocalPoint> cloud;
+  std::vector<std::vector<LocalPoint>> tiles;
+  PartSpec spec;
+  std::uint32_t nodes = 1;
+  TileContext context;  // without storage and watch
+  ScheduleOptions schedule;
+  std::uint32_t patience = 0;  // of the network
+  bool late_stores = false;
+};
+
+Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng);
+
+// Parts whose points and scratch are in memory.
+class MemoryParts final : public PartSource {
+ public:
+  // Both outlive this.
+  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch& watch)
+      : setting_(setting), storage_(storage), watch_(watch) {}
+  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
+
+ private:
+  const Setting& setting_;
+  MemoryStorage& storage_;
+  ExchangeWatch& watch_;
+};
+
+}  // namespace tessera

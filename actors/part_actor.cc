@@ -1,0 +1,269 @@
+#include "actors/part_actor.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "actors/failing.h"
+#include "actors/tile_actor.h"
+
+namespace tessera {
+namespace {
+
+std::string name_of(NodeId node) { return "node " + std::to_string(node.value); }
+
+}  // namespace
+
+PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
+                     CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval)
+    : PartHandle::base(config),
+      self_(self),
+      part_(std::move(part)),
+      office_(std::make_shared<Office>()),
+      coordinator_(std::move(coordinator)),
+      schedule_(part_->schedule, part_->points),
+      tiles_(part_->points.size()),
+      progress_interval_(progress_interval) {
+  office_->self = self;
+  office_->spec = std::move(spec);
+  office_->hooks = std::move(hooks);
+  sum_.node = progress_.node = self;
+  progress_told_ = std::chrono::steady_clock::now();
+  for (const TileEntry& entry : part_->stored) {
+    if (!knows(TileId{entry.tile})) continue;
+    schedule_.set_stored(TileId{entry.tile});
+    ++progress_.tiles_stored;
+  }
+}
+
+// Part, tiles and office know each other: one that has ended must not keep the others alive.
+void PartActor::on_exit() {
+  for (const TileHandle& tile : office_->tiles) {
+    if (tile) caf::anon_send_exit(tile, caf::exit_reason::user_shutdown);
+  }
+  *office_ = {};
+  office_ = nullptr;
+  part_ = nullptr;
+  coordinator_ = nullptr;
+}
+
+PartActor::behavior_type PartActor::make_behavior() {
+  monitor(coordinator_);
+  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) {
+    take(down);
+    dispatch();
+  });
+  set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
+    stop(lost("a message of " + name_of(self_), reason));
+    dispatch();
+  });
+  // The tiles end with it, see on_exit().
+  set_exception_handler([this](std::exception_ptr& exception) -> caf::error {
+    sum_.failure = failure_of(exception, name_of(self_));
+    send(coordinator_, sum_);
+    return caf::sec::runtime_error;
+  });
+  return {
+      [this](const BeginPart& begin) {
+        open(begin);
+        dispatch();
+      },
+      [this](const Probe& probe) {
+        const PartTally tally{self_, probe.wave, opened_ && schedule_.idle() && !failure_, totals_.sent,
+                              totals_.processed};
+        office_->hooks.tell([&] {
+          return name_of(self_) + ": wave " + std::to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") +
+                 ", sent " + std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
+        });
+        send(coordinator_, tally);
+      },
+      [this](const Settle&) {
+        if (!failure_) schedule_.enter(Schedule::Stage::settling);
+        dispatch();
+      },
+      [this](const Collect&) {
+        if (!failure_) schedule_.enter(Schedule::Stage::collecting);
+        dispatch();
+      },
+      [this](const Suspend&) {
+        stop(failure_of(error(Errc::interrupted, "interrupted")));
+        dispatch();
+      },
+      [this](const Abort&) {
+        stop(failure_of(error(Errc::interrupted, "given up")));
+        dispatch();
+      },
+      [this](Parcel& parcel) { deliver(parcel); },
+      [this](const MailNotice& notice) {
+        schedule_.mail(notice.tile, {notice.batches, notice.points, notice.bytes});
+        dispatch();
+      },
+      [this](const TileReport& report) {
+        take(report);
+        dispatch();
+      },
+      [this](const TileFailed& failed) {
+        abandon(failed.tile, failed.failure);
+        dispatch();
+      },
+      [this](const TileStored& stored) {
+        take(stored);
+        dispatch();
+      },
+  };
+}
+
+void PartActor::open(const BeginPart& begin) {
+  office_->part = caf::actor_cast<PartHandle>(this);
+  for (const caf::actor& part : begin.parts) office_->parts.push_back(caf::actor_cast<PartHandle>(part));
+  office_->tiles.resize(part_->points.size());
+  for (std::uint32_t t = 0; t < part_->points.size(); ++t) {
+    if (part_->points[t] == 0) continue;
+    const std::uint32_t incarnation = part_->context.incarnations.empty() ? 0 : part_->context.incarnations[t];
+    const auto tile = spawn<TileActor>(Peer{TileId{t}, incarnation}, part_, std::shared_ptr<const Office>(office_));
+    monitor(tile);
+    living_.emplace(tile.address(), TileId{t});
+    office_->tiles[t] = tile;
+  }
+  opened_ = true;
+  if (begin.settled) return schedule_.enter(Schedule::Stage::collecting);
+  if (const Status cleared = part_->context.storage->clear(ScratchKind::settled); !cleared) {
+    stop(failure_of(cleared.error()));
+  }
+}
+
+// What another node says is never a reason to stop this one: a batch for nobody ends the job, not the process.
+void PartActor::deliver(Parcel& parcel) {
+  if (failure_ || !opened_) return;  // mail of a job that is over; before Begin nobody has this handle
+  for (Batch& batch : parcel.batches) {
+    const TileId to = batch.to.tile;
+    const bool sound = knows(to) && batch.from.tile.value < part_->points.size();
+    if (!sound) {
+      stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
+                                                ", which it does not have")));
+      dispatch();
+      return;
+    }
+    send(office_->tiles[to.value], std::move(batch));
+  }
+}
+
+void PartActor::take(const TileReport& report) {
+  const WorkSpan& span = report.span;
+  office_->hooks.tell([&] {
+    return name_of(self_) + ": tile " + std::to_string(span.tile.value) + " has done " + tessera::name_of(span.work) +
+           ": sent " + std::to_string(report.sent) + ", processed " + std::to_string(report.processed) +
+           ", batches waiting " + std::to_string(report.waiting.batches);
+  });
+  Figures& tile = tiles_[span.tile.value];
+  totals_.sent += report.sent - tile.totals.sent;
+  totals_.processed += report.processed - tile.totals.processed;
+  tile.totals = {report.sent, report.processed};
+  sum_.batches += report.batches - tile.batches;
+  tile.batches = report.batches;
+  sum_.points += report.points;
+  sum_.points -= tile.points;
+  tile.points = report.points;
+  sum_.rounds = std::max<std::uint64_t>(sum_.rounds, report.hops);
+  const std::uint64_t us = span.end_us - span.begin_us;
+  tile.microseconds += us;
+  (span.work == Work::begin ? sum_.begin_us : span.work == Work::collect ? sum_.collect_us : sum_.splay_us) += us;
+  progress_.spans.push_back(span);
+  if (report.failure) return abandon(span.tile, report.failure);
+  schedule_.done(span.tile, span.work, report.memory,
+                 {report.waiting.batches, report.waiting.points, report.waiting.bytes}, report.storing);
+  if (span.work == Work::begin) {
+    ++progress_.tiles_begun;
+    progress_.points_begun += part_->points[span.tile.value];
+  }
+}
+
+void PartActor::take(const TileStored& stored) {
+  if (stored.failure) return abandon(stored.tile, stored.failure);
+  schedule_.stored(stored.tile);
+  ++progress_.tiles_stored;
+  send(coordinator_, TileDone{stored.entry, tiles_[stored.tile.value].microseconds});
+}
+
+void PartActor::take(const caf::down_msg& down) {
+  if (down.source == coordinator_.address()) {
+    coordinator_ = nullptr;  // nobody is left to be told
+    return stop(lost("the coordinator", down.reason));
+  }
+  const auto found = living_.find(down.source);
+  if (found == living_.end()) return;
+  const TileId tile = found->second;
+  living_.erase(found);
+  abandon(tile, lost("tile " + std::to_string(tile.value), down.reason));
+}
+
+void PartActor::abandon(TileId tile, const Failure& failure) {
+  schedule_.abandon(tile);
+  stop(failure);
+}
+
+void PartActor::stop(const Failure& failure) {
+  if (failure_) return;
+  failure_ = failure;
+  // Settled tiles need no image: what makes them independent is on scratch.
+  const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->spec.resumable &&
+                      schedule_.stage() < Schedule::Stage::collecting && coordinator_;
+  schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
+}
+
+void PartActor::dispatch() {
+  if (ended_) return;
+  while (const auto grant = schedule_.next()) {
+    send(office_->tiles[grant->tile.value], Grant{grant->work});
+  }
+  tell_progress(false);
+  if (!schedule_.idle()) {
+    const bool begun = opened_ && schedule_.stage() == Schedule::Stage::exchanging && schedule_.all_begun();
+    if (begun && !std::exchange(told_begun_, true)) send(coordinator_, PartBegun{self_});
+    return;
+  }
+  switch (schedule_.stage()) {
+    case Schedule::Stage::exchanging:
+      if (!opened_) return;
+      if (!std::exchange(told_begun_, true)) send(coordinator_, PartBegun{self_});
+      send(coordinator_, PartIdle{self_});
+      return;
+    case Schedule::Stage::settling:
+      if (!std::exchange(told_settled_, true)) send(coordinator_, PartSettled{self_});
+      return;
+    case Schedule::Stage::collecting:
+    case Schedule::Stage::suspending:
+    case Schedule::Stage::stopping:
+      return end();
+  }
+}
+
+void PartActor::end() {
+  ended_ = true;
+  if (!coordinator_) return quit();
+  sum_.sleeps = schedule_.sleeps();
+  if (failure_) {
+    sum_.failure = *failure_;
+  } else {  // what an earlier process has stored
+    for (const TileEntry& entry : part_->stored) {
+      if (knows(TileId{entry.tile})) send(coordinator_, TileDone{entry, 0});
+    }
+  }
+  tell_progress(true);
+  send(coordinator_, sum_);
+  quit();
+}
+
+void PartActor::tell_progress(bool now) {
+  const auto time = std::chrono::steady_clock::now();
+  if (!coordinator_ || (!now && time - progress_told_ < progress_interval_)) return;
+  progress_told_ = time;
+  progress_.tiles_asleep = schedule_.asleep();
+  progress_.batches_sent = totals_.sent;
+  progress_.batches_processed = totals_.processed;
+  progress_.points_sent = sum_.points.sent;
+  progress_.memory_bytes = schedule_.memory();
+  send(coordinator_, progress_);
+  progress_.spans.clear();
+}
+
+}  // namespace tessera

@@ -1,0 +1,78 @@
+// A node's part of a job: decides which of its tiles works next, within the job's share of memory and threads, and
+// speaks for them.
+//
+// state      | message       | effect
+// opened     | BeginPart     | grant work: first every tile begins, then those with most mail splay
+// exchanging | MailNotice    | remember, grant if a thread is free
+// exchanging | TileReport    | note the tile's counters, grant the next; tell the coordinator when all is idle
+// exchanging | Probe         | answer with the sums of all tiles; idle only if no grant is out and no mail is known
+// exchanging | Settle        | grant settle to every tile in memory; PartSettled when all have
+// opened, settling | Collect | grant collect to every tile that is not stored
+// collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
+// any        | Parcel        | hand its batches to the tiles
+// any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
+// any        | Abort, failed TileReport, TileFailed, a tile or the coordinator is gone
+//                            | grant nothing more; PartEnded with the first failure once nothing is under way
+//
+// A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
+// the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "actors/office.h"
+#include "actors/protocol.h"
+#include "src/run/part.h"
+#include "src/run/schedule.h"
+
+namespace tessera {
+
+class PartActor : public PartHandle::base {
+ public:
+  // `progress_interval`: how often at most the coordinator hears of progress.
+  PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
+            CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval);
+  behavior_type make_behavior() override;
+  void on_exit() override;
+
+ private:
+  void open(const BeginPart& begin);
+  void deliver(Parcel& parcel);
+  void take(const TileReport& report);
+  void take(const TileStored& stored);
+  void take(const caf::down_msg& down);
+  void abandon(TileId tile, const Failure& failure);
+  void stop(const Failure& failure);
+  void dispatch();
+  void end();
+  void tell_progress(bool now);
+  bool knows(TileId tile) const { return tile.value < part_->points.size() && part_->points[tile.value] > 0; }
+
+  struct Figures {  // of one tile
+    Totals totals;
+    ExchangeCounts points;
+    std::uint64_t batches = 0, microseconds = 0;
+  };
+
+  NodeId self_;
+  std::shared_ptr<const Part> part_;
+  std::shared_ptr<Office> office_;
+  CoordinatorHandle coordinator_;
+  Schedule schedule_;
+  std::vector<Figures> tiles_;
+  std::map<caf::actor_addr, TileId> living_;
+  Totals totals_;  // sums over tiles
+  PartEnded sum_;
+  PartProgress progress_;
+  std::chrono::milliseconds progress_interval_;
+  std::chrono::steady_clock::time_point progress_told_{};
+  std::optional<Failure> failure_;
+  bool opened_ = false, told_begun_ = false, told_settled_ = false, ended_ = false;
+};
+
+}  // namespace tessera

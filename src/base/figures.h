@@ -1,0 +1,49 @@
+// What the exchange of a job costs: counted by tiles, added up by nodes and coordinator, shown by summary, manifest and
+// report.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace tessera {
+
+// Points that tiles told each other.
+struct ExchangeCounts {
+  std::uint64_t received = 0;  // foreign points, repeats included
+  std::uint64_t inserted = 0;
+  std::uint64_t refused = 0;  // conflict with no local star (rule C)
+  std::uint64_t sent = 0;     // points put into updates
+  std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; known when a tile is collected
+
+  ExchangeCounts& operator+=(const ExchangeCounts& other) {
+    received += other.received;
+    inserted += other.inserted;
+    refused += other.refused;
+    sent += other.sent;
+    kept += other.kept;
+    return *this;
+  }
+  ExchangeCounts& operator-=(const ExchangeCounts& other) {
+    received -= other.received;
+    inserted -= other.inserted;
+    refused -= other.refused;
+    sent -= other.sent;
+    kept -= other.kept;
+    return *this;
+  }
+};
+
+struct PhaseSeconds {
+  double triangulating = 0, splaying = 0, collecting = 0;
+};
+
+struct ExchangeFigures {
+  ExchangeCounts points;
+  std::uint64_t batches = 0;  // messages with points between tiles
+  std::uint64_t rounds = 0;   // the longest chain of batches that caused one another
+  std::uint64_t waves = 0;    // collections of counters until quiet was proved
+  std::uint64_t sleeps = 0;   // times a tile was put to sleep on disk
+  PhaseSeconds work;          // summed over threads
+};
+
+}  // namespace tessera

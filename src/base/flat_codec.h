@@ -1,0 +1,77 @@
+// Values and flat arrays as bytes and back, for what is read on the machine and by the version that wrote it: layout
+// and byte order are the memory's own. Lengths are checked all the same.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+class FlatWriter {
+ public:
+  template <class T>
+  void value(const T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const auto* p = reinterpret_cast<const std::byte*>(&v);
+    bytes_.insert(bytes_.end(), p, p + sizeof(T));
+  }
+  // Anything contiguous: its length, then its elements.
+  template <class List>
+  void list(const List& v) {
+    using T = typename List::value_type;
+    static_assert(std::is_trivially_copyable_v<T>);
+    value(static_cast<std::uint64_t>(v.size()));
+    const auto* p = reinterpret_cast<const std::byte*>(v.data());
+    bytes_.insert(bytes_.end(), p, p + v.size() * sizeof(T));
+  }
+  // The same, of a list that is not needed any more.
+  template <class List>
+  void last(List& v) {
+    list(v);
+    List().swap(v);
+  }
+  void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
+  std::size_t size() const { return bytes_.size(); }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+// Reads what FlatWriter wrote, in its order. False when the bytes are too few; what is read then is unspecified, and
+// what follows, too.
+class FlatReader {
+ public:
+  explicit FlatReader(std::span<const std::byte> bytes) : rest_(bytes) {}
+  template <class T>
+  bool value(T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (rest_.size() < sizeof(T)) return false;
+    std::memcpy(&v, rest_.data(), sizeof(T));
+    rest_ = rest_.subspan(sizeof(T));
+    return true;
+  }
+  // Allocates no more than the bytes that are there.
+  template <class List>
+  bool list(List& v) {
+    using T = typename List::value_type;
+    static_assert(std::is_trivially_copyable_v<T>);
+    std::uint64_t n = 0;
+    if (!value(n) || n > rest_.size() / sizeof(T)) return false;
+    v.resize(n);
+    if (n > 0) std::memcpy(v.data(), rest_.data(), n * sizeof(T));
+    rest_ = rest_.subspan(n * sizeof(T));
+    return true;
+  }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::span<const std::byte> rest_;
+};
+
+}  // namespace tessera

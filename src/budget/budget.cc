@@ -1,0 +1,116 @@
+#include "src/budget/budget.h"
+
+#include <algorithm>
+
+namespace tessera::budget {
+namespace {
+
+constexpr std::uint64_t mib = std::uint64_t{1} << 20;
+
+// What is left of a small budget is little, but never nothing: tiles are refused elsewhere (tile_limit, tile_fits).
+std::uint64_t beside(std::uint64_t memory_bytes, std::uint64_t taken) {
+  return std::max(memory_bytes - std::min(memory_bytes, taken), memory_bytes / 8);
+}
+
+// A reader: what it has unpacked ahead (a LAZ chunk is 50,000 points), and batches on their way.
+constexpr std::uint64_t reading_thread_bytes = 4 * mib;
+
+// While points are routed there are no tiles, no messages and no result files.
+std::uint64_t for_routing(std::uint64_t memory_bytes) { return beside(memory_bytes, fixed_bytes(0)); }
+
+std::uint64_t whole_bytes(std::uint64_t points, std::uint64_t largest, const Needs& need, std::uint32_t threads) {
+  return points * need.whole + threads * largest * (need.collect_whole + need.mesh);
+}
+
+}  // namespace
+
+Needs needs(int dimension, KernelKind kernel) {
+  if (kernel == KernelKind::cgal) {
+    if (dimension == 3) {
+      return {.triangulate = 880, .whole = 620, .image = 200, .collect = 600, .collect_whole = 230, .mesh = 300};
+    }
+    return {.triangulate = 270, .whole = 215, .image = 60, .collect = 220, .collect_whole = 66, .mesh = 103};
+  }
+  if (dimension == 3) {
+    return {.triangulate = 500, .whole = 280, .image = 120, .collect = 580, .collect_whole = 340, .mesh = 300};
+  }
+  return {.triangulate = 165, .whole = 120, .image = 40, .collect = 215, .collect_whole = 115, .mesh = 100};
+}
+
+// Not what one costs on average: the scratch of a large conflict zone stays with the tile, so few may cost much.
+std::uint64_t foreign_point_bytes(int dimension, KernelKind) { return dimension == 3 ? 1000 : 450; }
+
+std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel) {
+  return kernel == KernelKind::cgal ? held * 45 / 100 : held * 12 / 10;
+}
+
+std::uint64_t waking_bytes(std::uint64_t held, KernelKind kernel) {
+  return kernel == KernelKind::cgal ? held * 105 / 100 : held * 2;
+}
+
+std::uint64_t fixed_bytes(std::uint32_t threads) {
+  // Of a thread: a block for writing, a stack, what the allocator keeps for it.
+  return 25 * mib + threads * (3 * mib / 2);
+}
+
+std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads) {
+  // An eighth for tiles that are falling asleep or waking up, and for holes between small arrays.
+  return beside(memory_bytes, fixed_bytes(threads)) / 8 * 7;
+}
+
+std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
+  // A sixteenth of the memory, in pieces that are worth a write but not beyond what one write gains from.
+  constexpr std::uint64_t least = 32, most = 16384;
+  return std::clamp(memory_bytes / 16 / sizeof(SharedPoint) / std::max<std::uint64_t>(1, tiles), least, most);
+}
+
+bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, std::uint32_t threads,
+                std::uint64_t memory_bytes) {
+  std::uint64_t points = 0, largest = 0;
+  for (const std::uint64_t n : tile_points) {
+    points += n;
+    largest = std::max(largest, n);
+  }
+  return whole_bytes(points, largest, needs(dimension, kernel), threads) <= for_tiles(memory_bytes, threads);
+}
+
+std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes) {
+  // More buys nothing: writes are long enough, and fresh memory costs its first touch.
+  return std::min(for_routing(memory_bytes) / 2, 128 * mib);
+}
+
+std::uint64_t sample_points(std::uint64_t memory_bytes) {
+  // The sample exists up to four times: while it is thinned, and in the partition's builder.
+  return std::clamp<std::uint64_t>(for_routing(memory_bytes) / 2 / (4 * sizeof(Point)), 4096, 100'000);
+}
+
+std::uint64_t refine_bytes(std::uint64_t memory_bytes) { return for_routing(memory_bytes) / 4; }
+
+std::uint32_t reading_threads(std::uint64_t memory_bytes, std::uint32_t threads) {
+  const std::uint64_t affordable = for_routing(memory_bytes) / 4 / reading_thread_bytes;
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, std::max(1u, threads)));
+}
+
+Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_points, std::uint32_t threads,
+              std::uint64_t memory_bytes) {
+  const Needs need = needs(dimension, kernel);
+  const std::uint64_t tile = std::min(points, tile_points);
+  const std::uint64_t tiles = tile == 0 ? 0 : (points + tile - 1) / tile;
+  const auto busy = static_cast<std::uint32_t>(std::min<std::uint64_t>(threads, tiles));
+  const std::uint64_t base = fixed_bytes(threads);
+  Phases all;
+  all.whole = whole_bytes(points, tile, need, threads) <= for_tiles(memory_bytes, threads);
+  const std::uint64_t kept = points * (all.whole ? need.whole : need.image);
+  const std::uint64_t collect = all.whole ? need.collect_whole : need.collect;
+  all.routing = fixed_bytes(0) + reading_threads(memory_bytes, threads) * reading_thread_bytes +
+                std::min(route_buffer_bytes(memory_bytes), points * (sizeof(LocalPoint) + 8));
+  all.triangulating = base + kept + busy * tile * (need.triangulate - (all.whole ? need.whole : need.image));
+  all.splaying = base + kept;
+  all.collecting = base + kept + busy * tile * (collect + need.mesh);
+  for (std::uint64_t* phase : {&all.routing, &all.triangulating, &all.splaying, &all.collecting}) {
+    *phase = std::min(*phase, memory_bytes);
+  }
+  return all;
+}
+
+}  // namespace tessera::budget

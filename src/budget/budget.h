@@ -1,0 +1,73 @@
+// The memory model: what tiles, mail, buffers and the process itself need, as pure functions. Everybody who reserves,
+// refuses or predicts memory asks here; bench/budget compares the figures with what is measured (docs/benchmarks.md).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/kernel/kernel.h"
+
+namespace tessera::budget {
+
+// Bytes a point of a tile, as measured on uniform points; other clouds need less (bench/budget).
+struct Needs {
+  std::uint64_t triangulate = 0;    // while it is loaded, triangulated, reduced and announced, everything counted
+  std::uint64_t whole = 0;          // kept with all its cells, its points beside them
+  std::uint64_t image = 0;          // kept with what can still change, for a tile of which no more is known
+  std::uint64_t collect = 0;        // while the mesh of a reduced tile is made, on top of what it holds; its points too
+  std::uint64_t collect_whole = 0;  // the same for a tile that was kept whole
+  std::uint64_t mesh = 0;           // while its mesh waits to be stored and is
+};
+Needs needs(int dimension, KernelKind kernel);
+
+// Bytes a point of mail may cost the tile that inserts it: a vertex, its cells, what is known of who was told.
+std::uint64_t foreign_point_bytes(int dimension, KernelKind kernel);
+
+// What a tile that holds `held` bytes needs on top of them while it is written to disk, and in all while it is read
+// back until it holds them again.
+std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel);
+std::uint64_t waking_bytes(std::uint64_t held, KernelKind kernel);
+
+// Resident memory of a process that has no tiles: program, libraries, log, what each thread keeps at hand.
+std::uint64_t fixed_bytes(std::uint32_t threads);
+// What is left of a process's memory for tiles and mail.
+std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads);
+// Points of mail that one of `tiles` tiles keeps in memory before it puts them on disk.
+std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles);
+
+// Whether all tiles fit whole, every thread collecting one and another one on its way to the store.
+// `tile_points`: by tile; may be 0.
+bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, std::uint32_t threads,
+                std::uint64_t memory_bytes);
+
+// While points are routed: bytes of the buffer that sorts them into tiles, points of the sample that tells where to
+// cut, bytes for the sample by which a tile that became too large is cut, threads that may read ahead.
+std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes);
+std::uint64_t sample_points(std::uint64_t memory_bytes);
+std::uint64_t refine_bytes(std::uint64_t memory_bytes);
+std::uint32_t reading_threads(std::uint64_t memory_bytes, std::uint32_t threads);
+
+// Points a tile should hold at most, of a cloud of `points`: what fits while every thread works on one and the mail of
+// others waits, but small enough that all threads have several to work on. Error memory, with the least that would do,
+// when even a small tile would not fit.
+Result<std::uint64_t> tile_limit(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
+                                 std::uint64_t memory_bytes);
+// Error memory, with the least that would do, when a tile of `points` cannot be triangulated within the memory,
+// whatever else waits on disk.
+Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
+                 std::uint64_t memory_bytes);
+// The least memory with which tiles of `tile_points` can be worked on, one at a time on each of `threads`; in whole
+// MiB.
+std::uint64_t least_memory(int dimension, KernelKind kernel, std::uint64_t tile_points, std::uint32_t threads);
+
+// What a job of `points` points in tiles of `tile_points` takes in each phase: resident bytes, at most the memory.
+struct Phases {
+  std::uint64_t routing = 0, triangulating = 0, splaying = 0, collecting = 0;
+  bool whole = false;  // tiles are kept with all their cells: nothing final is put on disk meanwhile
+};
+Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_points, std::uint32_t threads,
+              std::uint64_t memory_bytes);
+
+}  // namespace tessera::budget

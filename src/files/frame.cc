@@ -1,0 +1,147 @@
+#include "src/files/frame.h"
+
+#include <fcntl.h>
+#include <sys/uio.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "src/files/checksum.h"
+#include "src/files/descriptor.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+static_assert(std::endian::native == std::endian::little, "frames are little endian and written without conversion");
+
+namespace {
+
+constexpr std::uint32_t magic = 0x72467354;  // "TsFr"
+
+struct Header {
+  std::uint32_t magic = 0;
+  std::uint32_t kind = 0;
+  std::uint64_t length = 0;
+  std::uint64_t checksum = 0;
+};
+static_assert(sizeof(Header) == frame_header_bytes);
+
+std::uint64_t checksum_of(const Header& header, std::span<const std::byte> payload) {
+  const auto fields = std::as_bytes(std::span(&header, 1)).first(sizeof header - sizeof header.checksum);
+  return checksum(payload, checksum(fields));
+}
+
+// Header and payload in one call when the system takes them: an append of another process cannot come between.
+Status write_framed(int fd, ScratchKind kind, std::span<const std::byte> payload, const fs::path& path) {
+  Header header{magic, static_cast<std::uint32_t>(kind), payload.size(), 0};
+  header.checksum = checksum_of(header, payload);
+  std::array<iovec, 2> parts{{{&header, sizeof header}, {const_cast<std::byte*>(payload.data()), payload.size()}}};
+  ssize_t n = 0;
+  do {
+    n = ::writev(fd, parts.data(), static_cast<int>(parts.size()));
+  } while (n < 0 && errno == EINTR);
+  if (n < 0) return io_error(path, "cannot write", errno);
+  auto done = static_cast<std::size_t>(n);
+  if (done < sizeof header) {
+    BOOST_OUTCOME_TRYV(write_on(fd, std::as_bytes(std::span(&header, 1)).subspan(done), path));
+    done = sizeof header;
+  }
+  return write_on(fd, payload.subspan(done - sizeof header), path);
+}
+
+Status write_new(const fs::path& path, int flags, ScratchKind kind, std::span<const std::byte> payload,
+                 const fs::path& final_name) {
+  BOOST_OUTCOME_TRY(file, open_handle(path, O_WRONLY | O_CREAT | flags, final_name));
+  BOOST_OUTCOME_TRYV(write_framed(file.get(), kind, payload, final_name));
+  if (!file.close()) return io_error(final_name, "cannot write", errno);
+  return success();
+}
+
+// Goes through the frames of an open file.
+class FrameReader {
+ public:
+  static Result<FrameReader> open(const fs::path& path, ScratchKind kind) {
+    BOOST_OUTCOME_TRY(file, open_handle(path, O_RDONLY));
+    BOOST_OUTCOME_TRY(size, size_of(file, path));
+    return FrameReader(path, kind, std::move(file), size);
+  }
+
+  bool at_end() const { return at_ == size_; }
+
+  // REQUIRES: !at_end().
+  Result<std::vector<std::byte>> next() {
+    Header header;
+    if (size_ - at_ < sizeof header) return damaged("ends in the middle of a frame");
+    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1))));
+    if (header.magic != magic) return damaged("is no frame");
+    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
+    if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
+    std::vector<std::byte> payload(header.length);
+    BOOST_OUTCOME_TRYV(read(payload));
+    if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
+    begin_ = at_;
+    return payload;
+  }
+
+  Error damaged(const std::string& what) const {
+    return error(Errc::corrupt, path_.string() + ", byte " + std::to_string(begin_) + ": " + what);
+  }
+
+ private:
+  FrameReader(fs::path path, ScratchKind kind, FileHandle file, std::uint64_t size)
+      : path_(std::move(path)), kind_(kind), file_(std::move(file)), size_(size) {}
+
+  Status read(std::span<std::byte> buffer) {
+    BOOST_OUTCOME_TRY(done, read_up_to(file_.get(), buffer, at_, path_));
+    if (done != buffer.size()) return damaged("became shorter while it was read");
+    at_ += done;
+    return success();
+  }
+
+  fs::path path_;
+  ScratchKind kind_;
+  FileHandle file_;
+  std::uint64_t size_;
+  std::uint64_t at_ = 0;
+  std::uint64_t begin_ = 0;  // of the frame that is read
+};
+
+}  // namespace
+
+Status append_frame(const fs::path& path, ScratchKind kind, std::span<const std::byte> payload) {
+  return write_new(path, O_APPEND, kind, payload, path);
+}
+
+Status write_frame(const fs::path& path, ScratchKind kind, std::span<const std::byte> payload) {
+  TemporaryFile temporary(temporary_name(path));
+  BOOST_OUTCOME_TRYV(write_new(temporary.path(), O_TRUNC, kind, payload, path));
+  BOOST_OUTCOME_TRYV(rename_file(temporary.path(), path));
+  temporary.keep();
+  return success();
+}
+
+Result<std::vector<std::byte>> read_frame(const fs::path& path, ScratchKind kind) {
+  BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
+  if (frames.at_end()) return frames.damaged("is empty");
+  BOOST_OUTCOME_TRY(payload, frames.next());
+  if (!frames.at_end()) return frames.damaged("goes on after its one frame");
+  return std::move(payload);
+}
+
+Status for_each_frame(const fs::path& path, ScratchKind kind, const VisitFrame& visit) {
+  BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
+  while (!frames.at_end()) {
+    BOOST_OUTCOME_TRY(payload, frames.next());
+    BOOST_OUTCOME_TRYV(visit(std::move(payload)));
+  }
+  return success();
+}
+
+}  // namespace tessera

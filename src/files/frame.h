@@ -1,0 +1,43 @@
+// What is put on scratch and taken back: files of frames, each with a checksum, so that damage is never believed.
+//
+//   file   = frame*
+//   frame  = magic    u32  "TsFr"
+//            kind     u32  what the payload is
+//            length   u64  of the payload
+//            checksum u64  XXH3-64 of the payload, seeded with the XXH3-64 of the 16 bytes before
+//            payload
+//
+// Little endian. Any flipped bit, a truncation, rubbish at the end, a frame of another kind: error corrupt, naming the
+// file and the place. What cannot be told: that whole frames are missing at the end of a file. Who appends counts.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/files/names.h"
+
+namespace tessera {
+
+// The bytes a frame takes besides its payload.
+inline constexpr std::uint64_t frame_header_bytes = 24;
+
+// Appends one frame; makes the file, not its folder. Opens and closes the file once. Error io, and then the end of the
+// file may be damaged.
+Status append_frame(const std::filesystem::path& path, ScratchKind kind, std::span<const std::byte> payload);
+// Makes a file of one frame: under `path` there is the old file or the new one, whenever the process ends. Not synced:
+// a power cut may damage it, which reading tells. Error io.
+Status write_frame(const std::filesystem::path& path, ScratchKind kind, std::span<const std::byte> payload);
+
+// The payload of a file of one frame. Error io when there is none, corrupt.
+Result<std::vector<std::byte>> read_frame(const std::filesystem::path& path, ScratchKind kind);
+// Calls `visit` with the payloads of a file's frames in order, until it returns an error. One payload is in memory at a
+// time. Error io when there is no file, corrupt.
+using VisitFrame = std::function<Status(std::vector<std::byte> payload)>;
+Status for_each_frame(const std::filesystem::path& path, ScratchKind kind, const VisitFrame& visit);
+
+}  // namespace tessera

@@ -1,0 +1,115 @@
+#include "src/files/names.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <system_error>
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* temporary_ending = ".tmp";
+constexpr const char* done_ending = ".done";
+
+fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
+  char name[32];
+  std::snprintf(name, sizeof name, "%06u%s", tile.value, ending);
+  return folder / name;
+}
+
+const char* folder_name(ScratchKind kind) {
+  switch (kind) {
+    case ScratchKind::state:
+      return "state";
+    case ScratchKind::finals:
+      return "finals";
+    case ScratchKind::mail:
+      return "mail";
+    case ScratchKind::duplicates:
+      return "duplicates";
+    case ScratchKind::settled:
+      return "settled";
+  }
+  return "";
+}
+
+}  // namespace
+
+fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
+fs::path master_file(const fs::path& out, int format) {
+  return out / (format == 1 ? "triangulation.vtkhdf" : "triangulation.pvtu");
+}
+fs::path tiles_folder(const fs::path& out) { return out / "tiles"; }
+fs::path tile_file(const fs::path& out, TileId tile, int format) {
+  return numbered(tiles_folder(out), tile, format == 1 ? ".vtkhdf" : ".vtu");
+}
+fs::path stored_tile_file(const fs::path& out, TileId tile) {
+  std::error_code code;
+  for (const int format : {2, 1})
+    if (fs::path file = tile_file(out, tile, format); fs::exists(file, code)) return file;
+  return tile_file(out, tile);
+}
+fs::path done_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, done_ending); }
+fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
+fs::path report_file(const fs::path& out) { return out / "report.html"; }
+fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
+fs::path new_lock_folder(const fs::path& out, const std::string& token) {
+  fs::path name = temporary_name(lock_folder(out));
+  name += "-" + token;
+  return name;
+}
+fs::path run_folder(const fs::path& out) { return out / ".run"; }
+fs::path new_run_folder(const fs::path& out) { return out / ".run.new"; }
+
+fs::path plan_file(const fs::path& run) { return run / "plan.json"; }
+fs::path points_folder(const fs::path& run) { return run / "points"; }
+fs::path attributes_folder(const fs::path& run) { return run / "attributes"; }
+fs::path points_file(const fs::path& run, TileId tile) { return numbered(points_folder(run), tile, ".bin"); }
+fs::path attributes_file(const fs::path& run, TileId tile) { return numbered(attributes_folder(run), tile, ".bin"); }
+fs::path split_points_file(const fs::path& run) { return points_folder(run) / "splitting.bin"; }
+fs::path split_attributes_file(const fs::path& run) { return attributes_folder(run) / "splitting.bin"; }
+
+fs::path scratch_folder(const fs::path& run, ScratchKind kind) { return run / folder_name(kind); }
+fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
+  return numbered(scratch_folder(run, kind), tile, ".bin");
+}
+fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
+
+fs::path temporary_name(const fs::path& final_name) {
+  fs::path name = final_name;
+  name += temporary_ending;
+  return name;
+}
+
+fs::path temporary_name_of_process(const fs::path& final_name) {
+  fs::path name = temporary_name(final_name);
+  name += "-" + std::to_string(::getpid());
+  return name;
+}
+
+bool is_result_name(const fs::path& file) {
+  std::string name = file.filename().string();
+  if (const auto at = name.find(temporary_ending); at != std::string::npos) name.resize(at);
+  return name == manifest_file("") || name == master_file("") || name == master_file("", 1) ||
+         name == duplicates_file("") || name == report_file("");
+}
+
+bool is_tile_name(const fs::path& file) {
+  const auto name = file.filename().string();
+  return name.size() > 7 && std::all_of(name.begin(), name.begin() + 6, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_done_name(const fs::path& file) { return file.extension() == done_ending; }
+bool is_temporary_name(const fs::path& file) { return file.extension() == temporary_ending; }
+
+bool is_lock_name(const fs::path& file) {
+  const auto name = file.filename().string();
+  return name == lock_folder("") || name.starts_with(new_lock_folder("", "").string());
+}
+
+}  // namespace tessera

@@ -1,0 +1,82 @@
+// Every name in a result folder and in a run folder, and of what is on its way there.
+//
+//   OUT/manifest.json              what the result is; written last
+//   OUT/triangulation.pvtu         the master file, over the tiles; triangulation.vtkhdf in format 1
+//   OUT/tiles/000042.vtu           a tile; 000042.vtkhdf in format 1
+//   OUT/tiles/000042.done          its entry, while the run is unfinished: the tile is stored
+//   OUT/duplicates.bin             when there are any
+//   OUT/report.html
+//   OUT/.lock/                     while a process works in the folder (folder_lock.h)
+//   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new/ until points are routed
+//     plan.json                    what was routed; written last
+//     points/000042.bin            a tile's points (src/tiling/routed_run.h)
+//     attributes/000042.bin        their attributes; absent when nothing is carried
+//     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin, settled/000042.bin
+//                                  scratch of a tile: frames (frame.h)
+//     settled.done                 all tiles are settled
+//   NAME.tmp, NAME.tmp-4711        NAME while it is written; with a process id where two may write the same
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "src/base/ids.h"
+
+namespace tessera {
+
+// Result folders.
+std::filesystem::path manifest_file(const std::filesystem::path& out);
+std::filesystem::path master_file(const std::filesystem::path& out, int format = 2);
+std::filesystem::path tiles_folder(const std::filesystem::path& out);
+std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = 2);
+// The tile's file in whatever format it is there; in the newest when there is none.
+std::filesystem::path stored_tile_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path done_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path duplicates_file(const std::filesystem::path& out);
+std::filesystem::path report_file(const std::filesystem::path& out);
+std::filesystem::path lock_folder(const std::filesystem::path& out);
+std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& token);
+std::filesystem::path run_folder(const std::filesystem::path& out);
+std::filesystem::path new_run_folder(const std::filesystem::path& out);
+
+// Run folders.
+std::filesystem::path plan_file(const std::filesystem::path& run);
+std::filesystem::path points_folder(const std::filesystem::path& run);
+std::filesystem::path attributes_folder(const std::filesystem::path& run);
+std::filesystem::path points_file(const std::filesystem::path& run, TileId tile);
+std::filesystem::path attributes_file(const std::filesystem::path& run, TileId tile);
+// A tile's points and attributes while they are routed again, to more tiles.
+std::filesystem::path split_points_file(const std::filesystem::path& run);
+std::filesystem::path split_attributes_file(const std::filesystem::path& run);
+
+// What a tile puts on disk to take it back, as frames of this kind. Never renumber: a run may be resumed by a newer
+// program.
+enum class ScratchKind : std::uint32_t {
+  state = 1,       // the tile while it is not in memory
+  finals = 2,      // its final cells
+  mail = 3,        // points that came for it while it was not in memory
+  duplicates = 4,  // its duplicates
+  settled = 5,     // the tile once nothing can change it
+};
+inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind::finals, ScratchKind::mail,
+                                                ScratchKind::duplicates, ScratchKind::settled};
+std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKind kind);
+std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
+std::filesystem::path settled_marker(const std::filesystem::path& run);
+
+// What a file is called until it is whole. Of one name at a time, unless every process has its own.
+std::filesystem::path temporary_name(const std::filesystem::path& final_name);
+std::filesystem::path temporary_name_of_process(const std::filesystem::path& final_name);
+
+// What finishing, storing and reporting leave directly under OUT or under its tiles folder, files on their way
+// included: what may be deleted with the result.
+bool is_result_name(const std::filesystem::path& file);
+bool is_tile_name(const std::filesystem::path& file);
+// The same that only an unfinished run needs.
+bool is_done_name(const std::filesystem::path& file);
+bool is_temporary_name(const std::filesystem::path& file);
+// A lock of `out`, or one that is being made.
+bool is_lock_name(const std::filesystem::path& file);
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+#include "src/files/temporary.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+#include "src/files/descriptor.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+TemporaryFile::~TemporaryFile() {
+  if (!path_.empty()) ::unlink(path_.c_str());
+}
+
+Result<TemporaryFolder> TemporaryFolder::make() {
+  std::error_code failed;
+  const fs::path parent = fs::temp_directory_path(failed);
+  if (failed) return error(Errc::io, "there is no temporary folder: " + failed.message());
+  std::string name = (parent / "tessera-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) return io_error(name, "cannot be made", errno);
+  return TemporaryFolder(name);
+}
+
+Result<TemporaryFolder> TemporaryFolder::make(const fs::path& path) {
+  std::error_code failed;
+  const bool made = fs::create_directory(path, failed);
+  if (!made) return io_error(path, "cannot make the folder", failed ? failed.value() : EEXIST);
+  return TemporaryFolder(path);
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;  // a destructor cannot tell, and nobody waits for it
+  if (!path_.empty()) fs::remove_all(path_, ignored);
+}
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+// Files and folders that are gone when their owner is.
+#pragma once
+
+#include <filesystem>
+#include <utility>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+// Removes the file of this name when it goes, unless the file was kept. Makes none.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
+  TemporaryFile(TemporaryFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFile& operator=(TemporaryFile&&) = delete;
+  ~TemporaryFile();
+  const std::filesystem::path& path() const { return path_; }
+  void keep() { path_.clear(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+// A folder, removed with all that is in it.
+class TemporaryFolder {
+ public:
+  // With a new name under std::filesystem::temp_directory_path(). Error io.
+  static Result<TemporaryFolder> make();
+  // Of this name. Error io, also when it exists.
+  static Result<TemporaryFolder> make(const std::filesystem::path& path);
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFolder& operator=(TemporaryFolder&&) = delete;
+  ~TemporaryFolder();
+
+  const std::filesystem::path& path() const { return path_; }
+  void keep() { path_.clear(); }
+
+ private:
+  explicit TemporaryFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  std::filesystem::path path_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,157 @@
+#include "src/io/cloud/cloud.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/io/bytes/spool.h"
+#include "src/io/cloud/in_order.h"
+#include "src/io/cloud/inputs.h"
+
+namespace tessera {
+namespace {
+
+// The type that holds an attribute of all files: theirs if they agree, double if not.
+void add_available(const FileInfo& file, std::vector<Attribute>& available) {
+  for (const auto& a : file.attributes) {
+    const auto same = std::find_if(available.begin(), available.end(), [&](auto& b) { return b.name == a.name; });
+    if (same == available.end())
+      available.push_back(a);
+    else if (same->type != a.type)
+      same->type = AttributeType::f64;
+  }
+}
+
+Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, const std::vector<Attribute>& available) {
+  std::vector<Attribute> schema;
+  for (const auto& name : wanted) {
+    if (name == "all") return available;
+    const auto found = std::find_if(available.begin(), available.end(), [&](auto& a) { return a.name == name; });
+    if (found == available.end()) {
+      std::string names;
+      for (const auto& a : available) names += (names.empty() ? "" : ", ") + a.name;
+      return error(Errc::usage, "no input file has an attribute '" + name + "'; there " +
+                                    (names.empty() ? "are none" : "are " + names));
+    }
+    if (std::find(schema.begin(), schema.end(), *found) == schema.end()) schema.push_back(*found);
+  }
+  return schema;
+}
+
+struct Opened {
+  FileInfo info;
+  std::shared_ptr<const ByteSource> spooled;  // none if the file itself can be read again
+};
+
+Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool) {
+  Opened opened;
+  std::shared_ptr<const ByteSource> source;
+  if (input.standard_input) {
+    BOOST_OUTCOME_TRY(all, spool.standard_input());
+    opened.spooled = source = std::move(all);
+  } else {
+    BOOST_OUTCOME_TRY(file, open_file(input.path));
+    source = std::move(file);
+    BOOST_OUTCOME_TRY(content, spool.unpacked(source));
+    if (content != source) opened.spooled = source = std::move(content);
+  }
+  BOOST_OUTCOME_TRY(reader, open_reader(share(std::move(source)), {}, hints));
+  opened.info = reader->info();
+  return opened;
+}
+
+Status check_file(const FileInfo& file, const CloudOptions& options) {
+  if (file.dimension < options.dimension)
+    return error(Errc::bad_input,
+                 file.path.string() + ": holds x and y only, and a 3D cloud was asked for (see " + option("dim") + ")");
+  if (options.resolution > 0 && !file.levels)
+    return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
+                                  " to choose from");
+  if (options.classes.empty()) return success();
+  const auto is_class = [](const Attribute& a) { return a.name == "classification"; };
+  if (std::none_of(file.attributes.begin(), file.attributes.end(), is_class))
+    return error(Errc::usage,
+                 file.path.string() + ": has no classification, so " + option("class") + " cannot choose from it");
+  return success();
+}
+
+}  // namespace
+
+Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop) {
+  if (options.dimension != 0 && options.dimension != 2 && options.dimension != 3)
+    return error(Errc::usage, "the dimension must be 2 or 3");
+  Cloud cloud;
+  Spool spool(options.spool_folder, stop);
+  BOOST_OUTCOME_TRY(
+      inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
+  const ReadHints hints{.crop = options.crop, .resolution = options.resolution};
+  const auto open_one = [&](std::size_t i) -> Result<Opened> {
+    // No thread may wait for standard input while there is an error to tell.
+    if (inputs[i].standard_input) return Opened{};
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
+    auto opened = open_input(inputs[i], hints, spool);
+    if (opened.has_error()) return inputs[i].explained(opened.error());
+    return opened;
+  };
+  BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t i, Opened opened) -> Status {
+    if (inputs[i].standard_input) {
+      BOOST_OUTCOME_TRY(read, open_input(inputs[i], hints, spool));
+      opened = std::move(read);
+    }
+    cloud.files_.push_back(std::move(opened.info));
+    cloud.spooled_.push_back(std::move(opened.spooled));
+    return success();
+  }));
+  const bool has_z =
+      std::any_of(cloud.files_.begin(), cloud.files_.end(), [](const auto& file) { return file.dimension == 3; });
+  if (options.dimension == 0) options.dimension = has_z ? 3 : 2;
+  std::vector<Attribute> available;
+  for (std::size_t i = 0; i < cloud.files_.size(); ++i) {
+    if (const auto status = check_file(cloud.files_[i], options); status.has_error())
+      return inputs[i].explained(status.error());
+    add_available(cloud.files_[i], available);
+  }
+  const Attribute height{"z", AttributeType::f64};
+  const bool liftable = options.dimension == 2 && has_z;
+  if (liftable) available.push_back(height);
+  BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
+  if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
+    schema.push_back(height);
+  cloud.schema_ = std::move(schema);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
+Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
+  Cloud cloud;
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source)));
+  BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
+  BOOST_OUTCOME_TRY(schema, choose(options.attributes, reader->info().attributes));
+  cloud.files_.push_back(reader->info());
+  cloud.spooled_.push_back(std::move(source));
+  cloud.schema_ = std::move(schema);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
+std::string Cloud::crs() const {
+  for (const auto& file : files_)
+    if (!file.crs.empty()) return file.crs;
+  return "";
+}
+
+Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
+                                                   ReadHints hints) const {
+  const FileInfo& file = files_[index];
+  hints.crop = options_.crop;
+  hints.resolution = options_.resolution;
+  if (spooled_[index]) return open_reader(share(spooled_[index]), schema, hints);
+  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints));
+  // The partition was planned from the first look at the file; another content would be routed by a wrong plan.
+  if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
+    return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
+  return std::move(reader);
+}
+
+}  // namespace tessera

@@ -1,0 +1,83 @@
+// Several files seen as one cloud, with the filters a user asked for.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/io/bytes/byte_source.h"
+#include "src/io/reader.h"
+
+namespace tessera {
+
+struct CloudOptions {
+  // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
+  int dimension = 3;
+  bool heights = true;                       // 2D: carry z as the attribute "z", if any file has it
+  bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
+  std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
+  std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
+  std::vector<std::string> attributes = {};  // names to carry, or {"all"}
+  double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
+  std::uint32_t threads = 1;                 // that may open, read and unpack files at once
+  std::string input_list = {};               // a file that names further inputs, see InputQuestion
+  bool recursive = false;                    // folders with their subfolders
+  // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
+  std::filesystem::path spool_folder = {};
+};
+
+// Points with their source index (rank in the whole input, filtered and rejected points counted).
+struct CloudBatch {
+  std::vector<LocalPoint> points;
+  std::vector<std::byte> rows;
+};
+
+struct CloudCounts {
+  std::uint64_t read = 0;      // points in the files
+  std::uint64_t invalid = 0;   // not finite, dropped by --skip-invalid
+  std::uint64_t filtered = 0;  // outside the crop box, of another class, or of a level finer than the resolution
+};
+
+class Cloud {
+ public:
+  // Finds the files that `patterns` mean (see InputQuestion), opens every file's header, unpacks compressed files and
+  // reads standard input to its end, and settles schema and dimension. Errors: those of find_inputs, Spool and the
+  // readers, of the first such file in order; a file without z for a 3D cloud or without classes to choose from; an
+  // attribute that no file has. `stop` ends it soon, with Errc::interrupted.
+  static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop = {});
+
+  // A cloud of one input that is not a file. Errors as above.
+  static Result<Cloud> open_source(std::shared_ptr<const ByteSource> source, CloudOptions options);
+
+  const std::vector<FileInfo>& files() const { return files_; }
+  const std::vector<Attribute>& schema() const { return schema_; }
+  const CloudOptions& options() const { return options_; }
+  std::string crs() const;  // of the first file that has one
+
+  // Every point in order, in batches; `visit`, which is called on the calling thread, may stop by returning an error.
+  // Coordinates have no -0. With several threads, small files and parts of text are read ahead, each by one thread;
+  // other large files are read by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if
+  // there is one, do not depend on the number of threads.
+  Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
+
+  // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
+  // seek cheaply, everything else whole.
+  Result<std::vector<Point>> sample(std::size_t wanted) const;
+
+ private:
+  // The reader of file `index`; `hints` without what the options say.
+  Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
+                                              ReadHints hints) const;
+
+  std::vector<FileInfo> files_;
+  std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again
+  std::vector<Attribute> schema_;
+  CloudOptions options_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,146 @@
+// Cloud::for_each_batch. Batches are delivered in the order of the input, since ids, tile files and the choice of seeds
+// rest on it; the threads only read ahead.
+#include <cstdint>
+#include <functional>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "src/io/bytes/record_stream.h"
+#include "src/io/cloud/batch_queue.h"
+#include "src/io/cloud/cloud.h"
+#include "src/io/cloud/in_order.h"
+#include "src/io/cloud/point_filter.h"
+
+namespace tessera {
+namespace {
+
+using Sink = std::function<Status(CloudBatch&)>;
+
+// Rows of text whose header names many columns may be much larger than their lines.
+constexpr std::size_t text_row_bytes_max = 128;
+constexpr std::uint64_t rows_bytes_max = std::uint64_t{8} << 20;
+
+// A file, or a part of one, that one thread reads.
+struct Unit {
+  std::size_t file;
+  std::optional<std::uint64_t> part;  // none: the whole file
+  bool ahead;                         // small enough to be read before it is needed
+};
+
+std::vector<Unit> units_of(const std::vector<FileInfo>& files, const std::vector<Attribute>& schema) {
+  std::vector<Unit> units;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const FileInfo& file = files[i];
+    if (file.points) {
+      const bool small = *file.points <= batch_points_max && *file.points * row_bytes(schema) <= rows_bytes_max;
+      units.push_back({i, {}, small});
+    } else if (row_bytes(schema) > text_row_bytes_max) {
+      units.push_back({i, {}, false});
+    } else {
+      for (std::uint64_t part = 0; part < file.parts; ++part) units.push_back({i, part, true});
+    }
+  }
+  return units;
+}
+
+// Gives `sink` what the filter keeps of a file whose points have ids from first_id on, and counts it.
+Status read_file(PointReader& reader, const PointFilter& filter, std::uint64_t first_id, CloudCounts& counts,
+                 const Sink& sink) {
+  PointBatch batch;
+  CloudBatch kept;
+  while (true) {
+    batch.passed_over = 0;
+    BOOST_OUTCOME_TRYV(reader.next(batch));
+    counts.read += batch.passed_over;
+    counts.filtered += batch.passed_over;
+    if (batch.points.empty()) return success();
+    kept.points.clear();
+    kept.rows.clear();
+    BOOST_OUTCOME_TRYV(filter.apply(batch, reader, first_id + counts.read, kept, counts));
+    if (!kept.points.empty()) {
+      BOOST_OUTCOME_TRYV(sink(kept));
+    }
+  }
+}
+
+// The same with another thread that reads while this one is in `sink`.
+Status read_file_ahead(PointReader& reader, const PointFilter& filter, std::uint64_t first_id, CloudCounts& counts,
+                       const Sink& sink) {
+  BatchQueue queue;
+  const auto read = [&]() -> Status {
+    try {
+      return read_file(reader, filter, first_id, counts, [&](CloudBatch& batch) -> Status {
+        if (queue.push(batch)) return success();
+        return error(Errc::interrupted, "nobody wants the batches any more");
+      });
+    } catch (const std::bad_alloc&) {
+      return error(Errc::memory, "no memory is left to read " + reader.info().path.string());
+    }
+  };
+  const std::jthread thread([&] { queue.finish(read()); });
+  struct Closing {
+    ~Closing() { queue.close(); }
+    BatchQueue& queue;
+  } const closing{queue};
+  CloudBatch batch;
+  while (queue.pop(batch)) {
+    BOOST_OUTCOME_TRYV(sink(batch));
+  }
+  return queue.status();
+}
+
+struct ReadUnit {
+  std::vector<CloudBatch> batches;  // with ids from 0 on
+  CloudCounts counts;
+};
+
+}  // namespace
+
+Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&)>& visit) const {
+  const PointFilter filter(options_, schema_);
+  const std::vector<Unit> units = units_of(files_, filter.reader_schema());
+  CloudCounts counts;
+  const auto add = [&](const CloudCounts& more) {
+    counts.read += more.read;
+    counts.invalid += more.invalid;
+    counts.filtered += more.filtered;
+  };
+  const auto read_unit = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
+    ReadUnit made;
+    const ReadHints hints{.threads = 1, .part = unit.part, .count_lines = count_lines};
+    BOOST_OUTCOME_TRY(reader, reopen(unit.file, filter.reader_schema(), hints));
+    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, made.counts, [&](CloudBatch& batch) -> Status {
+      made.batches.push_back(std::move(batch));
+      batch = {};
+      return success();
+    }));
+    return made;
+  };
+  const auto read_ahead = [&](std::size_t i) -> Result<ReadUnit> {
+    if (!units[i].ahead) return ReadUnit{};
+    auto made = read_unit(units[i], false);
+    // Only an error is worth looking for its line.
+    if (made.has_error() && units[i].part.value_or(0) > 0) return read_unit(units[i], true);
+    return made;
+  };
+  const auto deliver = [&](std::size_t i, ReadUnit made) -> Status {
+    for (auto& batch : made.batches) {
+      for (auto& p : batch.points) p.id += counts.read;
+      BOOST_OUTCOME_TRYV(visit(batch));
+    }
+    if (!units[i].ahead) {
+      BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), ReadHints{.threads = options_.threads}));
+      const auto read = options_.threads > 1 ? read_file_ahead : read_file;
+      BOOST_OUTCOME_TRYV(read(*reader, filter, counts.read, made.counts, visit));
+    }
+    add(made.counts);
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(in_order(units.size(), options_.threads, read_ahead, deliver));
+  return counts;
+}
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+// What a cloud does to a file's points: refuse or drop the non-finite, keep a box and classes, drop z in 2D.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/io/cloud/cloud.h"
+#include "src/io/reader.h"
+
+namespace tessera {
+
+class PointFilter {
+ public:
+  // `schema` is the cloud's.
+  PointFilter(const CloudOptions& options, const std::vector<Attribute>& schema);
+
+  // What the file's reader must give: the schema, and the classification behind it if it is needed but not in it.
+  const std::vector<Attribute>& reader_schema() const { return reader_schema_; }
+
+  // Appends the points of `batch` that are kept to `to`, with ids first_id, first_id + 1, ... given to kept and dropped
+  // ones alike, and adds to `counts`. Error bad_input at a non-finite point, unless they are to be skipped.
+  Status apply(const PointBatch& batch, const PointReader& reader, std::uint64_t first_id, CloudBatch& to,
+               CloudCounts& counts) const;
+
+ private:
+  bool is_valid(const Point& p) const;
+  bool is_wanted(const Point& p, const std::byte* row) const;
+
+  CloudOptions options_;
+  std::vector<Attribute> reader_schema_;
+  std::size_t row_bytes_, reader_row_bytes_;
+  std::optional<std::size_t> z_at_;  // where a row of the cloud carries z
+  std::size_t class_at_ = 0;         // where a row of the reader has the classification
+  AttributeType class_type_ = AttributeType::u8;
+  bool keep_all_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,148 @@
+#include "src/io/text/text_columns.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <optional>
+
+#include "src/io/bytes/fields.h"
+#include "src/io/bytes/number.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t columns_max = 4096;
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view trimmed(std::string_view field) {
+  while (!field.empty() && is_blank(field.front())) field.remove_prefix(1);
+  while (!field.empty() && is_blank(field.back())) field.remove_suffix(1);
+  return field;
+}
+
+std::string_view unquoted(std::string_view field) {
+  if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+    return trimmed(field.substr(1, field.size() - 2));
+  return field;
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  for (auto& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+// Which columns are x, y and z by their names; the first family that has both x and y wins.
+std::vector<std::size_t> coordinates_by_name(const std::vector<std::string_view>& names) {
+  struct Family {
+    std::array<std::string_view, 3> x, y, z;
+  };
+  constexpr std::array<Family, 3> families{
+      Family{{"x", "x_m", "x[m]"}, {"y", "y_m", "y[m]"}, {"z", "z_m", "z[m]"}},
+      Family{{"easting", "e", "east"}, {"northing", "n", "north"}, {"z", "elevation", "height"}},
+      Family{{"lon", "longitude", "lng"}, {"lat", "latitude", "latitude"}, {"z", "elevation", "height"}}};
+  const auto find = [&](const std::array<std::string_view, 3>& wanted) -> std::optional<std::size_t> {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (std::find(wanted.begin(), wanted.end(), lower(names[i])) != wanted.end()) return i;
+    return std::nullopt;
+  };
+  for (const auto& family : families) {
+    const auto x = find(family.x), y = find(family.y), z = find(family.z);
+    if (!x || !y) continue;
+    std::vector<std::size_t> columns{*x, *y};
+    if (z) columns.push_back(*z);
+    return columns;
+  }
+  return {};
+}
+
+}  // namespace
+
+Delimiter delimiter_of(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return Delimiter::semicolon;
+  if (line.find(',') != std::string_view::npos) return Delimiter::comma;
+  if (line.find('\t') == std::string_view::npos) return Delimiter::blanks;
+  std::vector<std::string_view> fields;
+  split_line(line, Delimiter::tab, columns_max, fields);
+  const bool inner_blanks = std::any_of(
+      fields.begin(), fields.end(), [](std::string_view field) { return field.find(' ') != std::string_view::npos; });
+  return inner_blanks ? Delimiter::blanks : Delimiter::tab;
+}
+
+void split_line(std::string_view line, Delimiter delimiter, std::size_t most, std::vector<std::string_view>& fields) {
+  fields.clear();
+  if (delimiter == Delimiter::blanks) {
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    while (fields.size() < most) {
+      while (at != end && is_blank(*at)) ++at;
+      if (at == end) break;
+      const char* const begin = at;
+      while (at != end && !is_blank(*at)) ++at;
+      fields.push_back(unquoted({begin, static_cast<std::size_t>(at - begin)}));
+    }
+    return;
+  }
+  const char mark = static_cast<char>(delimiter);
+  std::size_t begin = 0;
+  while (fields.size() < most) {
+    std::size_t from = begin;
+    while (from < line.size() && is_blank(line[from]) && line[from] != mark) ++from;
+    // A quoted field ends at its quote, whatever stands between; an unclosed quote is a character like others.
+    if (from < line.size() && line[from] == '"') {
+      const std::size_t closing = line.find('"', from + 1);
+      from = closing == std::string_view::npos ? begin : closing;
+    } else {
+      from = begin;
+    }
+    const std::size_t end = std::min(line.find(mark, from), line.size());
+    fields.push_back(unquoted(trimmed(line.substr(begin, end - begin))));
+    if (end == line.size()) break;
+    begin = end + 1;
+  }
+}
+
+bool is_header(std::string_view line) {
+  std::vector<std::string_view> fields;
+  split_line(line, delimiter_of(line), 2, fields);
+  // What begins like a number is a wrong number ("1,5" between semicolons), not a name.
+  return std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+    return !field.empty() && std::string_view("0123456789+-.").find(field[0]) == std::string_view::npos &&
+           !parse_number(field);
+  });
+}
+
+std::string settle_columns(std::string_view header, std::string_view numbers, TextColumns& columns) {
+  columns.has_header = !header.empty();
+  columns.delimiter = delimiter_of(numbers);
+  std::vector<std::string_view> names, values;
+  // A header may be parted otherwise than the numbers: "x, y, z" above "1 2 3".
+  if (columns.has_header) split_line(header, delimiter_of(header), columns_max + 1, names);
+  split_line(numbers, columns.delimiter, columns_max + 1, values);
+  if (values.size() > columns_max || names.size() > columns_max)
+    return "has more than " + std::to_string(columns_max) + " columns";
+
+  columns.coordinates = coordinates_by_name(names);
+  if (columns.coordinates.empty()) {
+    const auto is_number = [&](std::size_t i) { return i < values.size() && parse_number(values[i]).has_value(); };
+    columns.coordinates = {0, 1};
+    if (is_number(2)) columns.coordinates.push_back(2);
+  }
+  for (const auto column : columns.coordinates)
+    if (column >= values.size())
+      return "has " + std::to_string(values.size()) + " column" + (values.size() == 1 ? "" : "s") +
+             (columns.has_header ? ", fewer than the header names" : "; a point needs at least 2");
+
+  AttributeNames unique;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto& c = columns.coordinates;
+    if (std::find(c.begin(), c.end(), i) != c.end()) continue;
+    if (!values[i].empty() && !parse_number(values[i])) continue;
+    const std::string raw = i < names.size() ? std::string(names[i]) : "column_" + std::to_string(i + 1);
+    columns.extras.push_back({{unique.make(raw), AttributeType::f64}, i});
+  }
+  return "";
+}
+
+}  // namespace tessera

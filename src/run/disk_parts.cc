@@ -1,0 +1,120 @@
+#include "src/run/disk_parts.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "src/base/memory_pool.h"
+#include "src/budget/budget.h"
+#include "src/files/frame.h"
+#include "src/files/whole_file.h"
+#include "src/run/disk_storage.h"
+#include "src/run/touching.h"
+
+namespace tessera {
+namespace {
+
+struct DiskPart final : Part {
+  DiskPart(std::shared_ptr<const RoutedRun> routed, const std::filesystem::path& out, StoreOptions store,
+           std::uint32_t writers, std::uint64_t pool_bytes)
+      : run(routed), storage(std::move(routed), out, std::move(store), writers), pool(pool_bytes) {}
+  std::shared_ptr<const RoutedRun> run;
+  DiskStorage storage;
+  MemoryPoolShare pool;
+};
+
+// Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
+bool settled(const RoutedRun& run, const Part& part, TileStorage& storage) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(settled_marker(run.folder), ignored)) return false;
+  std::set<std::uint32_t> stored;
+  for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
+  for (std::uint32_t t = 0; t < part.points.size(); ++t) {
+    if (part.points[t] == 0 || stored.contains(t)) continue;
+    if (!can_be_built_alone(storage, TileId{t})) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void DiskParts::offer(std::shared_ptr<const RoutedRun> run) {
+  const std::lock_guard lock(mutex_);
+  auto folder = run->folder.string();
+  offered_[std::move(folder)] = std::move(run);
+}
+
+void DiskParts::withdraw(const RoutedRun& run) {
+  const std::lock_guard lock(mutex_);
+  offered_.erase(run.folder.string());
+}
+
+Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self) {
+  std::shared_ptr<const RoutedRun> run;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = offered_.find(spec.run_folder); found != offered_.end()) run = found->second;
+  }
+  if (!run) {
+    BOOST_OUTCOME_TRY(opened, open_run(spec.run_folder));
+    run = std::make_shared<const RoutedRun>(std::move(opened));
+  }
+  if (!spec.nodes.empty() && spec.nodes.size() != run->tile_points.size()) {
+    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
+  }
+  std::vector<std::uint64_t> points = run->tile_points;
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (spec.node_of(TileId{t}) != self) points[t] = 0;
+  }
+  const bool reduce = spec.keep == Keep::reduced ||
+                      (spec.keep == Keep::by_budget &&
+                       !budget::fits_whole(points, run->dimension, spec.kernel, spec.threads, spec.memory_bytes));
+  // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
+  // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
+  if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
+  auto part = std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema}, spec.threads,
+                                         reduce ? 0 : spec.memory_bytes / 4);
+  const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
+  part->schedule.threads = spec.threads;
+  part->schedule.memory_bytes = budget::for_tiles(spec.memory_bytes, spec.threads);
+  part->schedule.begin_bytes = needs.triangulate;
+  part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
+  part->schedule.kernel = spec.kernel;
+  part->schedule.mail_bytes = budget::foreign_point_bytes(run->dimension, spec.kernel);
+  TileContext& context = part->context;
+  context.dimension = run->dimension;
+  context.kernel = spec.kernel;
+  context.reduce = reduce;
+  context.boxes = final_boxes(run->partition);
+  context.neighbours = touching_tiles(run->partition, run->tile_bounds);
+  context.incarnations = spec.incarnations;
+  context.seeds = run->seeds;
+  context.storage = &part->storage;
+  const auto tiles =
+      static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
+  context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
+  part->points = std::move(points);
+  // Mail of an earlier process was for tiles that are no more.
+  BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
+  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder));
+  part->stored = std::move(stored);
+  part->settled = settled(*run, *part, part->storage);
+  return std::unique_ptr<Part>(std::move(part));
+}
+
+Status mark_settled(const RoutedRun& run, bool settled) {
+  const auto marker = settled_marker(run.folder);
+  if (settled) return write_whole(marker, std::string_view("settled\n"));
+  std::error_code failed;
+  std::filesystem::remove(marker, failed);
+  if (failed) return error(Errc::io, marker.string() + ": cannot remove it: " + failed.message());
+  return success();
+}
+
+}  // namespace tessera

@@ -1,0 +1,30 @@
+// Parts of jobs whose points stand in run folders: what nodes of production host.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "src/run/part.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+
+class DiskParts final : public PartSource {
+ public:
+  // A run that this process has in memory need not be read again. Until withdraw().
+  void offer(std::shared_ptr<const RoutedRun> run);
+  void withdraw(const RoutedRun& run);
+
+  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
+
+ private:
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const RoutedRun>> offered_;  // by folder
+};
+
+// Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not.
+Status mark_settled(const RoutedRun& run, bool settled);
+
+}  // namespace tessera

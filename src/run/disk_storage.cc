@@ -1,0 +1,124 @@
+#include "src/run/disk_storage.h"
+
+#include <boost/asio/post.hpp>
+#include <cstring>
+#include <exception>
+#include <map>
+#include <new>
+#include <system_error>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/files/frame.h"
+
+namespace tessera {
+namespace {
+
+Error refused(const std::filesystem::path& path, const char* what, const std::error_code& reason) {
+  return error(Errc::io, path.string() + ": cannot " + what + ": " + reason.message());
+}
+
+Status make_folder_of(const std::filesystem::path& file) {
+  std::error_code failed;
+  std::filesystem::create_directories(file.parent_path(), failed);
+  if (failed) return refused(file.parent_path(), "make the folder", failed);
+  return success();
+}
+
+}  // namespace
+
+DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
+                         std::uint32_t writers)
+    : run_(std::move(run)), out_(std::move(out)), options_(std::move(options)), writers_(writers) {}
+
+DiskStorage::~DiskStorage() { writers_.join(); }
+
+Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
+
+Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  const auto path = scratch_file(run_->folder, what, tile);
+  BOOST_OUTCOME_TRYV(make_folder_of(path));
+  return write_frame(path, what, bytes);
+}
+
+Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  const auto path = scratch_file(run_->folder, what, tile);
+  BOOST_OUTCOME_TRYV(make_folder_of(path));
+  return append_frame(path, what, bytes);
+}
+
+Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
+  const auto path = scratch_file(run_->folder, what, tile);
+  Pieces pieces;
+  std::error_code failed;
+  const bool there = std::filesystem::exists(path, failed);
+  if (failed) return refused(path, "look at it", failed);
+  if (!there) return pieces;
+  BOOST_OUTCOME_TRYV(for_each_frame(path, what, [&](std::vector<std::byte> payload) -> Status {
+    pieces.push_back(std::move(payload));
+    return success();
+  }));
+  return pieces;
+}
+
+Status DiskStorage::remove(TileId tile, ScratchKind what) {
+  const auto path = scratch_file(run_->folder, what, tile);
+  std::error_code failed;
+  std::filesystem::remove(path, failed);
+  if (failed) return refused(path, "remove it", failed);
+  return success();
+}
+
+Status DiskStorage::clear(ScratchKind what) {
+  const auto folder = scratch_folder(run_->folder, what);
+  std::error_code failed;
+  std::filesystem::remove_all(folder, failed);
+  if (failed) return refused(folder, "remove it", failed);
+  return success();
+}
+
+// Foreign vertices' rows stand in their owners' files.
+Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) const {
+  const std::size_t width = row_bytes(run_->schema);
+  std::vector<std::byte> rows(mesh.points.size() * width);
+  if (width == 0) return rows;
+  std::map<std::uint32_t, std::vector<std::size_t>> by_owner;
+  for (std::size_t i = 0; i < mesh.owners.size(); ++i) by_owner[mesh.owners[i]].push_back(i);
+  for (const auto& [owner, places] : by_owner) {
+    std::vector<std::uint64_t> ids;
+    ids.reserve(places.size());
+    for (const std::size_t i : places) ids.push_back(mesh.ids[i]);
+    BOOST_OUTCOME_TRY(part, load_rows(*run_, TileId{owner}, ids));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      std::memcpy(&rows[places[k] * width], &part[k * width], width);
+    }
+  }
+  return rows;
+}
+
+Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) {
+  const auto name = "tile " + std::to_string(tile.value);
+  try {
+    BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
+    BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, mesh, rows, options_));
+    for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
+      BOOST_OUTCOME_TRYV(remove(tile, what));
+    }
+    return std::move(entry);
+  } catch (const std::bad_alloc&) {
+    return error(Errc::memory,
+                 "out of memory while storing " + name + ": use smaller tiles or a smaller " + option("memory"));
+  } catch (const std::exception& e) {
+    return error(Errc::internal, name + " cannot be stored: " + e.what());
+  }
+}
+
+void DiskStorage::store(TileId tile, TileMesh mesh, Stored done) {
+  boost::asio::post(writers_, [this, tile, mesh = std::move(mesh), done = std::move(done)]() mutable {
+    const Result<TileEntry> entry = write_result(tile, mesh);
+    mesh = {};  // before the node believes that it is gone
+    done(entry);
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,41 @@
+// A tile's bytes in a run folder, its result in the store.
+#pragma once
+
+#include <boost/asio/thread_pool.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "src/run/tile_storage.h"
+
+namespace tessera {
+
+class DiskStorage final : public TileStorage {
+ public:
+  // Scratch goes under run->folder, results to `out`. As many meshes are stored at a time as there are `writers`, which
+  // wait for the disk while others work.
+  DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
+              std::uint32_t writers);
+  // Waits for what is being stored.
+  ~DiskStorage() override;
+
+  Result<LoadedTile> load_points(TileId tile) override;
+  Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
+  Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
+  Result<Pieces> read(TileId tile, ScratchKind what) override;
+  Status remove(TileId tile, ScratchKind what) override;
+  Status clear(ScratchKind what) override;
+  // The tile's scratch goes when its result is on disk.
+  void store(TileId tile, TileMesh mesh, Stored done) override;
+
+ private:
+  Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
+  Result<TileEntry> write_result(TileId tile, const TileMesh& mesh);
+
+  std::shared_ptr<const RoutedRun> run_;
+  std::filesystem::path out_;
+  StoreOptions options_;
+  boost::asio::thread_pool writers_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,44 @@
+#include "src/run/part.h"
+
+#include "job.pb.h"
+
+namespace tessera {
+
+std::string to_bytes(const PartSpec& spec) {
+  proto::PartSpec message;
+  message.set_run_folder(spec.run_folder);
+  message.set_out_folder(spec.out_folder);
+  message.set_threads(spec.threads);
+  message.set_memory_bytes(spec.memory_bytes);
+  message.set_kernel(static_cast<proto::PartSpec::Kernel>(spec.kernel));
+  message.set_keep(static_cast<proto::PartSpec::Keep>(spec.keep));
+  message.set_neighbors(spec.neighbors);
+  message.set_resumable(spec.resumable);
+  message.mutable_nodes()->Assign(spec.nodes.begin(), spec.nodes.end());
+  message.mutable_incarnations()->Assign(spec.incarnations.begin(), spec.incarnations.end());
+  return message.SerializeAsString();
+}
+
+Result<PartSpec> spec_from_bytes(const std::string& bytes) {
+  proto::PartSpec message;
+  const auto refuse = [](const char* what) { return error(Errc::internal, std::string("a job's part ") + what); };
+  if (!message.ParseFromString(bytes)) return refuse("cannot be read");
+  if (!proto::PartSpec::Kernel_IsValid(message.kernel()) || !proto::PartSpec::Keep_IsValid(message.keep()) ||
+      message.threads() == 0 || (message.nodes_size() != message.incarnations_size())) {
+    return refuse("is not what any coordinator sends");
+  }
+  PartSpec spec;
+  spec.run_folder = message.run_folder();
+  spec.out_folder = message.out_folder();
+  spec.threads = message.threads();
+  spec.memory_bytes = message.memory_bytes();
+  spec.kernel = static_cast<KernelKind>(message.kernel());
+  spec.keep = static_cast<Keep>(message.keep());
+  spec.neighbors = message.neighbors();
+  spec.resumable = message.resumable();
+  spec.nodes.assign(message.nodes().begin(), message.nodes().end());
+  spec.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
+  return spec;
+}
+
+}  // namespace tessera

@@ -1,0 +1,54 @@
+// A node's part of a job: what it is told, and what its tiles need to work.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/run/schedule.h"
+#include "src/run/tile_state.h"
+
+namespace tessera {
+
+// Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
+enum class Keep : std::uint8_t { by_budget, whole, reduced };
+
+// Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
+struct PartSpec {
+  std::string run_folder, out_folder;
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  KernelKind kernel = KernelKind::flat;
+  Keep keep = Keep::by_budget;
+  bool neighbors = true;  // store them
+  bool resumable = true;  // leave images when the job is interrupted
+  // By tile: its node, and which incarnation of it lives there. Empty: all on node 0, incarnation 0.
+  std::vector<std::uint32_t> nodes, incarnations;
+
+  friend bool operator==(const PartSpec&, const PartSpec&) = default;
+  NodeId node_of(TileId tile) const { return NodeId{nodes.empty() ? 0 : nodes[tile.value]}; }
+};
+std::string to_bytes(const PartSpec& spec);
+Result<PartSpec> spec_from_bytes(const std::string& bytes);
+
+// What a part is made of. Owned by the part's actor, which outlives its tiles.
+struct Part {
+  virtual ~Part() = default;
+  TileContext context;
+  ScheduleOptions schedule;
+  std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
+  std::vector<TileEntry> stored;      // of tiles that an earlier process has stored
+  bool settled = false;               // all was quiet once, and each tile not stored can be built by itself
+};
+
+// How a node comes by its parts: from a run folder in production, from memory in the harness.
+class PartSource {
+ public:
+  virtual ~PartSource() = default;
+  virtual Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) = 0;
+};
+
+}  // namespace tessera

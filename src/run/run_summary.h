@@ -1,0 +1,20 @@
+// What running the tiles of a job has made.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/base/figures.h"
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+struct RunSummary {
+  std::vector<TileEntry> tiles;      // ascending
+  std::vector<double> tile_seconds;  // beside them: worked on each
+  std::uint64_t vertices = 0, cells = 0;
+  ExchangeFigures exchange;
+  PhaseSeconds wall;  // wall clock of the phases
+};
+
+}  // namespace tessera

@@ -1,0 +1,218 @@
+#include "src/run/schedule.h"
+
+#include <functional>
+
+#include "src/base/check.h"
+#include "src/budget/budget.h"
+
+namespace tessera {
+
+Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points)
+    : options_(options), tiles_(points.size()) {
+  for (std::size_t t = 0; t < points.size(); ++t) {
+    if (points[t] == 0) continue;
+    tiles_[t].points = points[t];
+    tiles_[t].place = Place::fresh;
+    ++fresh_;
+  }
+}
+
+void Schedule::set_stored(TileId tile) {
+  unlink(tile.value);
+  tiles_[tile.value].is_stored = true;
+  link(tile.value);
+}
+
+void Schedule::enter(Stage stage) {
+  check(stage >= stage_, "stages follow one another");
+  stage_ = stage;
+  pending_.clear();
+  for (std::uint32_t t = 0; t < tiles_.size(); ++t) link(t);
+}
+
+std::uint64_t Schedule::weight(const Tile& tile) const {
+  // An empty batch counts, too: it must be processed. One in memory counts double, for waking costs time.
+  return (tile.mail.points + tile.mail.batches) * (tile.place == Place::awake ? 2 : 1);
+}
+
+bool Schedule::pending(const Tile& tile) const {
+  if (stage_ == Stage::settling) return tile.place == Place::awake && !tile.settled;
+  if (stage_ != Stage::collecting) return false;
+  if (tile.place == Place::awake) return true;  // at least dropped
+  return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
+}
+
+void Schedule::unlink(std::uint32_t t) {
+  const Tile& tile = tiles_[t];
+  if (tile.working) return;
+  ready_.erase({weight(tile), t});
+  if (tile.place == Place::awake) awake_.erase({tile.mail.points, ~tile.memory, t});
+  pending_.erase({tile.place != Place::awake, t});
+}
+
+void Schedule::link(std::uint32_t t) {
+  const Tile& tile = tiles_[t];
+  if (tile.working) return;
+  if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep))
+    ready_.insert({weight(tile), t});
+  if (tile.place == Place::awake) awake_.insert({tile.mail.points, ~tile.memory, t});
+  if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
+}
+
+void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
+  memory_ += bytes - tile.memory;
+  tile.memory = bytes;
+}
+
+void Schedule::mail(TileId id, const Waiting& waiting) {
+  Tile& tile = tiles_[id.value];
+  if (tile.working || tile.place == Place::none || tile.place == Place::gone) return;
+  unlink(id.value);
+  set_memory(tile, tile.memory - tile.mail.bytes + waiting.bytes);
+  tile.mail = waiting;
+  link(id.value);
+}
+
+void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
+  Tile& tile = tiles_[id.value];
+  check(tile.working, "only granted work is done");
+  if (work == Work::sleep) freeing_ -= tile.memory;
+  tile.working = false;
+  --working_;
+  tile.mail = waiting;
+  const bool woken = tile.place == Place::asleep;
+  switch (work) {
+    case Work::begin:
+      tile.place = Place::awake;
+      --fresh_;
+      break;
+    case Work::splay:
+      tile.place = Place::awake;
+      break;
+    case Work::sleep:
+      tile.place = Place::asleep;
+      ++asleep_;
+      ++sleeps_;
+      break;
+    case Work::settle:
+      tile.settled = true;
+      break;
+    case Work::collect:
+      if (tile.place == Place::fresh) --fresh_;
+      tile.place = Place::storing;
+      tile.storing = storing;
+      ++storing_;
+      break;
+    case Work::drop:
+      tile.place = Place::gone;
+      break;
+  }
+  if (woken) --asleep_;
+  if (work != Work::sleep) tile.held = bytes;
+  set_memory(tile, bytes + waiting.bytes + tile.storing);
+  link(id.value);
+}
+
+void Schedule::stored(TileId id) {
+  Tile& tile = tiles_[id.value];
+  check(tile.place == Place::storing, "only what was collected is stored");
+  set_memory(tile, tile.memory - tile.storing);
+  tile.storing = 0;
+  tile.place = Place::gone;
+  tile.is_stored = true;
+  --storing_;
+}
+
+void Schedule::abandon(TileId id) {
+  Tile& tile = tiles_[id.value];
+  unlink(id.value);
+  if (tile.working) --working_;
+  if (tile.place == Place::storing) --storing_;
+  if (tile.place == Place::fresh) --fresh_;
+  if (tile.place == Place::asleep) --asleep_;
+  tile.working = false;
+  tile.place = Place::gone;
+}
+
+bool Schedule::idle() const {
+  if (working_ + storing_ > 0) return false;
+  switch (stage_) {
+    case Stage::exchanging:
+      return fresh_ == 0 && ready_.empty();
+    case Stage::settling:
+    case Stage::collecting:
+      return pending_.empty();
+    case Stage::suspending:
+      return awake_.empty();
+    case Stage::stopping:
+      return true;
+  }
+  return true;
+}
+
+std::optional<Schedule::Grant> Schedule::next() {
+  if (working_ >= options_.threads || stage_ == Stage::stopping) return std::nullopt;
+  if (stage_ == Stage::suspending) {
+    if (awake_.empty()) return std::nullopt;
+    const std::uint32_t t = std::get<2>(*awake_.begin());
+    return put_to_sleep(t);
+  }
+  if (stage_ == Stage::settling) {
+    if (pending_.empty()) return std::nullopt;
+    const std::uint32_t t = pending_.begin()->second;
+    return grant(t, Work::settle, tiles_[t].memory);
+  }
+  if (stage_ == Stage::collecting) {
+    if (pending_.empty() || storing_ > options_.threads) return std::nullopt;
+    const std::uint32_t t = pending_.begin()->second;
+    const Tile& tile = tiles_[t];
+    if (tile.is_stored) return grant(t, Work::drop, tile.memory);
+    const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.points
+                                 : tile.place == Place::asleep ? tile.held
+                                                               : 0;
+    return grant_in_room(t, Work::collect, tile.memory + before + options_.collect_bytes * tile.points);
+  }
+  while (next_fresh_ < tiles_.size() && (tiles_[next_fresh_].place != Place::fresh || tiles_[next_fresh_].working)) {
+    ++next_fresh_;
+  }
+  if (next_fresh_ < tiles_.size()) {
+    const Tile& tile = tiles_[next_fresh_];
+    return grant_in_room(next_fresh_, Work::begin, tile.memory + options_.begin_bytes * tile.points);
+  }
+  if (ready_.empty()) return std::nullopt;
+  const std::uint32_t t = ready_.begin()->second;
+  const Tile& tile = tiles_[t];
+  const std::uint64_t waking = tile.place == Place::asleep ? budget::waking_bytes(tile.held, options_.kernel) : 0;
+  return grant_in_room(t, Work::splay, tile.memory + waking + options_.mail_bytes * tile.mail.points);
+}
+
+// Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
+// with nothing else in memory a tile may exceed the budget.
+std::optional<Schedule::Grant> Schedule::grant_in_room(std::uint32_t t, Work work, std::uint64_t needed) {
+  const std::uint64_t others = memory_ - tiles_[t].memory;
+  if (others + needed <= options_.memory_bytes) return grant(t, work, needed);
+  if (others + needed - freeing_ <= options_.memory_bytes) return std::nullopt;  // there will be room in a moment
+  for (const Rank& rank : awake_) {
+    const std::uint32_t other = std::get<2>(rank);
+    if (other != t) return put_to_sleep(other);
+  }
+  if (working_ + storing_ > 0) return std::nullopt;
+  return grant(t, work, needed);
+}
+
+std::optional<Schedule::Grant> Schedule::put_to_sleep(std::uint32_t t) {
+  const Tile& tile = tiles_[t];
+  return grant(t, Work::sleep, tile.memory + budget::sleeping_bytes(tile.held, options_.kernel));
+}
+
+std::optional<Schedule::Grant> Schedule::grant(std::uint32_t t, Work work, std::uint64_t needed) {
+  unlink(t);
+  Tile& tile = tiles_[t];
+  set_memory(tile, needed);
+  tile.working = true;
+  ++working_;
+  if (work == Work::sleep) freeing_ += tile.memory;
+  return Grant{TileId{t}, work};
+}
+
+}  // namespace tessera

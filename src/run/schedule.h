@@ -1,0 +1,111 @@
+// Which tile of a job works next on a node, within the job's share of memory and threads. Pure: told what has happened,
+// it says what to do. Every step takes time in the logarithm of the number of tiles.
+//
+// stage      | what is granted
+// exchanging | begin to every tile, then splay to those with most mail; sleep where room is needed
+// settling   | settle to the tiles in memory
+// collecting | collect to all that are not stored, those in memory first; drop to the others; sleep where room is
+// needed suspending | sleep to all tiles in memory stopping   | nothing
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/kernel/kernel.h"
+#include "src/run/work.h"
+
+namespace tessera {
+
+struct ScheduleOptions {
+  std::uint32_t threads = 1;       // grants under way at most
+  std::uint64_t memory_bytes = 0;  // for tiles in memory, their mail and what is being stored
+  // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected; and for a
+  // point of mail.
+  std::uint64_t begin_bytes = 0, collect_bytes = 0, mail_bytes = 0;
+  KernelKind kernel = KernelKind::flat;
+};
+
+class Schedule {
+ public:
+  enum class Stage : std::uint8_t { exchanging, settling, collecting, suspending, stopping };
+  struct Grant {
+    TileId tile;
+    Work work;
+  };
+
+  // `points` by tile: 0 where there is no tile, or where it is another node's.
+  Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points);
+
+  // A tile whose result is in the store already: it takes part in the exchange, and is not collected.
+  void set_stored(TileId tile);
+  // REQUIRES: only forward, in the order of Stage.
+  void enter(Stage stage);
+  Stage stage() const { return stage_; }
+
+  // Mail that waits for a tile, and the memory it takes.
+  struct Waiting {
+    std::uint64_t batches = 0, points = 0, bytes = 0;
+  };
+  // What waits now, since more has come. Ignored while the tile works: its report will tell.
+  void mail(TileId tile, const Waiting& waiting);
+  // The work granted is done. `bytes`: what the tile holds beside its mail. `storing`: what it has given to the store.
+  void done(TileId tile, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing = 0);
+  void stored(TileId tile);
+  // Nothing more is to be expected of a tile.
+  void abandon(TileId tile);
+
+  // What to grant now, if anything: the tile counts as working until done().
+  std::optional<Grant> next();
+
+  bool all_begun() const { return fresh_ == 0; }
+  // Nothing is under way and nothing waits that this stage would grant.
+  bool idle() const;
+  bool working(TileId tile) const { return tiles_[tile.value].working; }
+  std::uint64_t memory() const { return memory_; }
+  std::uint32_t asleep() const { return asleep_; }
+  std::uint64_t sleeps() const { return sleeps_; }
+
+ private:
+  enum class Place : std::uint8_t { none, fresh, awake, asleep, storing, gone };
+  struct Tile {
+    std::uint64_t points = 0;
+    Waiting mail;
+    std::uint64_t memory = 0;  // reserved while it works, reported after; its mail and what is being stored included
+    std::uint64_t storing = 0;
+    std::uint64_t held = 0;  // beside mail, when it was last awake
+    Place place = Place::none;
+    bool working = false, is_stored = false, settled = false;
+  };
+  using Mail = std::pair<std::uint64_t, std::uint32_t>;                  // weight, tile
+  using Rank = std::tuple<std::uint64_t, std::uint64_t, std::uint32_t>;  // mail, ~memory, tile
+
+  // Takes a tile out of the sets it is in, or puts it where it belongs now.
+  void unlink(std::uint32_t tile);
+  void link(std::uint32_t tile);
+  std::uint64_t weight(const Tile& tile) const;
+  bool pending(const Tile& tile) const;
+  void set_memory(Tile& tile, std::uint64_t bytes);
+  std::optional<Grant> grant(std::uint32_t tile, Work work, std::uint64_t needed);
+  std::optional<Grant> put_to_sleep(std::uint32_t tile);
+  std::optional<Grant> grant_in_room(std::uint32_t tile, Work work, std::uint64_t needed);
+
+  ScheduleOptions options_;
+  std::vector<Tile> tiles_;
+  Stage stage_ = Stage::exchanging;
+  std::set<Mail, std::greater<>> ready_;              // begun, idle, with mail
+  std::set<Rank> awake_;                              // idle and in memory: the first sleeps first
+  std::set<std::pair<bool, std::uint32_t>> pending_;  // idle, to be settled or collected; false: in memory
+  std::uint32_t next_fresh_ = 0;                      // no idle fresh tile comes before
+  std::uint32_t fresh_ = 0;                           // not begun, or just beginning
+  std::uint32_t working_ = 0, storing_ = 0, asleep_ = 0;
+  std::uint64_t memory_ = 0;   // over all tiles
+  std::uint64_t freeing_ = 0;  // of it, what tiles that are falling asleep will give back
+  std::uint64_t sleeps_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,287 @@
+#include "src/run/tile_state.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "src/base/check.h"
+#include "src/base/flat_codec.h"
+#include "src/kernel/brio.h"
+#include "src/tiling/hilbert.h"
+
+namespace tessera {
+
+TileState::TileState(Peer self, const TileContext& context)
+    : self_(self), context_(context), mail_(self.tile, context.mail_points_max) {}
+
+Error TileState::damaged(const char* what) const {
+  return error(Errc::corrupt, "tile " + std::to_string(self_.tile.value) + ": its " + what + " on disk is damaged");
+}
+
+Status TileState::begin() {
+  check(phase_ == Phase::fresh, "a tile begins once");
+  BOOST_OUTCOME_TRY(restored, restore());
+  if (!restored) {
+    BOOST_OUTCOME_TRYV(build(true));
+  }
+  counts_ = triangulation_->counts();
+  phase_ = Phase::awake;
+  return success();
+}
+
+Status TileState::build(bool announce) {
+  BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
+  own_points_ = loaded.points.size();
+  if (!loaded.duplicates.empty()) {
+    BOOST_OUTCOME_TRYV(
+        context_.storage->write(self_.tile, ScratchKind::duplicates, std::as_bytes(std::span(loaded.duplicates))));
+    loaded.duplicates = {};
+  }
+  const Box& box = context_.boxes[self_.tile.value];
+  // A tile that is collected at once is not worth reducing.
+  const bool reduce = context_.reduce && announce;
+  triangulation_ = std::make_unique<TileTriangulation>(options());
+  // Kept until collect() when the tile is not reduced; moving the vector leaves its points where they are.
+  triangulation_->triangulate(loaded.points, loaded.ids, context_.seeds,
+                              reduce ? KeepPoints::copied : KeepPoints::borrowed);
+  if (reduce) {
+    BOOST_OUTCOME_TRYV(put_finals(triangulation_->reduce(loaded.points, box)));
+  }
+  if (announce) triangulation_->announce(loaded.points, box, context_.neighbours[self_.tile.value]);
+  if (!triangulation_->reduced()) points_ = std::move(loaded);
+  return success();
+}
+
+// An image is a right beginning whatever the other tiles begin from, if all it has ever told is told again. What was
+// told to it since, those tell again who remember it: they begin from images, too, or have not told it yet.
+Result<bool> TileState::restore() {
+  auto pieces = context_.storage->read(self_.tile, ScratchKind::state);
+  // Damaged, or written by another version: the tile is built again.
+  if (!pieces || pieces.value().size() != 1) return false;
+  auto tile = load_image(std::move(pieces.value()[0]), own_points_);
+  if (!tile) return false;
+  triangulation_ = std::move(tile);
+  if (triangulation_->reduced()) {
+    if (!take_finals()) {
+      triangulation_.reset();
+      return false;
+    }
+  } else {
+    BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
+    points_ = std::move(loaded);
+    if (points_.points.size() != own_points_) return damaged("file of points");
+  }
+  triangulation_->replay();
+  imaged_ = true;
+  return true;
+}
+
+Status TileState::receive(Batch batch) {
+  if (phase_ == Phase::gone) {
+    return error(Errc::internal, "tile " + std::to_string(self_.tile.value) + " got mail after quiescence");
+  }
+  waiting_hops_ = std::max(waiting_hops_, batch.hops);
+  return mail_.add(std::move(batch), *context_.storage);
+}
+
+Status TileState::splay() {
+  BOOST_OUTCOME_TRYV(wake());
+  BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
+  hops_ = std::max(hops_, waiting_hops_);
+  BOOST_OUTCOME_TRYV(insert(mail));
+  imaged_ = false;
+  for (const Batch& batch : mail) {
+    counters_.add_processed(batch.from);
+    if (context_.watch) context_.watch->processed(self_, counters_.totals());
+  }
+  counts_ = triangulation_->counts();
+  return success();
+}
+
+// In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
+// beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region.
+Status TileState::insert(const std::vector<Batch>& mail) {
+  struct Item {
+    std::uint64_t key;
+    TileId from;
+    const SharedPoint* point;
+  };
+  Bounds bounds;
+  std::size_t n = 0;
+  for (const Batch& batch : mail) {
+    n += batch.points.size();
+    for (const SharedPoint& p : batch.points) bounds.add(p.at);
+  }
+  const HilbertKey key(bounds, context_.dimension);
+  std::vector<Item> items;
+  items.reserve(n);
+  for (const Batch& batch : mail) {
+    for (const SharedPoint& p : batch.points) items.push_back({key(p.at), batch.from.tile, &p});
+  }
+  std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+  Status done = success();
+  for_each_in_brio_order<2>(n, [&](std::size_t i) {
+    if (done) done = triangulation_->receive(items[i].from, std::span(items[i].point, 1));
+  });
+  return done;
+}
+
+std::vector<Batch> TileState::take_outgoing() {
+  std::vector<Batch> out;
+  if (!triangulation_) return out;
+  for (auto& [tile, points] : triangulation_->take_updates()) {
+    const Peer to{TileId{tile}, context_.incarnations.empty() ? 0 : context_.incarnations[tile]};
+    const std::size_t n = points.size();
+    for (std::size_t begin = 0; begin < n; begin += batch_points_max) {
+      const std::size_t end = std::min(n, begin + batch_points_max);
+      Batch batch{self_, to, hops_ + 1, {}};
+      if (end - begin == n) {
+        batch.points = std::move(points);
+      } else {
+        const auto first = points.begin();
+        batch.points.assign(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end));
+      }
+      counters_.add_sent(to);
+      ++batches_sent_;
+      if (context_.watch) context_.watch->sent(self_, counters_.totals());
+      out.push_back(std::move(batch));
+    }
+  }
+  return out;
+}
+
+Status TileState::sleep() {
+  check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
+  if (!imaged_) {
+    std::vector<std::byte> bytes = triangulation_->save();
+    const auto count = std::as_bytes(std::span(&own_points_, 1));
+    bytes.insert(bytes.end(), count.begin(), count.end());
+    BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
+    imaged_ = true;
+  }
+  triangulation_.reset();
+  points_ = {};
+  phase_ = Phase::asleep;
+  return success();
+}
+
+// Null when the bytes are not what sleep() has written.
+std::unique_ptr<TileTriangulation> TileState::load_image(std::vector<std::byte> bytes,
+                                                         std::uint64_t& own_points) const {
+  if (bytes.size() < sizeof own_points) return nullptr;
+  std::memcpy(&own_points, bytes.data() + bytes.size() - sizeof own_points, sizeof own_points);
+  bytes.resize(bytes.size() - sizeof own_points);
+  auto tile = std::make_unique<TileTriangulation>(options());
+  if (!tile->load(std::move(bytes))) return nullptr;
+  return tile;
+}
+
+Status TileState::wake() {
+  if (phase_ == Phase::awake) return success();
+  check(phase_ == Phase::asleep, "only a tile that sleeps is woken");
+  BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
+  if (pieces.size() != 1) return damaged("image");
+  std::uint64_t own_points = 0;
+  triangulation_ = load_image(std::move(pieces[0]), own_points);
+  if (!triangulation_ || own_points != own_points_) return damaged("image");
+  if (!triangulation_->reduced()) {
+    BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
+    points_ = std::move(loaded);
+  }
+  phase_ = Phase::awake;
+  return success();
+}
+
+Status TileState::put_finals(const FinalCells& finals) {
+  FlatWriter out;
+  out.reserve(finals.vertices.size() * 8 + 16);
+  out.list(finals.vertices);
+  out.list(finals.neighbors);
+  return context_.storage->write(self_.tile, ScratchKind::finals, out.take());
+}
+
+Result<FinalCells> TileState::take_finals() {
+  BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::finals));
+  if (pieces.size() != 1) return damaged("list of final cells");
+  FinalCells finals;
+  FlatReader in(pieces[0]);
+  const auto corners = static_cast<std::size_t>(context_.dimension) + 1;
+  if (!in.list(finals.vertices) || !in.list(finals.neighbors) || !in.at_end() ||
+      finals.vertices.size() != finals.neighbors.size() || finals.vertices.size() % corners != 0) {
+    return damaged("list of final cells");
+  }
+  const auto cells = static_cast<std::int64_t>(finals.vertices.size() / corners);
+  for (std::size_t i = 0; i < finals.vertices.size(); ++i) {
+    if (finals.vertices[i] >= own_points_ || finals.neighbors[i] < FinalCells::open || finals.neighbors[i] >= cells) {
+      return damaged("list of final cells");
+    }
+  }
+  return finals;
+}
+
+// The star of a point among the tile's own points and their neighbours is its star among all points, and more points
+// change nothing: all foreign vertices are written, which include the neighbours.
+Status TileState::settle() {
+  if (phase_ != Phase::awake || imaged_) return success();
+  const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
+  return context_.storage->write(self_.tile, ScratchKind::settled, std::as_bytes(std::span(foreign)));
+}
+
+Status TileState::build_settled() {
+  BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::settled));
+  if (pieces.empty()) {  // it slept when all was quiet
+    BOOST_OUTCOME_TRY(restored, restore());
+    if (!restored) return damaged("image");
+  } else {
+    if (pieces.size() != 1 || pieces[0].size() % sizeof(SharedPoint) != 0) return damaged("foreign vertices");
+    Batch batch;
+    batch.from = self_;
+    batch.points.resize(pieces[0].size() / sizeof(SharedPoint));
+    if (!batch.points.empty()) std::memcpy(batch.points.data(), pieces[0].data(), pieces[0].size());
+    pieces = {};
+    BOOST_OUTCOME_TRYV(build(false));
+    BOOST_OUTCOME_TRYV(insert({std::move(batch)}));
+  }
+  triangulation_->take_updates();  // everybody knows
+  phase_ = Phase::awake;
+  return success();
+}
+
+Result<TileMesh> TileState::collect() {
+  if (phase_ == Phase::fresh) {
+    BOOST_OUTCOME_TRYV(build_settled());
+  }
+  BOOST_OUTCOME_TRYV(wake());
+  FinalCells finals;
+  if (triangulation_->reduced()) {
+    BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
+    points_ = std::move(loaded);
+    if (points_.points.size() != own_points_) return damaged("file of points");
+    BOOST_OUTCOME_TRY(taken, take_finals());
+    finals = std::move(taken);
+  }
+  TileMesh mesh = triangulation_->collect(points_.points, points_.ids, std::move(finals));
+  counts_ = triangulation_->counts();
+  drop();
+  return mesh;
+}
+
+void TileState::drop() {
+  triangulation_.reset();
+  points_ = {};
+  phase_ = Phase::gone;
+}
+
+Status TileState::forget() {
+  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
+    BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, what));
+  }
+  return success();
+}
+
+std::size_t TileState::memory() const {
+  return (triangulation_ ? triangulation_->memory() : 0) + points_.points.capacity() * 32 + mail_.memory();
+}
+
+}  // namespace tessera

@@ -1,0 +1,109 @@
+// One tile's life between messages. Not thread-safe: one actor owns it.
+//
+//   fresh -- begin --> awake -- sleep --> asleep
+//                      awake <-- (splay or collect wakes it) -- asleep
+//                      awake, asleep, fresh -- collect --> gone
+//                      awake, asleep -- drop --> gone
+// Mail may come in any state but gone, and waits until splay(). A fresh tile is collected when the run was settled
+// before: its points and its foreign vertices are then all it needs (docs/design.md, section 3).
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/quiescence/counters.h"
+#include "src/run/batch.h"
+#include "src/run/mail.h"
+#include "src/run/tile_storage.h"
+#include "src/tile/tile_triangulation.h"
+
+namespace tessera {
+
+// Hears of every batch: the harness checks that nothing is believed quiet that is not.
+class ExchangeWatch {
+ public:
+  virtual ~ExchangeWatch() = default;
+  virtual void sent(Peer self, Totals now) = 0;
+  virtual void processed(Peer self, Totals now) = 0;
+};
+
+// What all tiles of a job on one node have in common, read-only.
+struct TileContext {
+  int dimension = 3;
+  KernelKind kernel = KernelKind::flat;
+  // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
+  bool reduce = false;
+  std::vector<Box> boxes;                              // by tile; a tile with the empty box has no final cells
+  std::vector<std::vector<TileNeighbour>> neighbours;  // by tile: whom it tells first
+  std::vector<std::uint32_t> incarnations;             // by tile; empty: all 0
+  std::vector<SharedPoint> seeds;
+  std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
+  TileStorage* storage = nullptr;
+  ExchangeWatch* watch = nullptr;
+};
+
+class TileState {
+ public:
+  TileState(Peer self, const TileContext& context);
+
+  // From the image an earlier process has left, if there is a sound one, else from the tile's points.
+  Status begin();
+  Status receive(Batch batch);
+  // Processes all mail that waits. No batch is counted as processed before its points are in.
+  Status splay();
+  // Leaves an image on scratch, from which the tile also begins in a resumed run.
+  Status sleep();
+  // After quiescence: writes down what collect() of a fresh tile needs, if no image says it.
+  Status settle();
+  // What is to be stored. The tile has no triangulation any more.
+  Result<TileMesh> collect();
+  // Forgets what is on scratch, once the tile is stored.
+  Status forget();
+  // Frees the memory of a tile that need not be collected.
+  void drop();
+
+  // Updates the others must get, by now counted as sent. None is larger than batch_points_max.
+  std::vector<Batch> take_outgoing();
+
+  bool gone() const { return phase_ == Phase::gone; }
+  std::uint64_t waiting_batches() const { return mail_.batches(); }
+  std::uint64_t waiting_points() const { return mail_.points(); }
+  std::uint64_t mail_memory() const { return mail_.memory(); }
+  Totals totals() const { return counters_.totals(); }
+  std::uint64_t batches_sent() const { return batches_sent_; }
+  std::size_t memory() const;
+  const ExchangeCounts& counts() const { return counts_; }
+  std::uint32_t hops() const { return hops_; }  // the longest chain of batches that reached this tile
+
+ private:
+  enum class Phase : std::uint8_t { fresh, awake, asleep, gone };
+
+  Status build(bool announce);
+  Result<bool> restore();
+  Status build_settled();
+  std::unique_ptr<TileTriangulation> load_image(std::vector<std::byte> bytes, std::uint64_t& own_points) const;
+  Status wake();
+  Status insert(const std::vector<Batch>& mail);
+  Status put_finals(const FinalCells& finals);
+  Result<FinalCells> take_finals();
+  Error damaged(const char* what) const;
+  TileOptions options() const { return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::share_certify}; }
+
+  Peer self_;
+  const TileContext& context_;
+  Phase phase_ = Phase::fresh;
+  std::unique_ptr<TileTriangulation> triangulation_;
+  LoadedTile points_;    // kept while the tile is whole in memory
+  bool imaged_ = false;  // the image on scratch is the tile's present state
+  std::uint64_t own_points_ = 0;
+  Mail mail_;
+  std::uint32_t waiting_hops_ = 0;  // longest chain among waiting batches
+  std::uint32_t hops_ = 0;
+  std::uint64_t batches_sent_ = 0;
+  PeerCounters counters_;
+  ExchangeCounts counts_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,45 @@
+// Where a tile's bytes live while it runs: on disk in production, in memory in the harness.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/base/result.h"
+#include "src/files/names.h"
+#include "src/mesh/tile_mesh.h"
+#include "src/store/tile_store.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+
+// What a tile puts on scratch outlives the process, but for mail: a resumed run begins from it.
+// Calls for different tiles may come from different threads at once; those for one tile come one after the other.
+class TileStorage {
+ public:
+  virtual ~TileStorage() = default;
+  // Error corrupt when the points are not those that were routed.
+  virtual Result<LoadedTile> load_points(TileId tile) = 0;
+
+  using Pieces = std::vector<std::vector<std::byte>>;
+  // Replaces what was there: whatever happens, afterwards the old or the new bytes are there, or damage that read()
+  // notices.
+  virtual Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;
+  virtual Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;
+  // What was written and appended, a piece a call; none if nothing was. Error corrupt when it is damaged.
+  virtual Result<Pieces> read(TileId tile, ScratchKind what) = 0;
+  virtual Status remove(TileId tile, ScratchKind what) = 0;
+  virtual Status clear(ScratchKind what) = 0;  // of all tiles
+
+  // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw.
+  using Stored = std::function<void(Result<TileEntry>)>;
+  virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
+};
+
+// Whether a settled run has left a tile all it needs to be built by itself.
+bool can_be_built_alone(TileStorage& storage, TileId tile);
+
+}  // namespace tessera

@@ -1,0 +1,15 @@
+// What a tile is told to do next.
+#pragma once
+
+#include <cstdint>
+
+namespace tessera {
+
+enum class Work : std::uint8_t { begin, splay, sleep, settle, collect, drop };
+
+constexpr const char* name_of(Work work) {
+  constexpr const char* names[] = {"begin", "splay", "sleep", "settle", "collect", "drop"};
+  return names[static_cast<int>(work)];
+}
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+#include "src/store/duplicates.h"
+
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
+#include "src/store/direct_writer.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace store {
+
+Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs) {
+  static_assert(sizeof(DuplicatePair) == 16);
+  const fs::path final_name = duplicates_file(out);
+  TemporaryFile temporary(temporary_name(final_name));
+  WrittenPairs written;
+  std::optional<DirectWriter> file;
+  BOOST_OUTCOME_TRYV(pairs.for_each([&](const DuplicatePair& pair) -> Status {
+    if (!file) {
+      BOOST_OUTCOME_TRY(opened, DirectWriter::create(temporary.path(), final_name));
+      file.emplace(std::move(opened));
+    }
+    ++written.count;
+    return file->append(std::as_bytes(std::span(&pair, 1)));
+  }));
+  if (!file) {
+    BOOST_OUTCOME_TRYV(remove_file(final_name));  // of an earlier result in this folder
+    return written;
+  }
+  BOOST_OUTCOME_TRY(whole, file->finish());
+  written.xxh3 = whole.xxh3;
+  BOOST_OUTCOME_TRYV(publish(temporary.path(), final_name));
+  temporary.keep();
+  return written;
+}
+
+}  // namespace store
+
+Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const fs::path& out) {
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+  const auto path = duplicates_file(out);
+  std::error_code code;
+  if (!fs::exists(path, code)) return pairs;
+  BOOST_OUTCOME_TRY(bytes, read_whole(path));
+  if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
+  pairs.resize(bytes.size() / 16);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    std::memcpy(&pairs[i].first, bytes.data() + 16 * i, 8);
+    std::memcpy(&pairs[i].second, bytes.data() + 16 * i + 8, 8);
+    if (i > 0 && pairs[i - 1].first >= pairs[i].first)
+      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
+    if (pairs[i].second >= pairs[i].first)
+      return error(Errc::corrupt,
+                   path.string() + ", pair " + std::to_string(i) + ": the kept point comes after its duplicate");
+  }
+  return pairs;
+}
+
+}  // namespace tessera

@@ -1,0 +1,78 @@
+// The end of a result: the master file, the duplicates, and the manifest last.
+#include <unistd.h>
+
+#include <algorithm>
+#include <bit>
+#include <optional>
+#include <span>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "src/files/checksum.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
+#include "src/store/duplicates.h"
+#include "src/store/manifest.h"
+#include "src/store/tile_layout.h"
+#include "src/store/vtk_xml.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles) {
+  Digest sum;
+  for (const auto& entry : tiles) {
+    if (!entry.digest) return std::nullopt;
+    sum += *entry.digest;
+  }
+  return sum;
+}
+
+// Side files and temporary files of this folder's runs: worthless once the manifest is there.
+void remove_side_files(const fs::path& out) {
+  std::error_code code;
+  std::vector<fs::path> old;
+  for (fs::directory_iterator file(tiles_folder(out), code), end; !code && file != end; file.increment(code))
+    if (is_done_name(file->path()) || is_temporary_name(file->path())) old.push_back(file->path());
+  for (const auto& path : old) ::unlink(path.c_str());
+}
+
+}  // namespace
+
+Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& duplicates) {
+  static_assert(std::endian::native == std::endian::little);
+  BOOST_OUTCOME_TRYV(make_directories(tiles_folder(out)));
+  BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
+  std::sort(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  BOOST_OUTCOME_TRY(schema, store::stored_schema(manifest.schema));
+  manifest.schema = schema;
+  manifest.digest = sum_of_digests(manifest.tiles);
+
+  manifest.format_version = store::format_version;
+
+  const std::string master = store::master_text(manifest);
+  manifest.master_xxh3 = checksum(std::as_bytes(std::span(master)));
+  BOOST_OUTCOME_TRYV(write_whole(master_file(out), master));
+
+  BOOST_OUTCOME_TRY(pairs, store::write_duplicates(out, duplicates));
+  manifest.duplicates = pairs.count;
+  manifest.duplicates_xxh3 = pairs.xxh3;
+  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(manifest)));
+  remove_side_files(out);
+  return success();
+}
+
+Status finish_store(const fs::path& out, Manifest& manifest,
+                    std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates) {
+  DuplicateSort sorted(out, duplicates.size() * sizeof(DuplicatePair));
+  for (const auto& [duplicate, kept] : duplicates) {
+    BOOST_OUTCOME_TRYV(sorted.push({duplicate, kept}));
+  }
+  return finish_store(out, manifest, sorted);
+}
+
+}  // namespace tessera

@@ -1,0 +1,135 @@
+#include "src/store/packed_array.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "src/base/check.h"
+#include "src/store/block_sum.h"
+
+namespace tessera::store {
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+Bytes deflate_block(std::span<const std::byte> bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  Bytes packed(size);
+  const int result = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                               reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 1);
+  if (result == Z_MEM_ERROR) throw std::bad_alloc();
+  check(result == Z_OK, "zlib needs more room than it asked for");
+  packed.resize(size);
+  packed.shrink_to_fit();
+  return packed;
+}
+
+Status write_plain_block(std::span<const std::byte> bytes, DirectWriter& file) {
+  const auto size = static_cast<std::uint16_t>(bytes.size());
+  const auto low = [](unsigned value) { return static_cast<std::byte>(value & 0xff); };
+  // zlib's header; then: last block, stored; its size, and that inverted.
+  const std::array<std::byte, plain_head_bytes> head{
+      std::byte{0x78}, std::byte{0x01}, std::byte{0x01}, low(size), low(size >> 8u), low(~size), low((~size) >> 8u),
+  };
+  const unsigned sum = block_sum(bytes);
+  const std::array<std::byte, 4> tail{low(sum >> 24u), low(sum >> 16u), low(sum >> 8u), low(sum)};
+  BOOST_OUTCOME_TRYV(file.append(head));
+  BOOST_OUTCOME_TRYV(file.append(bytes));
+  return file.append(tail);
+}
+
+Bytes offsets_block(std::uint64_t first, std::uint64_t count, int step) {
+  std::vector<std::int32_t> values(count);
+  for (std::uint64_t i = 0; i < count; ++i)
+    values[i] = static_cast<std::int32_t>((first + i + 1) * static_cast<std::uint64_t>(step));
+  return deflate_block(std::as_bytes(std::span(values)));
+}
+
+}  // namespace
+
+PackedArray PackedArray::plain(std::span<const std::byte> bytes) {
+  PackedArray array;
+  array.bytes_ = bytes.size();
+  array.plain_ = bytes;
+  return array;
+}
+
+PackedArray PackedArray::deflated(std::span<const std::byte> bytes) {
+  PackedArray array;
+  array.bytes_ = bytes.size();
+  for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), block_bytes)))
+    array.blocks_.push_back(
+        std::make_shared<const Bytes>(deflate_block(bytes.first(std::min(bytes.size(), block_bytes)))));
+  return array;
+}
+
+PackedArray PackedArray::repeated(std::span<const std::byte> value, std::uint64_t count) {
+  PackedArray array;
+  array.bytes_ = count * value.size();
+  Bytes bytes(std::min(array.bytes_, block_bytes));
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = value[i % value.size()];
+  if (const auto whole = array.bytes_ / block_bytes; whole > 0)
+    array.blocks_.assign(whole, std::make_shared<const Bytes>(deflate_block(bytes)));
+  if (const auto rest = array.bytes_ % block_bytes; rest > 0)
+    array.blocks_.push_back(std::make_shared<const Bytes>(deflate_block(std::span(bytes).first(rest))));
+  return array;
+}
+
+PackedArray PackedArray::offsets(std::uint64_t cells, int step) {
+  constexpr std::uint64_t entries = block_bytes / 4;
+  constexpr std::uint64_t kept_blocks = 256;  // 4 million cells: 4.5 MB at most
+  static std::mutex mutex;
+  static std::map<std::pair<std::uint64_t, int>, Block> kept;
+  PackedArray array;
+  array.bytes_ = 4 * cells;
+  for (std::uint64_t first = 0; first < cells; first += entries) {
+    const std::pair key(first, step);
+    const bool keep = cells - first >= entries && first < kept_blocks * entries;
+    if (keep) {
+      const std::lock_guard lock(mutex);
+      if (const auto found = kept.find(key); found != kept.end()) {
+        array.blocks_.push_back(found->second);
+        continue;
+      }
+    }
+    // Made outside the lock: two threads may both make it, and one copy is dropped.
+    auto made = std::make_shared<const Bytes>(offsets_block(first, std::min(entries, cells - first), step));
+    if (keep) {
+      const std::lock_guard lock(mutex);
+      kept.try_emplace(key, made);
+    }
+    array.blocks_.push_back(std::move(made));
+  }
+  return array;
+}
+
+std::uint64_t PackedArray::file_bytes() const {
+  const std::uint64_t blocks = block_count(bytes_);
+  std::uint64_t size = table_bytes(blocks) + (blocks_.empty() ? bytes_ + blocks * plain_extra_bytes : 0);
+  for (const auto& block : blocks_) size += block->size();
+  return size;
+}
+
+Status PackedArray::write(DirectWriter& file) const {
+  const std::uint64_t blocks = block_count(bytes_);
+  std::vector<std::uint64_t> table{blocks, block_bytes, bytes_ % block_bytes};
+  for (const auto& block : blocks_) table.push_back(block->size());
+  for (std::uint64_t left = bytes_; blocks_.empty() && left > 0; left -= std::min(left, block_bytes))
+    table.push_back(std::min(left, block_bytes) + plain_extra_bytes);
+  BOOST_OUTCOME_TRYV(file.append(std::as_bytes(std::span(table))));
+  for (const auto& block : blocks_) {
+    BOOST_OUTCOME_TRYV(file.append(*block));
+  }
+  for (std::uint64_t at = 0; at < plain_.size(); at += block_bytes) {
+    BOOST_OUTCOME_TRYV(write_plain_block(plain_.subspan(at, std::min(block_bytes, plain_.size() - at)), file));
+  }
+  return success();
+}
+
+}  // namespace tessera::store

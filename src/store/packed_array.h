@@ -1,0 +1,46 @@
+// Arrays as VTK XML files hold them with vtkZLibDataCompressor: a table of sizes, then blocks, each a zlib stream.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/store/direct_writer.h"
+
+namespace tessera::store {
+
+// Bytes of a block before it is packed. One stored block of deflate holds at most 65535; 65520 is a whole number of
+// all types, of points, and of rows of 3 or 4 numbers.
+inline constexpr std::uint64_t block_bytes = 65520;
+// What a plain block has more than its bytes: two of zlib, five of deflate, and a checksum.
+inline constexpr std::uint64_t plain_head_bytes = 7, plain_extra_bytes = plain_head_bytes + 4;
+
+constexpr std::uint64_t block_count(std::uint64_t bytes) { return (bytes + block_bytes - 1) / block_bytes; }
+// Of the table before the blocks.
+constexpr std::uint64_t table_bytes(std::uint64_t blocks) { return 8 * (3 + blocks); }
+
+class PackedArray {
+ public:
+  // `bytes` are copied when they are written, and must stay until then.
+  static PackedArray plain(std::span<const std::byte> bytes);
+  static PackedArray deflated(std::span<const std::byte> bytes);
+  // `count` times these bytes, 1, 2 or 4.
+  static PackedArray repeated(std::span<const std::byte> value, std::uint64_t count);
+  // step, 2 step, ..., cells step as i32. Blocks are the same in every tile, so the first ones are made once a process.
+  static PackedArray offsets(std::uint64_t cells, int step);
+
+  std::uint64_t file_bytes() const;
+  Status write(DirectWriter& file) const;
+
+ private:
+  using Block = std::shared_ptr<const std::vector<std::byte>>;
+
+  std::uint64_t bytes_ = 0;           // before packing
+  std::span<const std::byte> plain_;  // when there are no blocks_
+  std::vector<Block> blocks_;
+};
+
+}  // namespace tessera::store

@@ -1,0 +1,136 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <set>
+#include <string>
+
+#include "src/files/checksum.h"
+#include "src/files/disk_file.h"
+#include "src/files/mapped_file.h"
+#include "src/files/names.h"
+#include "src/files/output_file.h"
+#include "tests/files/files_testing.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Files : public FolderFixture {};
+
+std::string text_of(const fs::path& path) { return std::string(as_text(read_whole(path).value())); }
+
+TEST_F(Files, AWholeFileReplacesTheOldOneAndLeavesNoTemporaryName) {
+  const auto path = folder() / "whole";
+  ASSERT_TRUE(write_whole(path, std::string_view("a longer text")));
+  ASSERT_TRUE(write_whole(path, std::string_view("short")));
+  EXPECT_EQ(text_of(path), "short");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder()), fs::directory_iterator()), 1);
+}
+
+TEST_F(Files, ErrorsNameTheFileThatWasWantedAndWhatTheSystemSays) {
+  const auto path = folder() / "no" / "file";
+  EXPECT_EQ(write_whole(path, std::string_view("x")).error().where,
+            path.string() + ": cannot create: No such file or directory");
+  EXPECT_EQ(read_whole(path).error().where, path.string() + ": cannot open: No such file or directory");
+  EXPECT_EQ(read_whole(folder()).error().where, folder().string() + ": is not a file");
+  EXPECT_EQ(OutputFile::create(path).error().where, path.string() + ": cannot be written: No such file or directory");
+}
+
+TEST_F(Files, ADiskFileIsReadInPiecesAsItWasAppended) {
+  const auto path = folder() / "disk";
+  for (const char* part : {"abc", "de"}) {
+    auto file = DiskFile::open(path, DiskFile::Mode::append).value();
+    ASSERT_TRUE(file.write(to_bytes(part)));
+    ASSERT_TRUE(file.close());
+  }
+  auto file = DiskFile::open(path, DiskFile::Mode::read).value();
+  EXPECT_EQ(file.size().value(), 5u);
+  std::vector<std::byte> piece(3);
+  EXPECT_EQ(file.read(piece).value(), 3u);
+  EXPECT_EQ(as_text(piece), "abc");
+  EXPECT_EQ(file.read(piece).value(), 2u);
+  EXPECT_EQ(file.read(piece).value(), 0u);
+  EXPECT_EQ(as_text(MappedFile::open(path).value().bytes()), "abcde");
+}
+
+TEST_F(Files, AnOutputFileIsThereOnceItIsCommitted) {
+  const auto path = folder() / "output";
+  {
+    auto file = OutputFile::create(path).value();
+    ASSERT_TRUE(file.append("abc"));
+  }
+  EXPECT_TRUE(fs::is_empty(folder()));
+  auto file = OutputFile::create(path).value();
+  ASSERT_TRUE(file.append("header"));
+  ASSERT_TRUE(file.append(std::string(3'000'000, 'x')));
+  ASSERT_TRUE(file.overwrite(0, to_bytes("HEAD")));
+  ASSERT_TRUE(file.append("end"));
+  EXPECT_FALSE(fs::exists(path));
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(text_of(path), "HEADer" + std::string(3'000'000, 'x') + "end");
+}
+
+TEST_F(Files, ANamelessFileIsNowhereInItsFolder) {
+  auto file = nameless_file(folder()).value();
+  ASSERT_TRUE(write_at(file.get(), to_bytes("abc"), 2, folder()));
+  std::vector<std::byte> bytes(8);
+  EXPECT_EQ(read_up_to(file.get(), bytes, 1, folder()).value(), 4u);
+  EXPECT_TRUE(fs::is_empty(folder()));
+}
+
+TEST_F(Files, TheSumsOfRecordsAddUpHoweverTheyAreCutAndTellTheirOrder) {
+  std::vector<std::uint64_t> records{5, 5, 6, 7};
+  const auto bytes = [&] { return std::as_bytes(std::span(records)); };
+  const auto sum = record_checksum(bytes(), 8, 10);
+  EXPECT_EQ(sum, record_checksum(bytes().first(8), 8, 10) + record_checksum(bytes().subspan(8), 8, 11));
+  EXPECT_NE(sum, record_checksum(bytes(), 8, 11));
+  std::swap(records[1], records[2]);
+  EXPECT_NE(sum, record_checksum(bytes(), 8, 10));
+}
+
+TEST_F(Files, NamesInAResultFolderAreToldApart) {
+  const TileId tile{42};
+  std::set<fs::path> names{manifest_file("r"),
+                           master_file("r"),
+                           master_file("r", 1),
+                           tiles_folder("r"),
+                           tile_file("r", tile),
+                           tile_file("r", tile, 1),
+                           done_file("r", tile),
+                           duplicates_file("r"),
+                           report_file("r"),
+                           lock_folder("r"),
+                           run_folder("r"),
+                           new_run_folder("r"),
+                           plan_file("r"),
+                           points_folder("r"),
+                           attributes_folder("r"),
+                           points_file("r", tile),
+                           attributes_file("r", tile),
+                           split_points_file("r"),
+                           split_attributes_file("r"),
+                           settled_marker("r")};
+  std::size_t expected = 20;
+  for (const auto kind : scratch_kinds) {
+    names.insert(scratch_folder("r", kind));
+    names.insert(scratch_file("r", kind, tile));
+    expected += 2;
+  }
+  EXPECT_EQ(names.size(), expected);
+  EXPECT_EQ(tile_file("r", tile), "r/tiles/000042.vtu");
+  EXPECT_EQ(scratch_file("r", ScratchKind::mail, tile), "r/mail/000042.bin");
+  EXPECT_TRUE(is_tile_name(temporary_name(tile_file("r", tile))));
+  EXPECT_TRUE(is_done_name(done_file("r", tile)));
+  EXPECT_TRUE(is_temporary_name(temporary_name(tile_file("r", tile))));
+  EXPECT_TRUE(is_result_name(temporary_name(manifest_file("r"))));
+  EXPECT_TRUE(is_result_name(master_file("r", 1)));
+  EXPECT_FALSE(is_result_name("r/notes.txt"));
+  EXPECT_FALSE(is_tile_name("r/tiles/mine.vtu"));
+}
+
+}  // namespace
+}  // namespace tessera

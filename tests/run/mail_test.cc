@@ -1,0 +1,82 @@
+#include "src/run/mail.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+// Keeps mail alone.
+class Scratch final : public TileStorage {
+ public:
+  Result<LoadedTile> load_points(TileId) override { return LoadedTile{}; }
+  Status write(TileId, ScratchKind, std::span<const std::byte>) override { return success(); }
+  Status append(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
+    EXPECT_EQ(what, ScratchKind::mail);
+    pieces.emplace_back(bytes.begin(), bytes.end());
+    return success();
+  }
+  Result<Pieces> read(TileId, ScratchKind) override { return pieces; }
+  Status remove(TileId, ScratchKind) override {
+    pieces.clear();
+    return success();
+  }
+  Status clear(ScratchKind) override { return success(); }
+  void store(TileId, TileMesh, Stored) override {}
+  Pieces pieces;
+};
+
+Batch batch(std::uint32_t from, std::size_t points) {
+  Batch b{{TileId{from}, 3}, {TileId{9}, 1}, from + 7, {}};
+  for (std::size_t i = 0; i < points; ++i) b.points.push_back({{1.5, -2, 5e-324}, 100 * from + i, from, 0});
+  return b;
+}
+
+TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
+  for (const std::uint64_t points_max : {0u, 4u, 100u}) {
+    Scratch scratch;
+    Mail mail(TileId{9}, points_max);
+    for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(mail.add(batch(from, from), scratch));
+    EXPECT_EQ(mail.batches(), 4u);
+    EXPECT_EQ(mail.points(), 6u);
+    const auto taken = mail.take(scratch);
+    ASSERT_TRUE(taken);
+    ASSERT_EQ(taken.value().size(), 4u);
+    for (std::uint32_t from = 0; from < 4; ++from) {
+      const Batch& b = taken.value()[from];
+      EXPECT_EQ(b.from, batch(from, from).from);
+      EXPECT_EQ(b.to, batch(from, from).to);
+      EXPECT_EQ(b.hops, from + 7);
+      EXPECT_EQ(b.points, batch(from, from).points);
+    }
+    EXPECT_EQ(mail.batches(), 0u);
+    EXPECT_TRUE(scratch.pieces.empty());
+    EXPECT_TRUE(mail.take(scratch).value().empty());
+  }
+}
+
+TEST(Mail, HoldsNoMorePointsInMemoryThanItMay) {
+  Scratch scratch;
+  Mail mail(TileId{9}, 100);
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(mail.add(batch(1, 30), scratch));
+    EXPECT_LE(mail.memory(), 130 * sizeof(SharedPoint) + 16 * sizeof(Batch));
+  }
+  EXPECT_EQ(mail.points(), 30'000u);
+  EXPECT_EQ(mail.take(scratch).value().size(), 1000u);
+}
+
+TEST(Mail, WhatIsMissingOnScratchIsNoticed) {
+  Scratch scratch;
+  Mail mail(TileId{9}, 0);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(mail.add(batch(1, 5), scratch));
+  scratch.pieces.pop_back();
+  const auto taken = mail.take(scratch);
+  ASSERT_FALSE(taken);
+  EXPECT_EQ(taken.error().code, Errc::corrupt);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,166 @@
+#include "src/run/schedule.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace tessera {
+namespace {
+
+using Stage = Schedule::Stage;
+
+ScheduleOptions options(std::uint32_t threads, std::uint64_t memory) {
+  return {.threads = threads, .memory_bytes = memory, .begin_bytes = 10, .collect_bytes = 10, .mail_bytes = 1};
+}
+
+// "begin 0, sleep 1": everything that is granted now.
+std::string granted(Schedule& schedule) {
+  std::string text;
+  while (const auto grant = schedule.next()) {
+    text += (text.empty() ? "" : ", ") + std::string(name_of(grant->work)) + " " + std::to_string(grant->tile.value);
+  }
+  return text;
+}
+
+TEST(Schedule, GrantsAsManyAsThereAreThreadsAndBeginsEveryTileFirst) {
+  Schedule schedule(options(2, 1000), {10, 0, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 2");
+  schedule.mail(TileId{3}, {1, 50, 100});
+  schedule.done(TileId{0}, Work::begin, 100, {1, 5, 10});
+  EXPECT_EQ(granted(schedule), "begin 3") << "tile 0 has mail, but not all have begun";
+  EXPECT_FALSE(schedule.all_begun());
+  schedule.done(TileId{2}, Work::begin, 100, {});
+  schedule.done(TileId{3}, Work::begin, 100, {1, 50, 100});
+  EXPECT_TRUE(schedule.all_begun());
+  EXPECT_EQ(granted(schedule), "splay 3, splay 0") << "most mail first";
+  EXPECT_FALSE(schedule.idle());
+  schedule.done(TileId{3}, Work::splay, 100, {});
+  schedule.done(TileId{0}, Work::splay, 100, {});
+  EXPECT_TRUE(schedule.idle());
+}
+
+TEST(Schedule, AnEmptyBatchIsProcessedToo) {
+  Schedule schedule(options(1, 1000), {10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 100, {1, 0, 0});
+  EXPECT_FALSE(schedule.idle());
+  EXPECT_EQ(granted(schedule), "splay 0");
+}
+
+TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
+  Schedule schedule(options(4, 350), {10, 10, 10, 20});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::begin, 100, {});
+  // 300 held; the fourth wants 200: two must go, and what they free counts once, not again at every call.
+  EXPECT_EQ(granted(schedule), "sleep 0, sleep 1");
+  EXPECT_EQ(granted(schedule), "");
+  schedule.done(TileId{0}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "");
+  schedule.done(TileId{1}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "begin 3");
+  EXPECT_EQ(schedule.memory(), 300u);
+  EXPECT_EQ(schedule.asleep(), 2u);
+}
+
+TEST(Schedule, ATileThatFitsNowhereWorksAloneRatherThanNever) {
+  Schedule schedule(options(2, 50), {10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 60, {});
+  EXPECT_EQ(granted(schedule), "sleep 0");
+  schedule.done(TileId{0}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "begin 1");
+}
+
+TEST(Schedule, MailOfTilesThatSleepOrHaveNotBegunIsCounted) {
+  Schedule schedule(options(1, 1000), {10, 10});
+  schedule.mail(TileId{1}, {1, 10, 400});
+  EXPECT_EQ(schedule.memory(), 400u);
+  schedule.mail(TileId{1}, {2, 20, 800});
+  EXPECT_EQ(schedule.memory(), 800u);
+  schedule.mail(TileId{1}, {3, 30, 0});  // spilled
+  EXPECT_EQ(schedule.memory(), 0u);
+}
+
+TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
+  Schedule schedule(options(4, 10'000), {10, 10, 10});
+  schedule.set_stored(TileId{1});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::begin, 100, {});
+  EXPECT_TRUE(schedule.idle());
+  schedule.enter(Stage::settling);
+  EXPECT_EQ(granted(schedule), "settle 0, settle 1, settle 2");
+  for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::settle, 100, {});
+  EXPECT_TRUE(schedule.idle());
+  schedule.enter(Stage::collecting);
+  EXPECT_EQ(granted(schedule), "collect 0, drop 1, collect 2");
+  schedule.done(TileId{1}, Work::drop, 0, {});
+  schedule.done(TileId{0}, Work::collect, 0, {}, 70);
+  schedule.done(TileId{2}, Work::collect, 0, {}, 70);
+  EXPECT_EQ(schedule.memory(), 140u) << "meshes on their way count";
+  EXPECT_FALSE(schedule.idle());
+  schedule.stored(TileId{2});
+  schedule.stored(TileId{0});
+  EXPECT_EQ(schedule.memory(), 0u);
+  EXPECT_TRUE(schedule.idle());
+}
+
+TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreads) {
+  Schedule schedule(options(1, 10'000), {10, 10, 10, 10});
+  schedule.enter(Stage::collecting);  // settled before: the tiles are built and collected at once
+  std::uint32_t waiting = 0;
+  while (const auto grant = schedule.next()) {
+    EXPECT_EQ(grant->work, Work::collect);
+    schedule.done(grant->tile, Work::collect, 0, {}, 1);
+    ++waiting;
+  }
+  EXPECT_EQ(waiting, 2u);
+}
+
+TEST(Schedule, AnInterruptedPartPutsEveryTileToSleepAndNothingElse) {
+  Schedule schedule(options(1, 1000), {10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 100, {1, 5, 5});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.enter(Stage::suspending);
+  EXPECT_EQ(granted(schedule), "");
+  schedule.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "sleep 1");
+  schedule.done(TileId{1}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "sleep 0");
+  EXPECT_FALSE(schedule.idle());
+  schedule.done(TileId{0}, Work::sleep, 0, {1, 5, 5});
+  EXPECT_TRUE(schedule.idle()) << "the third tile need not begin";
+}
+
+TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
+  Schedule schedule(options(2, 1000), {10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 1");
+  schedule.enter(Stage::stopping);
+  schedule.abandon(TileId{0});
+  EXPECT_FALSE(schedule.idle());
+  schedule.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_TRUE(schedule.idle());
+}
+
+// 20,000 tiles with mail: were each grant to look at all of them, this would take minutes.
+TEST(Schedule, ManyTilesCostLittle) {
+  constexpr std::uint32_t tiles = 20'000;
+  Schedule schedule(options(2, std::uint64_t{1} << 40), std::vector<std::uint64_t>(tiles, 1));
+  const auto work_once = [&] {
+    const auto grant = schedule.next();
+    ASSERT_TRUE(grant);
+    const bool begins = grant->work == Work::begin;
+    schedule.done(grant->tile, grant->work, 10, begins ? Schedule::Waiting{1, 3, 120} : Schedule::Waiting{});
+  };
+  for (std::uint32_t t = 0; t < tiles; ++t) work_once();
+  EXPECT_TRUE(schedule.all_begun());
+  for (int round = 0; round < 20; ++round) {
+    for (std::uint32_t t = 0; t < tiles; ++t) schedule.mail(TileId{t}, {2, t + 1u, 40});
+    for (std::uint32_t t = 0; t < tiles; ++t) work_once();
+  }
+  EXPECT_TRUE(schedule.idle());
+}
+
+}  // namespace
+}  // namespace tessera

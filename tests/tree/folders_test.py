@@ -1,0 +1,84 @@
+"""What README.md says of the folders, what CMake links, and what is included agree; and files are short."""
+
+import os
+import pathlib
+import unittest
+
+import tree
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+LINKS = pathlib.Path(os.environ["LINKS"])
+LINES_MAX = 350
+
+
+class Folders(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.files = tree.files(SOURCE)
+        cls.rooms = tree.rooms((SOURCE / "README.md").read_text())
+        cls.texts = {path: (SOURCE / path).read_text() for path in cls.files if path.endswith(tree.CODE)}
+        cls.walls = tree.Walls(tree.targets(LINKS.read_text()), cls.texts)
+
+    maxDiff = None
+
+    def test_every_folder_that_the_readme_lists_exists(self):
+        self.assertGreater(len(self.rooms), 20)
+        gone = [room for room in self.rooms if not any(path.startswith(room + "/") for path in self.files)]
+        self.assertEqual(gone, [])
+        self.assertEqual(len(set(self.rooms)), len(self.rooms))
+
+    def test_the_readme_lists_every_folder(self):
+        without = [path for path in self.files if "/" in path and tree.room_of(path, self.rooms) is None]
+        without.remove("src/CMakeLists.txt")
+        self.assertEqual(without, [])
+
+    def test_a_folder_knows_only_what_stands_above_it(self):
+        order = {room: place for place, room in enumerate(self.rooms)}
+        wrong = []
+        for path, text in self.texts.items():
+            room = tree.room_of(path, self.rooms)
+            for name in tree.includes(text):
+                other = tree.room_of(tree.place_of(name), self.rooms)
+                if not name.endswith(".pb.h") and (other is None or order[other] > order[room]):
+                    wrong.append(f"{path} includes {name}")
+        self.assertEqual(wrong, [])
+
+    def test_headers_are_named_from_the_project_folder(self):
+        wrong = [f"{path} includes {name}" for path, text in self.texts.items() for name in tree.includes(text)
+                 if tree.place_of(name) not in self.texts and not name.endswith(".pb.h")]
+        self.assertEqual(wrong, [])
+
+    def test_every_source_belongs_to_a_target(self):
+        # The example is a project of its own; fuzz targets, benchmarks and the Python package are not in every build.
+        built = {target.folder.split("/")[0] for target in self.walls.targets.values()}
+        without = [path for path in self.texts if path.endswith(".cc") and path not in self.walls.source_of]
+        self.assertEqual([path for path in without if path.split("/")[0] in built
+                          and not path.startswith("tests/fuzz/fuzz_")], [])
+
+    def test_what_is_included_is_linked_by_the_target_itself(self):
+        wrong = []
+        for target in self.walls.targets.values():
+            public, private = self.walls.needs(target)
+            for needed, links, how in ((public, target.public, "PUBLIC"), (private, target.links, "itself")):
+                wrong += [f"{why}, but {target.name} does not link {name or 'any such target'} {how}"
+                          for name, why in needed.items() if name not in links]
+        self.assertEqual(wrong, [])
+
+    def test_what_is_linked_is_included(self):
+        wrong = []
+        for target in self.walls.targets.values():
+            public, private = self.walls.needs(target)
+            wrong += [f"{target.name} links {name} for nothing" for name in target.links - {*public, *private}]
+            if target.shows_its_headers:
+                wrong += [f"{target.name} links {name} PUBLIC, but only sources include it"
+                          for name in target.public & {*private}]
+        self.assertEqual(wrong, [])
+
+    def test_no_source_file_is_longer_than_350_lines(self):
+        lengths = {path: len((SOURCE / path).read_text().splitlines()) for path in self.files
+                   if path.endswith(tree.SOURCES)}
+        self.assertEqual([f"{path}: {lines}" for path, lines in lengths.items() if lines > LINES_MAX], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

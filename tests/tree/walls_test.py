@@ -1,0 +1,65 @@
+"""The compiler finds headers of what a target links, and no others."""
+
+import json
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import unittest
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+COMMANDS = json.loads((pathlib.Path(os.environ["LINKS"]).parent / "compile_commands.json").read_text())
+
+
+def command_for(path):
+    found = [entry for entry in COMMANDS if pathlib.Path(entry["file"]) == SOURCE / path]
+    if len(found) != 1:
+        raise AssertionError(f"{path} is compiled {len(found)} times")
+    return found[0]
+
+
+def words_of(entry):
+    return shlex.split(entry["command"])
+
+
+def include_roots(entry):
+    words = words_of(entry)
+    return [word[2:] for word in words if word.startswith("-I")] + [
+        after for word, after in zip(words, words[1:]) if word == "-isystem"]
+
+
+class Walls(unittest.TestCase):
+    def compiles(self, as_if, header):
+        entry = command_for(as_if)
+        words = words_of(entry)
+        words = words[: words.index("-o")]
+        done = subprocess.run([*words, "-fsyntax-only", "-x", "c++", "-"], cwd=entry["directory"], text=True,
+                              input=f'#include "{header}"\n', capture_output=True)
+        if done.returncode != 0:
+            self.assertRegex(done.stderr, re.escape(header) + "(: No such file|' file not found)")
+        return done.returncode == 0
+
+    def test_a_header_of_a_linked_library_is_found(self):
+        self.assertTrue(self.compiles("src/store/manifest.cc", "src/mesh/tile_mesh.h"))
+        self.assertTrue(self.compiles("src/store/manifest.cc", "src/store/tile_store.h"))
+
+    def test_a_header_of_what_is_linked_publicly_by_a_linked_library_is_found(self):
+        self.assertTrue(self.compiles("src/export/export.cc", "src/mesh/tile_mesh.h"))
+
+    def test_a_header_of_a_library_that_is_not_linked_is_not_found(self):
+        self.assertFalse(self.compiles("src/store/manifest.cc", "src/tile/collect.h"))
+        self.assertFalse(self.compiles("src/tile/collect.cc", "src/io/reader.h"))
+        self.assertFalse(self.compiles("src/kernel/kernel.cc", "tests/kernel/kernel_testing.h"))
+
+    def test_a_header_of_what_a_linked_library_links_privately_is_not_found(self):
+        self.assertFalse(self.compiles("src/job/plan.cc", "src/harness/clouds.h"))
+
+    def test_no_source_sees_the_folder_of_the_project(self):
+        wrong = [f"{entry['file']}: {root}" for entry in COMMANDS for root in include_roots(entry)
+                 if pathlib.Path(root) in (SOURCE, SOURCE / "src", SOURCE / "tests")]
+        self.assertEqual(wrong, [])
+
+
+if __name__ == "__main__":
+    unittest.main()
