@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "src/kernel/exact_predicates.h"
+#include "src/predicates/exact/predicates.h"
 
 namespace tessera {
 namespace {
@@ -31,9 +31,9 @@ double squared_distance(const Point& p, const Point& q) {
 template <int d>
 int orientation(const std::array<Point, 4>& p) {
   if constexpr (d == 3) {
-    return exact::orient3(p[0], p[1], p[2], p[3]);
+    return exact::orientation_3(p[0], p[1], p[2], p[3]);
   } else {
-    return exact::orient2(p[0], p[1], p[2]);
+    return exact::orientation_2(p[0], p[1], p[2]);
   }
 }
 

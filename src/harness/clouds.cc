@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "src/base/check.h"
-#include "src/kernel/kernel.h"
+#include "src/predicates/exact/predicates.h"
 
 namespace tessera {
 namespace {
@@ -52,10 +52,10 @@ bool spans(const std::vector<LocalPoint>& points, int d) {
   const Point &a = points[0].at, &b = points[1].at;
   for (std::size_t i = 2; i < points.size(); ++i) {
     const Point& c = points[i].at;
-    if (d == 2 ? orientation_2(a, b, c) != 0 : !collinear_3(a, b, c)) {
+    if (d == 2 ? exact::orientation_2(a, b, c) != 0 : !exact::collinear_3(a, b, c)) {
       if (d == 2) return true;
       for (const LocalPoint& p : points) {
-        if (orientation_3(a, b, c, p.at) != 0) return true;
+        if (exact::orientation_3(a, b, c, p.at) != 0) return true;
       }
       return false;
     }

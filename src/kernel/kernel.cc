@@ -2,8 +2,8 @@
 
 #include <cassert>
 
-#include "src/kernel/cgal_kernels.h"
-#include "src/kernel/flat_kernel.h"
+#include "src/kernel/cgal/cgal_kernels.h"
+#include "src/kernel/flat/flat_kernel.h"
 
 namespace tessera {
 

@@ -1,6 +1,6 @@
 #include "src/tiling/span_finder.h"
 
-#include "src/kernel/kernel.h"
+#include "src/predicates/exact/predicates.h"
 
 namespace tessera {
 
@@ -33,9 +33,9 @@ bool SpanFinder::extends(const Point& p) const {
     case 0:
       return true;
     case 1:
-      return dimension_ == 2 ? orientation_2(a, span_[1].at, p) != 0 : !collinear_3(a, span_[1].at, p);
+      return dimension_ == 2 ? exact::orientation_2(a, span_[1].at, p) != 0 : !exact::collinear_3(a, span_[1].at, p);
     default:
-      return orientation_3(a, span_[1].at, span_[2].at, p) != 0;
+      return exact::orientation_3(a, span_[1].at, span_[2].at, p) != 0;
   }
 }
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "src/base/check.h"
-#include "src/kernel/kernel.h"
+#include "src/predicates/independent/predicates.h"
 
 namespace tessera {
 
@@ -46,8 +46,8 @@ Error Hull::wrong_facet(const HullFacet& facet, const std::string& reason) const
 }
 
 int Hull::orientation(const HullFacet& facet, const Point& p) const {
-  return dimension_ == 2 ? orientation_2(facet.at[0], facet.at[1], p)
-                         : orientation_3(facet.at[0], facet.at[1], facet.at[2], p);
+  return dimension_ == 2 ? independent::orientation_2(facet.at[0], facet.at[1], p)
+                         : independent::orientation_3(facet.at[0], facet.at[1], facet.at[2], p);
 }
 
 Status Hull::add(const HullFacet& facet, const Core& cell) {

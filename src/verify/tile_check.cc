@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/files/checksum.h"
-#include "src/kernel/kernel.h"
+#include "src/predicates/independent/predicates.h"
 
 namespace tessera {
 
@@ -96,8 +96,8 @@ class TileCheck {
     if (!any_own) return wrong(c, "has no vertex of this tile");
     if (inner && mesh_.cell_ghost[c] != 0) return wrong(c, "is not main, though all its vertices are this tile's own");
     int orientation = 0;
-    if constexpr (D == 2) orientation = orientation_2(at(c, 0), at(c, 1), at(c, 2));
-    if constexpr (D == 3) orientation = orientation_3(at(c, 0), at(c, 1), at(c, 2), at(c, 3));
+    if constexpr (D == 2) orientation = independent::orientation_2(at(c, 0), at(c, 1), at(c, 2));
+    if constexpr (D == 3) orientation = independent::orientation_3(at(c, 0), at(c, 1), at(c, 2), at(c, 3));
     if (orientation <= 0) return wrong(c, "is not positively oriented");
     if (inner) return success();
     return emit_copy(c);
@@ -205,8 +205,9 @@ class TileCheck {
       for (std::size_t j = 0; j < i; ++j) inversions += place[j] > place[i] ? 1 : 0;
     if (inversions % 2 == 0) return wrong(c, "lies on the same side of a facet as " + name(n));
     int inside = 0;
-    if constexpr (D == 2) inside = in_circle_perturbed_2(at(c, 0), at(c, 1), at(c, 2), at(n, back));
-    if constexpr (D == 3) inside = in_sphere_perturbed_3(at(c, 0), at(c, 1), at(c, 2), at(c, 3), at(n, back));
+    if constexpr (D == 2) inside = independent::in_circle_perturbed_2(at(c, 0), at(c, 1), at(c, 2), at(n, back));
+    if constexpr (D == 3)
+      inside = independent::in_sphere_perturbed_3(at(c, 0), at(c, 1), at(c, 2), at(c, 3), at(n, back));
     if (inside >= 0)
       return wrong(c, std::string("is not Delaunay: vertex ") + std::to_string(mesh_.ids[vertex(n, back)]) + " of " +
                           name(n) + " is inside its circum" + (D == 2 ? "circle" : "sphere") +

@@ -10,7 +10,7 @@
 #include <thread>
 #include <tuple>
 
-#include "src/kernel/exact_predicates.h"
+#include "src/predicates/exact/predicates.h"
 #include "tests/api/api_testing.h"
 
 namespace tessera {
@@ -28,7 +28,7 @@ Point point_of(std::span<const double> coordinates, int dimension, std::size_t i
 }
 
 int orientation(const std::array<Point, 4>& p, int dimension) {
-  return dimension == 3 ? exact::orient3(p[0], p[1], p[2], p[3]) : exact::orient2(p[0], p[1], p[2]);
+  return dimension == 3 ? exact::orientation_3(p[0], p[1], p[2], p[3]) : exact::orientation_2(p[0], p[1], p[2]);
 }
 
 std::array<Point, 4> corners_of(const Delaunay& t, std::size_t simplex) {

@@ -4,7 +4,7 @@
 #include <array>
 #include <stop_token>
 
-#include "src/kernel/kernel.h"
+#include "src/predicates/independent/predicates.h"
 #include "src/tiling/partition.h"
 #include "src/verify/verify.h"
 
@@ -79,8 +79,8 @@ class TileFileCheck {
   std::string cell(std::size_t c) const {
     const std::int32_t* v = corner(c);
     const auto& p = m_.points;
-    const int sign = m_.dimension == 3 ? orientation_3(p[v[0]], p[v[1]], p[v[2]], p[v[3]])
-                                       : orientation_2(p[v[0]], p[v[1]], p[v[2]]);
+    const int sign = m_.dimension == 3 ? independent::orientation_3(p[v[0]], p[v[1]], p[v[2]], p[v[3]])
+                                       : independent::orientation_2(p[v[0]], p[v[1]], p[v[2]]);
     if (sign <= 0) return "not positively oriented";
     const IdCell ids = ids_of(c);
     if (!std::binary_search(expected_.cells.begin(), expected_.cells.end(), ids)) return "not in the triangulation";

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "src/predicates/independent/predicates.h"
 #include "tests/kernel/differential.h"
 
 namespace tessera::testing {
@@ -127,8 +128,8 @@ class Run {
     const auto& list = pair_.frozen().vertices;
     for (std::size_t c = 0; c < list.size(); c += corners()) {
       const auto at = [&](std::size_t i) { return pair_.flat().point(list[c + i]); };
-      const int side = dimension() == 2 ? in_circle_perturbed_2(at(0), at(1), at(2), p)
-                                        : in_sphere_perturbed_3(at(0), at(1), at(2), at(3), p);
+      const int side = dimension() == 2 ? independent::in_circle_perturbed_2(at(0), at(1), at(2), p)
+                                        : independent::in_sphere_perturbed_3(at(0), at(1), at(2), at(3), p);
       if (side > 0) return false;
     }
     return true;

@@ -4,7 +4,8 @@
 #include <array>
 #include <span>
 
-#include "src/kernel/flat_kernel.h"
+#include "src/kernel/flat/flat_kernel.h"
+#include "src/predicates/independent/predicates.h"
 #include "src/tile/circumsphere.h"
 
 namespace tessera::testing {
@@ -75,9 +76,9 @@ bool mutual(const CellView& view, std::size_t c, std::size_t i) {
 
 bool positive(const Kernel& kernel, const Vertex* v) {
   if (kernel.max_dimension() == 2) {
-    return orientation_2(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2])) > 0;
+    return independent::orientation_2(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2])) > 0;
   }
-  return orientation_3(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2]), kernel.point(v[3])) > 0;
+  return independent::orientation_3(kernel.point(v[0]), kernel.point(v[1]), kernel.point(v[2]), kernel.point(v[3])) > 0;
 }
 
 // Orientation, mutual neighbours and common facets; across the border of the hole too. "" if all is well.

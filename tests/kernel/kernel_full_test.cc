@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/harness/clouds.h"
-#include "src/kernel/flat_kernel.h"
+#include "src/kernel/flat/flat_kernel.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

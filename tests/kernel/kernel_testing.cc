@@ -10,6 +10,7 @@
 #include <span>
 
 #include "src/harness/clouds.h"
+#include "src/predicates/independent/predicates.h"
 
 namespace tessera::testing {
 namespace {
@@ -155,7 +156,7 @@ std::string wrong_with(const Kernel& kernel) {
   const std::size_t cells = list.vertices.size() / corners;
   const auto vertex = [&](std::size_t c, std::size_t i) { return list.vertices[c * corners + i]; };
   const auto orientation = [&](std::span<const Point> p) {
-    return d == 3 ? orientation_3(p[0], p[1], p[2], p[3]) : orientation_2(p[0], p[1], p[2]);
+    return d == 3 ? independent::orientation_3(p[0], p[1], p[2], p[3]) : independent::orientation_2(p[0], p[1], p[2]);
   };
   for (std::size_t c = 0; c < cells; ++c) {
     const std::string at = "cell " + std::to_string(c) + ": ";
@@ -192,8 +193,8 @@ std::string wrong_with(const Kernel& kernel) {
         if (orientation(with) >= 0) return at + "infinite, and its neighbour on the same side";
       }
       if (infinite != corners) continue;
-      const int side =
-          d == 3 ? in_sphere_perturbed_3(p[0], p[1], p[2], p[3], e) : in_circle_perturbed_2(p[0], p[1], p[2], e);
+      const int side = d == 3 ? independent::in_sphere_perturbed_3(p[0], p[1], p[2], p[3], e)
+                              : independent::in_circle_perturbed_2(p[0], p[1], p[2], e);
       if (side >= 0) return at + "a neighbour's vertex is inside its circumsphere";
     }
   }

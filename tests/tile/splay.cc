@@ -6,6 +6,7 @@
 #include <set>
 
 #include "src/kernel/kernel.h"
+#include "src/predicates/independent/predicates.h"
 
 namespace tessera::testing {
 namespace {
@@ -26,9 +27,9 @@ std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const
     bool independent = p != a;
     if (chosen.size() == 2) {
       const Point& b = points[chosen[1]].at;
-      independent = d == 2 ? orientation_2(a, b, p) != 0 : !collinear_3(a, b, p);
+      independent = d == 2 ? independent::orientation_2(a, b, p) != 0 : !independent::collinear_3(a, b, p);
     } else if (chosen.size() == 3) {
-      independent = orientation_3(a, points[chosen[1]].at, points[chosen[2]].at, p) != 0;
+      independent = independent::orientation_3(a, points[chosen[1]].at, points[chosen[2]].at, p) != 0;
     }
     if (independent) chosen.push_back(i);
   }
@@ -147,8 +148,8 @@ std::string inconsistency(const TileMesh& m, std::uint32_t self) {
     const std::int32_t* v = &m.cells[static_cast<std::size_t>(c) * corners];
     const std::int32_t* n = &m.neighbors[static_cast<std::size_t>(c) * corners];
     const std::string at = "cell " + std::to_string(c) + ": ";
-    const int sign = d == 3 ? orientation_3(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]])
-                            : orientation_2(m.points[v[0]], m.points[v[1]], m.points[v[2]]);
+    const int sign = d == 3 ? independent::orientation_3(m.points[v[0]], m.points[v[1]], m.points[v[2]], m.points[v[3]])
+                            : independent::orientation_2(m.points[v[0]], m.points[v[1]], m.points[v[2]]);
     if (sign <= 0) return at + "not positively oriented";
     bool own = false;
     for (int i = 0; i < corners; ++i) {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/kernel.h"
+#include "src/predicates/independent/predicates.h"
 #include "src/tiling/routed_run.h"
 #include "tests/tiling/clouds.h"
 
@@ -115,7 +115,8 @@ class RunFixture : public testing::Test {
       for (std::size_t i = 0; i < seeds.size(); ++i) {
         if (seeds.size() == d + 1 || i != leave_out) p.push_back(seeds[i].at);
       }
-      spanned = spanned || (d == 2 ? orientation_2(p[0], p[1], p[2]) != 0 : orientation_3(p[0], p[1], p[2], p[3]) != 0);
+      spanned = spanned || (d == 2 ? independent::orientation_2(p[0], p[1], p[2]) != 0
+                                   : independent::orientation_3(p[0], p[1], p[2], p[3]) != 0);
     }
     EXPECT_TRUE(spanned);
   }

@@ -1,0 +1,167 @@
+// Going through the cells: lists, exploration and freezing.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <utility>
+
+#include "src/kernel/flat/flat_kernel_impl.h"
+
+namespace tessera::flat {
+
+// For each slot, how many before it are set: a bit a slot, and a count for every 64 of them.
+class Ranks {
+ public:
+  explicit Ranks(std::size_t slots) : bits_(slots / 64 + 1), before_(bits_.size() + 1) {}
+  void set(Word slot) { bits_[slot / 64] |= std::uint64_t{1} << slot % 64; }
+  // To be called once all are set.
+  void count() {
+    for (std::size_t w = 0; w < bits_.size(); ++w) before_[w + 1] = before_[w] + ones(bits_[w]);
+  }
+  bool operator[](Word slot) const { return (bits_[slot / 64] >> slot % 64 & 1) != 0; }
+  Word before(Word slot) const {
+    return before_[slot / 64] + ones(bits_[slot / 64] & ((std::uint64_t{1} << slot % 64) - 1));
+  }
+  Word all() const { return before_.back(); }
+
+ private:
+  static Word ones(std::uint64_t bits) { return static_cast<Word>(std::popcount(bits)); }
+  std::vector<std::uint64_t> bits_;
+  std::vector<Word> before_;
+};
+
+template <class Mesh>
+CellList FlatKernel<Mesh>::cells() const {
+  const Array<Cell>& all = mesh_.cells;
+  const Word slots = static_cast<Word>(all.size());
+  const bool gaps = mesh_.live_cells() < slots;
+  Ranks live(gaps ? slots : 0);
+  for (Word slot = 0; slot < slots && gaps; ++slot) {
+    if (!all[slot].dead()) live.set(slot);
+  }
+  live.count();
+  CellList list;
+  list.vertices.resize(corners * mesh_.live_cells());
+  list.neighbors.resize(corners * mesh_.live_cells());
+  Vertex* vertex = list.vertices.data();
+  std::uint32_t* neighbor = list.neighbors.data();
+  for (Word slot = 0; slot < slots; ++slot) {
+    const Cell& c = all[slot];
+    if (c.dead()) continue;
+    for (Word i = 0; i < corners; ++i) {
+      const Word across = c.n[i];
+      *vertex++ = c.vertex(i);
+      *neighbor++ = across & frozen_bit ? across : gaps ? live.before(across >> 2) : across >> 2;
+    }
+  }
+  return list;
+}
+
+template <class Mesh>
+CellRows FlatKernel<Mesh>::take_cells() {
+  Array<Cell> all = mesh_.take_cells();
+  reset();
+  for (std::size_t slot = 0; slot < all.size(); ++slot) {
+    Cell& c = all[slot];
+    if (c.dead()) c.v[0] = CellRow::gap;
+    for (Word& across : c.n) across = across & frozen_bit ? across : across >> 2;
+  }
+  static_assert(offsetof(Cell, v) == offsetof(CellRow, vertices) && offsetof(Cell, n) == offsetof(CellRow, neighbors));
+  return all.template take_as<CellRow>();
+}
+
+template <class Mesh>
+std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Vertex*)>& settled) {
+  Cell* const all = mesh_.cells.data();
+  std::vector<Word> seen;
+  const auto visit = [&](Word slot) {
+    Cell& c = all[slot];
+    if (c.marked()) return;
+    std::uint8_t labels = is_local_bit;
+    for (const Vertex v : c.v) labels &= labels_[v];
+    c.mark(!labels || !settled(c.v));
+    seen.push_back(slot);
+  };
+  std::vector<Word> around, first;  // all of them before any is marked: marks stop the walk around a vertex
+  for (Vertex v = 0; v <= vertices(); ++v) {
+    if (is_local(v) || !alive(v)) continue;
+    mesh_.around(v, around);
+    first.insert(first.end(), around.begin(), around.end());
+  }
+  for (const Word slot : first) visit(slot);
+  for (std::size_t next = 0; next < seen.size(); ++next) {
+    const Cell& c = all[seen[next]];
+    if (!c.open()) continue;
+    for (const Word across : c.n) {
+      if (!(across & frozen_bit)) visit(across >> 2);
+    }
+  }
+  return seen;
+}
+
+template <class Mesh>
+std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
+                                              std::vector<std::uint8_t>* open) {
+  const std::vector<Word> seen = mark_open(settled);
+  Array<Cell>& cells = mesh_.cells;
+  if (all) {
+    *all = this->cells();
+    open->clear();
+    for (std::size_t slot = 0; slot < cells.size(); ++slot) {
+      if (!cells[slot].dead()) open->push_back(cells[slot].open());
+    }
+  }
+  std::vector<Vertex> found;
+  for (const Word slot : seen) {
+    Cell& c = cells[slot];
+    const bool is_open = c.open();
+    c.unmark();
+    if (is_open) found.insert(found.end(), c.v, c.v + corners);
+  }
+  return found;
+}
+
+// One pass in the order of the slots: a bit a cell and their ranks tell every cell's new number, so no cell needs to be
+// read twice, and what has been passed can be given back at once.
+template <class Mesh>
+FrozenCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& settled) {
+  check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
+  mesh_.compact();
+  const std::vector<Word> seen = mark_open(settled);
+  Array<Cell> old = mesh_.take_cells();
+  const Word n = static_cast<Word>(old.size());
+  Ranks open(n);
+  for (const Word slot : seen) {
+    if (old[slot].open()) open.set(slot);
+    old[slot].unmark();
+  }
+  open.count();
+  const Word frozen = n - open.all();
+  FrozenCells out;
+  out.vertices.reserve(std::size_t{corners} * frozen);
+  out.neighbors.reserve(std::size_t{corners} * frozen);
+  Array<Cell> rest;
+  rest.reserve(2 * std::size_t{open.all()} + 64);
+  constexpr Word chunk = Word{1} << 18;
+  for (Word slot = 0; slot < n; ++slot) {
+    Cell c = old[slot];
+    if (open[slot]) {
+      for (Word& across : c.n) {
+        const Word to = across >> 2, facet = across & 3, rank = open.before(to);
+        across = open[to] ? 4 * rank + facet : frozen_bit | (corners * (to - rank) + facet);
+      }
+      rest.push_back(c);
+    } else {
+      for (Word i = 0; i < corners; ++i) {
+        const Word to = c.n[i] >> 2;
+        out.vertices.push_back(c.v[i]);
+        out.neighbors.push_back(open[to] ? FrozenCells::open : to - open.before(to));
+      }
+    }
+    if (slot % chunk == chunk - 1) old.release_front(slot);
+  }
+  mesh_.adopt(std::move(rest), frozen);
+  return out;
+}
+
+}  // namespace tessera::flat
