@@ -150,6 +150,7 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
   if (folder.resuming() && folder.state() == FolderState::finished) {
     if (!folder.has_run()) {
       BOOST_OUTCOME_TRYV(check_finished(cloud, folder));
+      BOOST_OUTCOME_TRYV(folder.finish());  // what is left of a run folder that was being removed
       return std::nullopt;
     }
     // Stopped between its last two steps: the result is whole, only the run folder is left.

@@ -92,7 +92,7 @@ Status ResultFolder::discard_runs() {
   std::error_code ec;
   fs::remove_all(new_run(), ec);
   if (ec) return refused_by_system(new_run(), "cannot be removed: " + ec.message());
-  if (!resuming_ && has_run()) {
+  if (!resuming_) {
     fs::remove_all(run(), ec);
     if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
   }

@@ -82,6 +82,13 @@ class Interrupt(CliTest):
         self.ok(*self.args, "--resume", "--quiet")
         self.ok("verify", self.out, "--quiet")
 
+    def test_a_run_folder_that_was_half_removed_goes_when_the_finished_run_is_resumed(self):
+        self.ok(*self.args, "--quiet")
+        (self.out / ".run" / "points").mkdir(parents=True)
+        (self.out / ".run" / "points" / "000003.bin").write_bytes(b"left")
+        self.ok(*self.args, "--resume")
+        self.assertFalse((self.out / ".run").exists())
+
     def test_two_do_not_work_in_one_folder(self):
         process = self.start()
         self.wait_until(process, lambda: self.out.exists() and os.listdir(self.out))
