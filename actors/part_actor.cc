@@ -169,6 +169,7 @@ void PartActor::take(const TileReport& report) {
   (span.work == Work::begin ? sum_.begin_us : span.work == Work::collect ? sum_.collect_us : sum_.splay_us) += us;
   progress_.spans.push_back(span);
   if (report.failure) return abandon(span.tile, report.failure);
+  if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
                  {report.waiting.batches, report.waiting.points, report.waiting.bytes}, report.storing);
   if (span.work == Work::begin) {
@@ -179,6 +180,7 @@ void PartActor::take(const TileReport& report) {
 
 void PartActor::take(const TileStored& stored) {
   if (stored.failure) return abandon(stored.tile, stored.failure);
+  if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
   ++progress_.tiles_stored;
   send(coordinator_, TileDone{stored.entry, tiles_[stored.tile.value].microseconds});

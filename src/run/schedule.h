@@ -66,6 +66,7 @@ class Schedule {
   // Nothing is under way and nothing waits that this stage would grant.
   bool idle() const;
   bool working(TileId tile) const { return tiles_[tile.value].working; }
+  bool storing(TileId tile) const { return tiles_[tile.value].place == Place::storing; }
   std::uint64_t memory() const { return memory_; }
   std::uint32_t asleep() const { return asleep_; }
   std::uint64_t sleeps() const { return sleeps_; }
