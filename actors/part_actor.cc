@@ -35,12 +35,12 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
   }
 }
 
-// Part, tiles and office know each other: one that has ended must not keep the others alive.
+// Part, tiles and office know each other: each lets go of the office as it ends. The office stays as it is: a tile may
+// be reading it at this moment.
 void PartActor::on_exit() {
   for (const TileHandle& tile : office_->tiles) {
     if (tile) caf::anon_send_exit(tile, caf::exit_reason::user_shutdown);
   }
-  *office_ = {};
   office_ = nullptr;
   part_ = nullptr;
   coordinator_ = nullptr;

@@ -64,16 +64,16 @@ void MemoryStorage::store_now(Pending pending) {
   Status stored = success();
   try {
     stored = maybe_fail(StorageFault::Call::store);
+    if (stored) {
+      meshes_[pending.tile] = std::move(pending.mesh);
+      stored = remove_beginnings(*this, pending.tile);
+    }
   } catch (const std::exception& e) {
     stored = error(Errc::internal, e.what());
   }
   if (!stored) return pending.done(stored.error());
   TileEntry entry;
   entry.tile = pending.tile.value;
-  meshes_[pending.tile] = std::move(pending.mesh);
-  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
-    scratch_.erase({pending.tile, what});
-  }
   pending.done(entry);
 }
 

@@ -101,9 +101,7 @@ Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) {
   try {
     BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
     BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, mesh, rows, options_));
-    for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
-      BOOST_OUTCOME_TRYV(remove(tile, what));
-    }
+    BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
     return std::move(entry);
   } catch (const std::bad_alloc&) {
     return error(Errc::memory,

@@ -273,13 +273,6 @@ void TileState::drop() {
   phase_ = Phase::gone;
 }
 
-Status TileState::forget() {
-  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
-    BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, what));
-  }
-  return success();
-}
-
 std::size_t TileState::memory() const {
   return (triangulation_ ? triangulation_->memory() : 0) + points_.points.capacity() * 32 + mail_.memory();
 }

@@ -59,15 +59,12 @@ class TileState {
   Status settle();
   // What is to be stored. The tile has no triangulation any more.
   Result<TileMesh> collect();
-  // Forgets what is on scratch, once the tile is stored.
-  Status forget();
   // Frees the memory of a tile that need not be collected.
   void drop();
 
   // Updates the others must get, by now counted as sent. None is larger than batch_points_max.
   std::vector<Batch> take_outgoing();
 
-  bool gone() const { return phase_ == Phase::gone; }
   std::uint64_t waiting_batches() const { return mail_.batches(); }
   std::uint64_t waiting_points() const { return mail_.points(); }
   std::uint64_t mail_memory() const { return mail_.memory(); }

@@ -2,6 +2,13 @@
 
 namespace tessera {
 
+Status remove_beginnings(TileStorage& storage, TileId tile) {
+  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
+    BOOST_OUTCOME_TRYV(storage.remove(tile, what));
+  }
+  return success();
+}
+
 bool can_be_built_alone(TileStorage& storage, TileId tile) {
   const auto settled = storage.read(tile, ScratchKind::settled);
   if (!settled) return false;

@@ -39,6 +39,9 @@ class TileStorage {
   virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
 };
 
+// Forgets what only a tile that is not stored needs.
+Status remove_beginnings(TileStorage& storage, TileId tile);
+
 // Whether a settled run has left a tile all it needs to be built by itself.
 bool can_be_built_alone(TileStorage& storage, TileId tile);
 
