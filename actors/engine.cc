@@ -113,8 +113,8 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   progress.phase = Phase::triangulating;
 
   // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
-  std::promise<void> let_go;
-  std::shared_ptr<const RoutedRun> lent(&run, [&let_go](const RoutedRun*) { let_go.set_value(); });
+  const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below
+  std::shared_ptr<const RoutedRun> lent(&run, [let_go](const RoutedRun*) { let_go->set_value(); });
   impl_->source->offer(lent);
 
   CoordinatorOptions job;
@@ -150,7 +150,7 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   }
   impl_->source->withdraw(run);
   lent.reset();
-  let_go.get_future().wait();
+  let_go->get_future().wait();
   if (ended->failure) return error_of(ended->failure);
   return summary_of(*ended, std::move(done));
 }
