@@ -69,10 +69,10 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](const PartTally& tally) {
         if (state_ != State::exchanging) return;
-        act(detector_.answer(tally.wave, tally.node.value, tally.idle, {tally.sent, tally.processed}));
+        act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
       },
       [this](const PartSettled& message) {
-        settled_.insert(message.node.value);
+        settled_.insert(message.node);
         if (state_ == State::settling && settled_.size() == parts_.size()) collect();
       },
       [this](const PartProgress& message) {
@@ -95,7 +95,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const TileDone& done) {
         if (owner_) caf::anon_send(owner_, done);
       },
-      [this](const PartEnded& message) { ended(message.node.value, message); },
+      [this](const PartEnded& message) { ended(message.node, message); },
       [this](const Cancel&) {
         if (state_ == State::ending) return;
         fail(failure_of(error(Errc::interrupted, "interrupted")));
@@ -168,8 +168,8 @@ void Coordinator::fail(const Failure& failure) {
   finish_if_over();
 }
 
-void Coordinator::ended(std::uint32_t node, const PartEnded& message) {
-  PartOf& p = parts_.at(node);
+void Coordinator::ended(NodeId node, const PartEnded& message) {
+  PartOf& p = parts_.at(node.value);
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
   sum_.points += message.points;

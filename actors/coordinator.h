@@ -56,7 +56,7 @@ class Coordinator : public CoordinatorHandle::base {
   void begin();
   void act(QuiescenceDetector::Verdict verdict);
   void collect();
-  void ended(std::uint32_t node, const PartEnded& message);
+  void ended(NodeId node, const PartEnded& message);
   void fail(const Failure& failure);
   void lost_actor(const caf::down_msg& down);
   void finish_if_over();
@@ -70,7 +70,7 @@ class Coordinator : public CoordinatorHandle::base {
   std::vector<PartOf> parts_;  // by node
   QuiescenceDetector detector_;
   State state_ = State::opening;
-  std::set<std::uint32_t> settled_;
+  std::set<NodeId> settled_;
   std::optional<Failure> failure_;
   PartEnded sum_;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

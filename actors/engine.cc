@@ -54,8 +54,7 @@ void show(const RunProgress& from, double opened_s, Progress& to) {
   to.points_sent = sum.points_sent;
   to.memory_bytes = sum.memory_bytes;
   for (const WorkSpan& span : sum.spans) {
-    to.add_span({phase_of(span.work), span.tile.value, span.thread,
-                 opened_s + static_cast<double>(span.begin_us) * 1e-6,
+    to.add_span({phase_of(span.work), span.tile, span.thread, opened_s + static_cast<double>(span.begin_us) * 1e-6,
                  opened_s + static_cast<double>(span.end_us) * 1e-6});
   }
 }

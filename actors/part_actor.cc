@@ -29,8 +29,8 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
   sum_.node = progress_.node = self;
   progress_told_ = std::chrono::steady_clock::now();
   for (const TileEntry& entry : part_->stored) {
-    if (!knows(TileId{entry.tile})) continue;
-    schedule_.set_stored(TileId{entry.tile});
+    if (!knows(entry.tile)) continue;
+    schedule_.set_stored(entry.tile);
     ++progress_.tiles_stored;
   }
 }
@@ -247,7 +247,7 @@ void PartActor::end() {
     sum_.failure = *failure_;
   } else {  // what an earlier process has stored
     for (const TileEntry& entry : part_->stored) {
-      if (knows(TileId{entry.tile})) send(coordinator_, TileDone{entry, 0});
+      if (knows(entry.tile)) send(coordinator_, TileDone{entry, 0});
     }
   }
   tell_progress(true);

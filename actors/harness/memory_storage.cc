@@ -73,7 +73,7 @@ void MemoryStorage::store_now(Pending pending) {
   }
   if (!stored) return pending.done(stored.error());
   TileEntry entry;
-  entry.tile = pending.tile.value;
+  entry.tile = pending.tile;
   pending.done(entry);
 }
 

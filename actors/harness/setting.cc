@@ -31,7 +31,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   finder.add(s.cloud);
   std::vector<LocalPoint> seeds = finder.span();
   if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
-  for (const LocalPoint& p : seeds) s.context.seeds.push_back({p.at, p.id, partition.tile_of(p.at).value, 0});
+  for (const LocalPoint& p : seeds) s.context.seeds.push_back({p.at, p.id, partition.tile_of(p.at), 0});
   s.context.dimension = d;
   s.context.reduce = rng() % 2 == 0;
   s.context.boxes = final_boxes(partition);
@@ -51,7 +51,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.schedule.memory_bytes = budgets[rng() % 3];
   s.nodes = options.nodes > 0 ? options.nodes : 1 + static_cast<std::uint32_t>(rng() % 3);
   for (std::size_t t = 0; t < s.tiles.size(); ++t) {
-    s.spec.nodes.push_back(static_cast<std::uint32_t>(rng() % s.nodes));
+    s.spec.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
     s.spec.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
   s.context.incarnations = s.spec.incarnations;
@@ -75,7 +75,7 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
     if (part->points.back() == 0) continue;
     if (storage_.meshes().contains(TileId{t})) {
       TileEntry entry;
-      entry.tile = t;
+      entry.tile = TileId{t};
       part->stored.push_back(entry);
     } else if (part->settled && !can_be_built_alone(storage_, TileId{t})) {
       part->settled = false;

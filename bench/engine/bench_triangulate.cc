@@ -30,7 +30,7 @@ struct Options {
 Result<double> digest_seconds(const std::filesystem::path& out, const Manifest& manifest) {
   std::clock_t total = 0;
   for (const TileEntry& entry : manifest.tiles) {
-    BOOST_OUTCOME_TRY(tile, read_tile(out, TileId{entry.tile}));
+    BOOST_OUTCOME_TRY(tile, read_tile(out, entry.tile));
     const std::clock_t begin = std::clock();
     const Digest digest = digest_of(tile.mesh);
     total += std::clock() - begin;

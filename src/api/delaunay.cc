@@ -29,7 +29,7 @@ std::vector<LocalPoint> labelled(std::span<const double> coordinates, int dimens
                                            : at[axis] > 0       ? "infinite"
                                                                 : "-infinite"));
     }
-    points[i] = {without_negative_zero(at), i};
+    points[i] = {without_negative_zero(at), PointId{i}};
   }
   return points;
 }
@@ -47,7 +47,7 @@ struct Delaunay::Impl {
       : dimension(dim), points(coordinates.begin(), coordinates.end()) {
     LoadedTile ordered = order_points(labelled(coordinates, dim), dim);
     for (const auto& [duplicate, kept] : ordered.duplicates) {
-      duplicates.emplace_back(static_cast<std::int32_t>(duplicate), static_cast<std::int32_t>(kept));
+      duplicates.emplace_back(static_cast<std::int32_t>(duplicate.value), static_cast<std::int32_t>(kept.value));
     }
     const auto kernel = make_kernel(dim);
     kernel->build(ordered.points, KeepPoints::borrowed, stop);
@@ -58,7 +58,7 @@ struct Delaunay::Impl {
     TileMesh mesh = make_mesh({dim, TileId{0}, ordered.points, ordered.ids, kernel->take_cells(), {}, {}, {}});
     simplices = std::move(mesh.cells);
     neighbors = std::move(mesh.neighbors);
-    for (std::int32_t& v : simplices) v = static_cast<std::int32_t>(ordered.ids[static_cast<std::size_t>(v)]);
+    for (std::int32_t& v : simplices) v = static_cast<std::int32_t>(ordered.ids[static_cast<std::size_t>(v)].value);
     finder.emplace(SimplexArrays{dim, points, simplices, neighbors});
   }
 };

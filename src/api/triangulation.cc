@@ -66,7 +66,7 @@ std::span<const double> Tile::points() const {
   const auto& points = impl_->mesh.points;
   return {reinterpret_cast<const double*>(points.data()), 3 * points.size()};
 }
-std::span<const std::uint64_t> Tile::ids() const { return impl_->mesh.ids; }
+std::span<const std::uint64_t> Tile::ids() const { return numbers_of(impl_->mesh.ids); }
 std::span<const std::uint8_t> Tile::foreign() const { return impl_->mesh.point_ghost; }
 std::span<const std::int32_t> Tile::cells() const { return impl_->mesh.cells; }
 std::span<const std::uint8_t> Tile::ghost() const { return impl_->mesh.cell_ghost; }
@@ -98,7 +98,7 @@ Tile Triangulation::tile(std::size_t index) const {
       throw Failure(Cause::usage, "there is no tile " + std::to_string(index) + "; the result has " +
                                       std::to_string(tiles()) + ", counted from 0");
     }
-    const TileId id{impl_->manifest.tiles[index].tile};
+    const TileId id = impl_->manifest.tiles[index].tile;
     auto stored = value_or_throw(read_tile(impl_->folder, id, true));
     auto tile = std::make_shared<Tile::Impl>();
     tile->id = id.value;

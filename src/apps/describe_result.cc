@@ -14,7 +14,7 @@ using Json = nlohmann::ordered_json;
 std::string as_json(const std::string& folder, const Manifest& manifest) {
   Json tiles = Json::array(), inputs = Json::array(), names = Json::array();
   for (const auto& tile : manifest.tiles) {
-    tiles.push_back({{"tile", tile.tile},
+    tiles.push_back({{"tile", tile.tile.value},
                      {"points", tile.own_points},
                      {"foreign_points", tile.points - tile.own_points},
                      {"cells", tile.main_cells},

@@ -5,6 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 namespace tessera {
 
@@ -12,6 +16,7 @@ template <class Tag, class Rep>
 struct Id {
   Rep value{};
   friend constexpr auto operator<=>(const Id&, const Id&) = default;
+  friend std::string to_string(const Id& id) { return std::to_string(id.value); }
 };
 
 // A point's rank in the input: files in the order given, then file order. The vertex's global id, for ever.
@@ -22,6 +27,17 @@ using TileId = Id<struct TileTag, std::uint32_t>;
 using NodeId = Id<struct NodeTag, std::uint32_t>;
 // A job, unique among those that a process has ever known.
 using JobId = Id<struct JobTag, std::uint64_t>;
+
+// Ids go to disk and over wires as their numbers' bytes.
+static_assert(sizeof(PointId) == 8 && std::is_trivially_copyable_v<PointId> && std::is_standard_layout_v<PointId>);
+static_assert(sizeof(TileId) == 4 && std::is_trivially_copyable_v<TileId> && std::is_standard_layout_v<TileId>);
+
+// The numbers of ids, in place: for arrays that leave the program.
+template <class Tag, class Rep>
+std::span<const Rep> numbers_of(const std::vector<Id<Tag, Rep>>& ids) {
+  static_assert(sizeof(Id<Tag, Rep>) == sizeof(Rep));
+  return {reinterpret_cast<const Rep*>(ids.data()), ids.size()};
+}
 
 }  // namespace tessera
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "src/base/ids.h"
+
 namespace tessera {
 
 struct MixHash {
@@ -12,6 +14,10 @@ struct MixHash {
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
     return x ^ (x >> 31);
+  }
+  template <class Tag, class Rep>
+  std::size_t operator()(const Id<Tag, Rep>& id) const noexcept {
+    return operator()(std::uint64_t{id.value});
   }
 };
 

@@ -28,7 +28,7 @@ inline Point without_negative_zero(const Point& p) { return {p.x + 0.0, p.y + 0.
 // A point that was routed: what the tile files of a run folder hold, byte for byte (32 bytes, little endian).
 struct LocalPoint {
   Point at;
-  std::uint64_t id = 0;
+  PointId id;
   friend bool operator==(const LocalPoint&, const LocalPoint&) = default;
 };
 static_assert(sizeof(LocalPoint) == 32);
@@ -36,8 +36,8 @@ static_assert(sizeof(LocalPoint) == 32);
 // What tiles tell each other: a point and the tile that owns it. Sent as raw bytes.
 struct SharedPoint {
   Point at;
-  std::uint64_t id = 0;
-  std::uint32_t tile = 0;
+  PointId id;
+  TileId tile;
   std::uint32_t reserved = 0;
   friend bool operator==(const SharedPoint&, const SharedPoint&) = default;
 };

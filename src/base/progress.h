@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/ids.h"
+
 namespace tessera {
 
 enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
@@ -21,7 +23,7 @@ constexpr const char* name_of(Phase phase) {
 // A span of time in which one thread worked on one tile: the report's timeline.
 struct Span {
   Phase phase;
-  std::uint32_t tile;
+  TileId tile;
   std::uint32_t thread;   // 0..threads-1
   double begin_s, end_s;  // since the job began
 };

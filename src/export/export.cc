@@ -164,7 +164,7 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
 Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
   std::vector<std::string> names;
   for (const auto& entry : source.manifest.tiles)
-    names.push_back(tile_file("", TileId{entry.tile}).filename().replace_extension(source.format.ending));
+    names.push_back(tile_file("", entry.tile).filename().replace_extension(source.format.ending));
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;

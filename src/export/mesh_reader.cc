@@ -48,7 +48,7 @@ class Rows {
       double z = 0;
       std::memcpy(&z, tile.rows.data() + i * stride_ + *height_at_, sizeof z);
       if (!std::isfinite(z))
-        return error(Errc::usage, source.out.string() + ": the height of vertex " + std::to_string(tile.mesh.ids[i]) +
+        return error(Errc::usage, source.out.string() + ": the height of vertex " + to_string(tile.mesh.ids[i]) +
                                       " is not finite; " + option("z", "false") + " leaves the heights out");
       tile.mesh.points[i].z = z + 0.0;  // never -0, like every coordinate
     }
@@ -101,7 +101,7 @@ Error wrong_counts(const MeshSource& source, std::uint64_t vertices, std::uint64
 }
 
 Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows) {
-  const TileId id{source.manifest.tiles[index].tile};
+  const TileId id = source.manifest.tiles[index].tile;
   BOOST_OUTCOME_TRY(tile, read_tile(source.out, id, with_rows));
   if (tile.mesh.dimension != source.manifest.dimension)
     return error(Errc::corrupt, stored_tile_file(source.out, id).string() + ": has another dimension than the result");
@@ -188,7 +188,7 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
     numbers = std::move(prepared);
     for (const auto& entry : manifest.tiles) {
       BOOST_OUTCOME_TRYV(watch.look());
-      BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, TileId{entry.tile}, rows.wanted()));
+      BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, entry.tile, rows.wanted()));
       BOOST_OUTCOME_TRYV(rows.lift(source, tile));
       numbers.number_own(tile.mesh);
       vertices += count_main(tile.mesh.point_ghost);
@@ -210,8 +210,7 @@ Status read_merged(const MeshSource& source, MeshWriter& writer) {
       }
       vertices += count_main(tile.mesh.point_ghost);
     } else {
-      BOOST_OUTCOME_TRY(found,
-                        numbers.of(tile.mesh, index, stored_tile_file(source.out, TileId{manifest.tiles[index].tile})));
+      BOOST_OUTCOME_TRY(found, numbers.of(tile.mesh, index, stored_tile_file(source.out, manifest.tiles[index].tile)));
       of = std::move(found);
     }
     const std::uint64_t first = cells;

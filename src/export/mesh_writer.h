@@ -36,16 +36,16 @@ struct MeshHead {
 
 struct VertexView {
   Point at;  // z: the height, if there are heights; else 0 in 2D
-  std::uint64_t id = 0;
+  PointId id;
   const std::byte* row = nullptr;
 };
 
 // The first dimension + 1 entries count.
 struct CellView {
   static constexpr std::int64_t outside = -1, elsewhere = -2;
-  std::uint32_t tile = 0;
+  TileId tile;
   int own = 0;                              // how many of its vertices its tile owns
-  std::array<std::uint64_t, 4> ids{};       // source indices
+  std::array<PointId, 4> ids{};             // source indices
   std::array<std::uint64_t, 4> numbers{};   // of the vertices, in the order they were given; formats with a vertex list
   std::array<Point, 4> at{};                // formats without one
   std::array<std::int64_t, 4> neighbors{};  // numbers of cells, `outside`, or `elsewhere`: a main cell of another tile

@@ -17,7 +17,7 @@ Result<VertexNumbers> VertexNumbers::prepare(const fs::path& out, const Manifest
   auto& foreign = numbers.foreign_;
   for (const auto& entry : manifest.tiles) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
-    BOOST_OUTCOME_TRY(tile, read_tile_vertices(out, TileId{entry.tile}));
+    BOOST_OUTCOME_TRY(tile, read_tile_vertices(out, entry.tile));
     const auto before = static_cast<std::ptrdiff_t>(foreign.size());
     for (std::size_t i = 0; i < tile.mesh.ids.size(); ++i)
       if (tile.mesh.point_ghost[i] != 0) foreign.emplace_back(tile.mesh.ids[i], unknown);
@@ -50,7 +50,7 @@ Result<std::vector<std::uint64_t>> VertexNumbers::of(const TileMesh& mesh, std::
     const auto found = std::lower_bound(foreign_.begin(), foreign_.end(), std::pair(mesh.ids[i], std::uint64_t{0}));
     if (found == foreign_.end() || found->first != mesh.ids[i] || found->second == unknown)
       return error(Errc::corrupt,
-                   path.string() + ": foreign vertex " + std::to_string(mesh.ids[i]) + " is no tile's own vertex");
+                   path.string() + ": foreign vertex " + to_string(mesh.ids[i]) + " is no tile's own vertex");
     numbers[i] = found->second;
   }
   return numbers;

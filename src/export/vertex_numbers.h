@@ -25,8 +25,8 @@ class VertexNumbers {
                                         const std::filesystem::path& path) const;
 
  private:
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> foreign_;  // (id, number), by id
-  std::vector<std::uint64_t> first_;                              // by tile: the number of its first own vertex
+  std::vector<std::pair<PointId, std::uint64_t>> foreign_;  // (id, number), by id
+  std::vector<std::uint64_t> first_;                        // by tile: the number of its first own vertex
   std::uint64_t next_ = 0;
 };
 

@@ -29,13 +29,13 @@ class CsvWriter : public StreamWriter {
       stream_.digits(p.z);
     }
     stream_.text("))\",");
-    stream_.digits(cell.tile);
+    stream_.digits(cell.tile.value);
     stream_.text(",");
     stream_.digits(cell.own);
     stream_.text(",1");
     for (std::size_t k = 0; k < 3; ++k) {
       stream_.text(",");
-      stream_.digits(cell.ids[k]);
+      stream_.digits(cell.ids[k].value);
     }
     stream_.text("\n");
   }

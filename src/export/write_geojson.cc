@@ -25,10 +25,10 @@ class GeoJsonWriter : public StreamWriter {
   void cell(const CellView& cell) override {
     stream_.text(cells_++ == 0 ? "\n" : ",\n");
     stream_.text("{\"type\":\"Feature\",\"properties\":{\"tile\":");
-    stream_.digits(cell.tile);
+    stream_.digits(cell.tile.value);
     for (std::size_t k = 0; k < 3; ++k) {
       stream_.text(names[k]);
-      stream_.digits(cell.ids[k]);
+      stream_.digits(cell.ids[k].value);
     }
     stream_.text("},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[");
     for (std::size_t k = 0; k < 4; ++k) {  // a ring ends where it began

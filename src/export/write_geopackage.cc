@@ -68,9 +68,9 @@ class GeoPackageWriter : public MeshWriter {
       return;
     }
     gdal_.OGR_F_SetFID(feature_, OGRNullFID);
-    gdal_.OGR_F_SetFieldInteger64(feature_, 0, cell.tile);
+    gdal_.OGR_F_SetFieldInteger64(feature_, 0, cell.tile.value);
     for (int k = 0; k < 3; ++k)
-      gdal_.OGR_F_SetFieldInteger64(feature_, k + 1, static_cast<GIntBig>(cell.ids[static_cast<std::size_t>(k)]));
+      gdal_.OGR_F_SetFieldInteger64(feature_, k + 1, static_cast<GIntBig>(cell.ids[static_cast<std::size_t>(k)].value));
     if (gdal_.OGR_F_SetGeometryDirectly(feature_, polygon) != OGRERR_NONE ||
         gdal_.OGR_L_CreateFeature(layer_, feature_) != OGRERR_NONE)
       status_ = refused("cannot write");

@@ -32,7 +32,7 @@ struct Array {
 
 // A facet between two tiles: by the ids of its vertices.
 struct OpenFacet {
-  std::array<std::uint64_t, 3> ids{};
+  std::array<PointId, 3> ids{};
   std::uint64_t cell = 0;
   std::uint64_t place = 0;  // of the neighbour in neighbors.npy, in entries
   friend bool operator<(const OpenFacet& a, const OpenFacet& b) {

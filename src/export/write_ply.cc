@@ -73,9 +73,9 @@ class PlyWriter : public StreamWriter {
   void vertex(const VertexView& vertex) override {
     stream_.value(vertex.at);
     if (small_ids_) {
-      stream_.value(static_cast<std::uint32_t>(vertex.id));
+      stream_.value(static_cast<std::uint32_t>(vertex.id.value));
     } else {
-      stream_.value(static_cast<double>(vertex.id));
+      stream_.value(static_cast<double>(vertex.id.value));
     }
     for (const auto& column : columns_) {
       const std::byte* from = vertex.row + column.offset;

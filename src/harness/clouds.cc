@@ -79,7 +79,7 @@ std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::
     std::vector<LocalPoint> points;
     for (std::size_t tries = 0; points.size() < n && tries < 20 * n; ++tries) {
       const Point p = without_negative_zero(draw_point(kind, dimension, n, r));
-      if (seen.insert(p).second) points.push_back({p, points.size()});
+      if (seen.insert(p).second) points.push_back({p, PointId{points.size()}});
     }
     if (points.size() > static_cast<std::size_t>(dimension) && spans(points, dimension)) return points;
   }

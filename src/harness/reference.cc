@@ -15,10 +15,10 @@ namespace tessera {
 namespace {
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Vb3 = CGAL::Triangulation_vertex_base_with_info_3<std::uint64_t, K>;
+using Vb3 = CGAL::Triangulation_vertex_base_with_info_3<PointId, K>;
 using Dt3 = CGAL::Delaunay_triangulation_3<
     K, CGAL::Triangulation_data_structure_3<Vb3, CGAL::Delaunay_triangulation_cell_base_3<K>>>;
-using Vb2 = CGAL::Triangulation_vertex_base_with_info_2<std::uint64_t, K>;
+using Vb2 = CGAL::Triangulation_vertex_base_with_info_2<PointId, K>;
 using Dt2 = CGAL::Delaunay_triangulation_2<K, CGAL::Triangulation_data_structure_2<Vb2>>;
 
 std::vector<LocalPoint> distinct(std::span<const LocalPoint> points, int dimension) {
@@ -43,14 +43,14 @@ std::vector<IdCell> cells_of(std::span<const LocalPoint> points, int dimension, 
     if (with_hull || cell[dimension] != infinite_id) cells.push_back(cell);
   };
   if (dimension == 3) {
-    std::vector<std::pair<K::Point_3, std::uint64_t>> input;
+    std::vector<std::pair<K::Point_3, PointId>> input;
     for (const auto& p : list) input.emplace_back(K::Point_3(p.at.x, p.at.y, p.at.z), p.id);
     Dt3 t(input.begin(), input.end());
     t.infinite_vertex()->info() = infinite_id;
     if (t.dimension() < 3) return {};
     for (auto c = t.all_cells_begin(); c != t.all_cells_end(); ++c) add(c);
   } else {
-    std::vector<std::pair<K::Point_2, std::uint64_t>> input;
+    std::vector<std::pair<K::Point_2, PointId>> input;
     for (const auto& p : list) input.emplace_back(K::Point_2(p.at.x, p.at.y), p.id);
     Dt2 t(input.begin(), input.end());
     t.infinite_vertex()->info() = infinite_id;
@@ -63,8 +63,8 @@ std::vector<IdCell> cells_of(std::span<const LocalPoint> points, int dimension, 
 
 std::string text_of(const IdCell& cell) {
   std::string out = "(";
-  for (const std::uint64_t id : cell) {
-    if (id != infinite_id) out += (out.size() > 1 ? " " : "") + std::to_string(id);
+  for (const PointId id : cell) {
+    if (id != infinite_id) out += (out.size() > 1 ? " " : "") + to_string(id);
   }
   return out + ")";
 }

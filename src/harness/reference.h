@@ -14,8 +14,8 @@
 namespace tessera {
 
 // Sorted ids; 2D cells are padded with infinite_id, which also stands for the infinite vertex.
-using IdCell = std::array<std::uint64_t, 4>;
-inline constexpr std::uint64_t infinite_id = ~std::uint64_t{0};
+using IdCell = std::array<PointId, 4>;
+inline constexpr PointId infinite_id{~std::uint64_t{0}};
 
 // Finite cells, sorted. Equal points become one vertex with the lowest id. Empty when the points span no volume.
 std::vector<IdCell> global_delaunay(std::span<const LocalPoint> points, int dimension);

@@ -126,8 +126,8 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   summary.total_s = elapsed_s();
   summary.peak_memory_bytes = peak_memory();
   auto spans = with_threads_from_0(progress.spans());
-  spans.push_back({Phase::routing, 0, 0, began_s, routed_s});
-  spans.push_back({Phase::finishing, 0, 0, ran_s, elapsed_s()});
+  spans.push_back({Phase::routing, {}, 0, began_s, routed_s});
+  spans.push_back({Phase::finishing, {}, 0, ran_s, elapsed_s()});
   // The run folder goes first: the report is small, and may find the space that it frees.
   BOOST_OUTCOME_TRYV(folder.finish());
   BOOST_OUTCOME_TRYV(

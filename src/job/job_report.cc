@@ -82,7 +82,7 @@ ReportData report_of(const JobSummary& summary, const Manifest& manifest, const 
     figures.points = entry.own_points;
     figures.cells = entry.main_cells;
     figures.bytes = entry.bytes;
-    if (entry.tile < manifest.boxes.size()) figures.box = manifest.boxes[entry.tile];
+    if (entry.tile.value < manifest.boxes.size()) figures.box = manifest.boxes[entry.tile.value];
     figures.seconds = tiles.tile_seconds[i];
     report.tiles.push_back(figures);
   }

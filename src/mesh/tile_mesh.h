@@ -15,8 +15,8 @@ namespace tessera {
 struct TileMesh {
   int dimension = 3;
   std::vector<Point> points;              // n
-  std::vector<std::uint64_t> ids;         // n source indices
-  std::vector<std::uint32_t> owners;      // n: the tile that owns each vertex
+  std::vector<PointId> ids;               // n source indices
+  std::vector<TileId> owners;             // n: the tile that owns each vertex
   std::vector<std::uint8_t> point_ghost;  // n: 1 = foreign
   BigVector<std::int32_t> cells;          // m x (d+1) indices into points
   BigVector<std::uint8_t> cell_ghost;     // m: 1 = not main here

@@ -18,9 +18,8 @@ QuiescenceDetector::Verdict QuiescenceDetector::notice() {
   return Verdict::wait;
 }
 
-QuiescenceDetector::Verdict QuiescenceDetector::answer(std::uint64_t wave, std::uint32_t node, bool idle,
-                                                       Totals totals) {
-  if (!in_wave_ || wave != wave_ || node >= nodes_ || !answered_.insert(node).second) return Verdict::wait;
+QuiescenceDetector::Verdict QuiescenceDetector::answer(std::uint64_t wave, NodeId node, bool idle, Totals totals) {
+  if (!in_wave_ || wave != wave_ || node.value >= nodes_ || !answered_.insert(node).second) return Verdict::wait;
   all_idle_ &= idle;
   sum_ += totals;
   return answered_.size() == nodes_ ? judge() : Verdict::wait;

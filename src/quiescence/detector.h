@@ -27,7 +27,7 @@ class QuiescenceDetector {
   Verdict notice();
   // A node's answer to a probe. `idle`: no tile working, no mail waiting, none still to be triangulated. Answers to an
   // older wave, and second answers, are ignored.
-  Verdict answer(std::uint64_t wave, std::uint32_t node, bool idle, Totals totals);
+  Verdict answer(std::uint64_t wave, NodeId node, bool idle, Totals totals);
 
   std::uint64_t wave() const { return wave_; }
 
@@ -41,7 +41,7 @@ class QuiescenceDetector {
   bool noticed_ = false;  // a notice came during a wave
   bool all_idle_ = true;
   Totals sum_;
-  std::set<std::uint32_t> answered_;
+  std::set<NodeId> answered_;
   std::optional<Totals> previous_;  // sums of the last wave, if it could have been quiet
 };
 

@@ -145,9 +145,8 @@ std::string table(const ReportData& data) {
       "<div class=\"panel\"><table><tr><th>tile</th><th>points</th><th>cells</th><th>file</th><th>time "
       "worked</th></tr>\n";
   for (const auto& tile : tiles) {
-    html += "<tr><td>" + std::to_string(tile.tile) + "</td><td>" + grouped(tile.points) + "</td><td>" +
-            grouped(tile.cells) + "</td><td>" + human_bytes(tile.bytes) + "</td><td>" + human_seconds(tile.seconds) +
-            "</td></tr>\n";
+    html += "<tr><td>" + to_string(tile.tile) + "</td><td>" + grouped(tile.points) + "</td><td>" + grouped(tile.cells) +
+            "</td><td>" + human_bytes(tile.bytes) + "</td><td>" + human_seconds(tile.seconds) + "</td></tr>\n";
   }
   return html + "</table></div>\n";
 }

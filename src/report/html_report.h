@@ -14,7 +14,7 @@
 namespace tessera {
 
 struct TileFigures {
-  std::uint32_t tile = 0;
+  TileId tile;
   Box box;  // may be unbounded
   std::uint64_t points = 0, cells = 0, bytes = 0;
   double seconds = 0;  // worked on it

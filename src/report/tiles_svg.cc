@@ -73,7 +73,7 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
     const double t = range > 0 ? (values[i] - *least) / range : 0.5;
     svg += "<rect x=\"" + fixed(x0, 2) + "\" y=\"" + fixed(y0, 2) + "\" width=\"" + fixed(std::max(0.5, x1 - x0), 2) +
            "\" height=\"" + fixed(std::max(0.5, y1 - y0), 2) + "\" fill=\"" + colour(t) + "\"><title>tile " +
-           std::to_string(tile.tile) + ": " + grouped(tile.points) + " points, " + grouped(tile.cells) + " cells, " +
+           to_string(tile.tile) + ": " + grouped(tile.points) + " points, " + grouped(tile.cells) + " cells, " +
            human_seconds(tile.seconds) + "</title></rect>\n";
   }
   // The legend: a bar of the palette with its ends.

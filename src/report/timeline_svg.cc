@@ -73,7 +73,7 @@ std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
     for (const auto& bar : merge(list, total_s / width)) {
       const double x = at(bar.first.begin_s);
       const std::string what = bar.spans == 1 || bar.first.phase == Phase::triangulating
-                                   ? "tile " + std::to_string(bar.first.tile)
+                                   ? "tile " + to_string(bar.first.tile)
                                    : std::to_string(bar.spans) + " times";
       svg += "<rect class=\"p-" + std::string(name_of(bar.first.phase)) + "\" x=\"" + fixed(x, 2) + "\" y=\"" +
              fixed(y, 1) + "\" width=\"" + fixed(std::max(0.6, at(bar.end_s) - x - 0.4), 2) + "\" height=\"" +

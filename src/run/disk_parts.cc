@@ -32,10 +32,10 @@ struct DiskPart final : Part {
 bool settled(const RoutedRun& run, const Part& part, TileStorage& storage) {
   std::error_code ignored;
   if (!std::filesystem::exists(settled_marker(run.folder), ignored)) return false;
-  std::set<std::uint32_t> stored;
+  std::set<TileId> stored;
   for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
   for (std::uint32_t t = 0; t < part.points.size(); ++t) {
-    if (part.points[t] == 0 || stored.contains(t)) continue;
+    if (part.points[t] == 0 || stored.contains(TileId{t})) continue;
     if (!can_be_built_alone(storage, TileId{t})) return false;
   }
   return true;

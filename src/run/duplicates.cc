@@ -28,9 +28,9 @@ Result<Pairs> pairs_of(const RoutedRun& run, TileId tile, std::uint64_t count) {
 
 Status gather_duplicates(const RoutedRun& run, const std::vector<TileEntry>& tiles, DuplicateSort& out) {
   for (const TileEntry& entry : tiles) {
-    const std::uint64_t points = run.tile_points[entry.tile];
+    const std::uint64_t points = run.tile_points[entry.tile.value];
     if (entry.own_points == points) continue;
-    BOOST_OUTCOME_TRY(pairs, pairs_of(run, TileId{entry.tile}, points - entry.own_points));
+    BOOST_OUTCOME_TRY(pairs, pairs_of(run, entry.tile, points - entry.own_points));
     for (const DuplicatePair& pair : pairs) {
       BOOST_OUTCOME_TRYV(out.push(pair));
     }

@@ -26,10 +26,11 @@ struct PartSpec {
   bool neighbors = true;  // store them
   bool resumable = true;  // leave images when the job is interrupted
   // By tile: its node, and which incarnation of it lives there. Empty: all on node 0, incarnation 0.
-  std::vector<std::uint32_t> nodes, incarnations;
+  std::vector<NodeId> nodes;
+  std::vector<std::uint32_t> incarnations;
 
   friend bool operator==(const PartSpec&, const PartSpec&) = default;
-  NodeId node_of(TileId tile) const { return NodeId{nodes.empty() ? 0 : nodes[tile.value]}; }
+  NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
 };
 std::string to_bytes(const PartSpec& spec);
 Result<PartSpec> spec_from_bytes(const std::string& bytes);

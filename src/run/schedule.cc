@@ -18,16 +18,16 @@ Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64
 }
 
 void Schedule::set_stored(TileId tile) {
-  unlink(tile.value);
+  unlink(tile);
   tiles_[tile.value].is_stored = true;
-  link(tile.value);
+  link(tile);
 }
 
 void Schedule::enter(Stage stage) {
   check(stage >= stage_, "stages follow one another");
   stage_ = stage;
   pending_.clear();
-  for (std::uint32_t t = 0; t < tiles_.size(); ++t) link(t);
+  for (std::uint32_t t = 0; t < tiles_.size(); ++t) link(TileId{t});
 }
 
 std::uint64_t Schedule::weight(const Tile& tile) const {
@@ -42,16 +42,16 @@ bool Schedule::pending(const Tile& tile) const {
   return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
 }
 
-void Schedule::unlink(std::uint32_t t) {
-  const Tile& tile = tiles_[t];
+void Schedule::unlink(TileId t) {
+  const Tile& tile = tiles_[t.value];
   if (tile.working) return;
   ready_.erase({weight(tile), t});
   if (tile.place == Place::awake) awake_.erase({tile.mail.points, ~tile.memory, t});
   pending_.erase({tile.place != Place::awake, t});
 }
 
-void Schedule::link(std::uint32_t t) {
-  const Tile& tile = tiles_[t];
+void Schedule::link(TileId t) {
+  const Tile& tile = tiles_[t.value];
   if (tile.working) return;
   if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep))
     ready_.insert({weight(tile), t});
@@ -67,10 +67,10 @@ void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
 void Schedule::mail(TileId id, const Waiting& waiting) {
   Tile& tile = tiles_[id.value];
   if (tile.working || tile.place == Place::none || tile.place == Place::gone) return;
-  unlink(id.value);
+  unlink(id);
   set_memory(tile, tile.memory - tile.mail.bytes + waiting.bytes);
   tile.mail = waiting;
-  link(id.value);
+  link(id);
 }
 
 void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
@@ -110,7 +110,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
   if (woken) --asleep_;
   if (work != Work::sleep) tile.held = bytes;
   set_memory(tile, bytes + waiting.bytes + tile.storing);
-  link(id.value);
+  link(id);
 }
 
 void Schedule::stored(TileId id) {
@@ -125,7 +125,7 @@ void Schedule::stored(TileId id) {
 
 void Schedule::abandon(TileId id) {
   Tile& tile = tiles_[id.value];
-  unlink(id.value);
+  unlink(id);
   if (tile.working) --working_;
   if (tile.place == Place::storing) --storing_;
   if (tile.place == Place::fresh) --fresh_;
@@ -154,18 +154,18 @@ std::optional<Schedule::Grant> Schedule::next() {
   if (working_ >= options_.threads || stage_ == Stage::stopping) return std::nullopt;
   if (stage_ == Stage::suspending) {
     if (awake_.empty()) return std::nullopt;
-    const std::uint32_t t = std::get<2>(*awake_.begin());
+    const TileId t = std::get<2>(*awake_.begin());
     return put_to_sleep(t);
   }
   if (stage_ == Stage::settling) {
     if (pending_.empty()) return std::nullopt;
-    const std::uint32_t t = pending_.begin()->second;
-    return grant(t, Work::settle, tiles_[t].memory);
+    const TileId t = pending_.begin()->second;
+    return grant(t, Work::settle, tiles_[t.value].memory);
   }
   if (stage_ == Stage::collecting) {
     if (pending_.empty() || storing_ > options_.threads) return std::nullopt;
-    const std::uint32_t t = pending_.begin()->second;
-    const Tile& tile = tiles_[t];
+    const TileId t = pending_.begin()->second;
+    const Tile& tile = tiles_[t.value];
     if (tile.is_stored) return grant(t, Work::drop, tile.memory);
     const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.points
                                  : tile.place == Place::asleep ? tile.held
@@ -177,42 +177,42 @@ std::optional<Schedule::Grant> Schedule::next() {
   }
   if (next_fresh_ < tiles_.size()) {
     const Tile& tile = tiles_[next_fresh_];
-    return grant_in_room(next_fresh_, Work::begin, tile.memory + options_.begin_bytes * tile.points);
+    return grant_in_room(TileId{next_fresh_}, Work::begin, tile.memory + options_.begin_bytes * tile.points);
   }
   if (ready_.empty()) return std::nullopt;
-  const std::uint32_t t = ready_.begin()->second;
-  const Tile& tile = tiles_[t];
+  const TileId t = ready_.begin()->second;
+  const Tile& tile = tiles_[t.value];
   const std::uint64_t waking = tile.place == Place::asleep ? budget::waking_bytes(tile.held, options_.kernel) : 0;
   return grant_in_room(t, Work::splay, tile.memory + waking + options_.mail_bytes * tile.mail.points);
 }
 
 // Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
 // with nothing else in memory a tile may exceed the budget.
-std::optional<Schedule::Grant> Schedule::grant_in_room(std::uint32_t t, Work work, std::uint64_t needed) {
-  const std::uint64_t others = memory_ - tiles_[t].memory;
+std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
+  const std::uint64_t others = memory_ - tiles_[t.value].memory;
   if (others + needed <= options_.memory_bytes) return grant(t, work, needed);
   if (others + needed - freeing_ <= options_.memory_bytes) return std::nullopt;  // there will be room in a moment
   for (const Rank& rank : awake_) {
-    const std::uint32_t other = std::get<2>(rank);
+    const TileId other = std::get<2>(rank);
     if (other != t) return put_to_sleep(other);
   }
   if (working_ + storing_ > 0) return std::nullopt;
   return grant(t, work, needed);
 }
 
-std::optional<Schedule::Grant> Schedule::put_to_sleep(std::uint32_t t) {
-  const Tile& tile = tiles_[t];
+std::optional<Schedule::Grant> Schedule::put_to_sleep(TileId t) {
+  const Tile& tile = tiles_[t.value];
   return grant(t, Work::sleep, tile.memory + budget::sleeping_bytes(tile.held, options_.kernel));
 }
 
-std::optional<Schedule::Grant> Schedule::grant(std::uint32_t t, Work work, std::uint64_t needed) {
+std::optional<Schedule::Grant> Schedule::grant(TileId t, Work work, std::uint64_t needed) {
   unlink(t);
-  Tile& tile = tiles_[t];
+  Tile& tile = tiles_[t.value];
   set_memory(tile, needed);
   tile.working = true;
   ++working_;
   if (work == Work::sleep) freeing_ += tile.memory;
-  return Grant{TileId{t}, work};
+  return Grant{t, work};
 }
 
 }  // namespace tessera

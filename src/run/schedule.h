@@ -82,27 +82,27 @@ class Schedule {
     Place place = Place::none;
     bool working = false, is_stored = false, settled = false;
   };
-  using Mail = std::pair<std::uint64_t, std::uint32_t>;                  // weight, tile
-  using Rank = std::tuple<std::uint64_t, std::uint64_t, std::uint32_t>;  // mail, ~memory, tile
+  using Mail = std::pair<std::uint64_t, TileId>;                  // weight, tile
+  using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;  // mail, ~memory, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
-  void unlink(std::uint32_t tile);
-  void link(std::uint32_t tile);
+  void unlink(TileId tile);
+  void link(TileId tile);
   std::uint64_t weight(const Tile& tile) const;
   bool pending(const Tile& tile) const;
   void set_memory(Tile& tile, std::uint64_t bytes);
-  std::optional<Grant> grant(std::uint32_t tile, Work work, std::uint64_t needed);
-  std::optional<Grant> put_to_sleep(std::uint32_t tile);
-  std::optional<Grant> grant_in_room(std::uint32_t tile, Work work, std::uint64_t needed);
+  std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
+  std::optional<Grant> put_to_sleep(TileId tile);
+  std::optional<Grant> grant_in_room(TileId tile, Work work, std::uint64_t needed);
 
   ScheduleOptions options_;
   std::vector<Tile> tiles_;
   Stage stage_ = Stage::exchanging;
-  std::set<Mail, std::greater<>> ready_;              // begun, idle, with mail
-  std::set<Rank> awake_;                              // idle and in memory: the first sleeps first
-  std::set<std::pair<bool, std::uint32_t>> pending_;  // idle, to be settled or collected; false: in memory
-  std::uint32_t next_fresh_ = 0;                      // no idle fresh tile comes before
-  std::uint32_t fresh_ = 0;                           // not begun, or just beginning
+  std::set<Mail, std::greater<>> ready_;       // begun, idle, with mail
+  std::set<Rank> awake_;                       // idle and in memory: the first sleeps first
+  std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled or collected; false: in memory
+  std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before
+  std::uint32_t fresh_ = 0;                    // not begun, or just beginning
   std::uint32_t working_ = 0, storing_ = 0, asleep_ = 0;
   std::uint64_t memory_ = 0;   // over all tiles
   std::uint64_t freeing_ = 0;  // of it, what tiles that are falling asleep will give back

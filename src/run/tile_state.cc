@@ -131,7 +131,7 @@ std::vector<Batch> TileState::take_outgoing() {
   std::vector<Batch> out;
   if (!triangulation_) return out;
   for (auto& [tile, points] : triangulation_->take_updates()) {
-    const Peer to{TileId{tile}, context_.incarnations.empty() ? 0 : context_.incarnations[tile]};
+    const Peer to{tile, context_.incarnations.empty() ? 0 : context_.incarnations[tile.value]};
     const std::size_t n = points.size();
     for (std::size_t begin = 0; begin < n; begin += batch_points_max) {
       const std::size_t end = std::min(n, begin + batch_points_max);

@@ -47,7 +47,7 @@ Digest digest_of_tile(const TileMesh& mesh) {
   for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c, cell += D + 1) {
     if (mesh.cell_ghost[c] != 0) continue;
     std::array<std::uint64_t, D + 1> ids;
-    for (std::size_t k = 0; k <= D; ++k) ids[k] = mesh.ids[static_cast<std::size_t>(cell[k])];
+    for (std::size_t k = 0; k <= D; ++k) ids[k] = mesh.ids[static_cast<std::size_t>(cell[k])].value;
     sort(ids);
     sum += hash<cell_seed(D)>(ids);
   }

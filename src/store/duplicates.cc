@@ -45,8 +45,8 @@ Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs)
 
 }  // namespace store
 
-Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const fs::path& out) {
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> pairs;
+Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out) {
+  std::vector<DuplicatePair> pairs;
   const auto path = duplicates_file(out);
   std::error_code code;
   if (!fs::exists(path, code)) return pairs;
@@ -54,11 +54,11 @@ Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(con
   if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
   pairs.resize(bytes.size() / 16);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    std::memcpy(&pairs[i].first, bytes.data() + 16 * i, 8);
-    std::memcpy(&pairs[i].second, bytes.data() + 16 * i + 8, 8);
-    if (i > 0 && pairs[i - 1].first >= pairs[i].first)
+    std::memcpy(&pairs[i].duplicate, bytes.data() + 16 * i, 8);
+    std::memcpy(&pairs[i].kept, bytes.data() + 16 * i + 8, 8);
+    if (i > 0 && pairs[i - 1].duplicate >= pairs[i].duplicate)
       return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
-    if (pairs[i].second >= pairs[i].first)
+    if (pairs[i].kept >= pairs[i].duplicate)
       return error(Errc::corrupt,
                    path.string() + ", pair " + std::to_string(i) + ": the kept point comes after its duplicate");
   }

@@ -66,11 +66,10 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   return success();
 }
 
-Status finish_store(const fs::path& out, Manifest& manifest,
-                    std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates) {
+Status finish_store(const fs::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates) {
   DuplicateSort sorted(out, duplicates.size() * sizeof(DuplicatePair));
-  for (const auto& [duplicate, kept] : duplicates) {
-    BOOST_OUTCOME_TRYV(sorted.push({duplicate, kept}));
+  for (const DuplicatePair& pair : duplicates) {
+    BOOST_OUTCOME_TRYV(sorted.push(pair));
   }
   return finish_store(out, manifest, sorted);
 }

@@ -84,12 +84,9 @@ std::optional<Digest> to_digest(const json& value) {
 }
 
 ordered_json entry_to_json(const TileEntry& entry) {
-  ordered_json value{{"tile", entry.tile},
-                     {"points", entry.points},
-                     {"own_points", entry.own_points},
-                     {"cells", entry.cells},
-                     {"main_cells", entry.main_cells},
-                     {"bytes", entry.bytes},
+  ordered_json value{{"tile", entry.tile.value},         {"points", entry.points},
+                     {"own_points", entry.own_points},   {"cells", entry.cells},
+                     {"main_cells", entry.main_cells},   {"bytes", entry.bytes},
                      {"xxh3", checksum_text(entry.xxh3)}};
   if (entry.digest) value["digest"] = digest_text(*entry.digest);
   return value;
@@ -100,7 +97,7 @@ TileEntry to_entry(const json& value) {
   const std::uint64_t tile = to_count(value.at("tile"));
   if (tile > std::numeric_limits<std::uint32_t>::max())
     throw json::other_error::create(501, "tile " + std::to_string(tile) + " does not exist", &value);
-  entry.tile = static_cast<std::uint32_t>(tile);
+  entry.tile = TileId{static_cast<std::uint32_t>(tile)};
   entry.points = to_count(value.at("points"));
   entry.own_points = to_count(value.at("own_points"));
   entry.cells = to_count(value.at("cells"));
@@ -172,7 +169,7 @@ Manifest to_manifest(const json& value) {
 Status write_done(const fs::path& out, const TileEntry& entry) {
   const std::string text = entry_to_json(entry).dump();
   const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
-  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, TileId{entry.tile}), DiskFile::Mode::replace));
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, entry.tile), DiskFile::Mode::replace));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
   return file.close();
 }
@@ -285,8 +282,8 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
     if (!is_done_name(file->path())) continue;
     BOOST_OUTCOME_TRY(bytes, read_whole(file->path()));
     const auto entry = read_done(as_text(bytes));
-    if (!entry || done_file(out, TileId{entry->tile}) != file->path()) continue;
-    if (is_whole(tile_file(out, TileId{entry->tile}), *entry)) entries.push_back(*entry);
+    if (!entry || done_file(out, entry->tile) != file->path()) continue;
+    if (is_whole(tile_file(out, entry->tile), *entry)) entries.push_back(*entry);
   }
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   return entries;

@@ -105,7 +105,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   }
 
   TileEntry entry;
-  entry.tile = tile.value;
+  entry.tile = tile;
   entry.points = header.points;
   entry.own_points = static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
   entry.cells = header.cells;

@@ -54,8 +54,8 @@ class TileReader {
     BOOST_OUTCOME_TRYV(check_values(
         mesh, [this](const std::string& place, const std::string& reason) { return corrupt(place, reason); }));
     for (std::size_t i = 0; i < mesh.owners.size(); ++i)
-      if ((mesh.owners[i] != tile_.value) != (mesh.point_ghost[i] != 0))
-        return corrupt("PointData/owner", "point " + std::to_string(i) + " of tile " + std::to_string(mesh.owners[i]) +
+      if ((mesh.owners[i] != tile_) != (mesh.point_ghost[i] != 0))
+        return corrupt("PointData/owner", "point " + std::to_string(i) + " of tile " + to_string(mesh.owners[i]) +
                                               " has the wrong vtkGhostType");
     if (with_rows) {
       BOOST_OUTCOME_TRYV(read_rows(stored));

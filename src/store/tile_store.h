@@ -23,7 +23,7 @@ namespace tessera {
 
 // What the manifest says of one tile file.
 struct TileEntry {
-  std::uint32_t tile = 0;
+  TileId tile;
   std::uint64_t points = 0;  // vertices in the file, foreign ones included
   std::uint64_t own_points = 0;
   std::uint64_t cells = 0;  // cells in the file
@@ -88,7 +88,7 @@ struct Manifest {
 };
 
 struct DuplicatePair {
-  std::uint64_t duplicate = 0, kept = 0;
+  PointId duplicate, kept;
   friend auto operator<=>(const DuplicatePair&, const DuplicatePair&) = default;
 };
 // There may be more than fit into memory.
@@ -99,10 +99,9 @@ using DuplicateSort = ExternalSort<DuplicatePair>;
 // are stored.
 Status finish_store(const std::filesystem::path& out, Manifest& manifest, DuplicateSort& duplicates);
 // The same with pairs in memory.
-Status finish_store(const std::filesystem::path& out, Manifest& manifest,
-                    std::span<const std::pair<std::uint64_t, std::uint64_t>> duplicates);
+Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates);
 // Error io when there is none, corrupt when it is damaged or from a future version.
 Result<Manifest> read_manifest(const std::filesystem::path& out);
-Result<std::vector<std::pair<std::uint64_t, std::uint64_t>>> read_duplicates(const std::filesystem::path& out);
+Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out);
 
 }  // namespace tessera

@@ -164,7 +164,7 @@ std::string master_text(const Manifest& manifest) {
     text += "</" + element + ">\n";
   }
   for (const auto& entry : manifest.tiles)
-    text += "<Piece Source=\"" + tile_file("", TileId{entry.tile}).generic_string() + "\"/>\n";
+    text += "<Piece Source=\"" + tile_file("", entry.tile).generic_string() + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 

@@ -111,7 +111,7 @@ class MeshMaker {
     mesh_.ids.reserve(n);
     mesh_.points.assign(in_.points.begin(), in_.points.end());
     mesh_.ids.assign(in_.ids.begin(), in_.ids.end());
-    mesh_.owners.assign(own_, in_.self.value);
+    mesh_.owners.assign(own_, in_.self);
     for (const std::uint32_t k : order) {
       const SharedPoint& p = in_.foreign[k];
       index_[k] = static_cast<std::uint32_t>(mesh_.points.size());
@@ -285,7 +285,7 @@ class MeshMaker {
     for (int i = 0; i < corners; ++i) {
       mesh_.cells[std::size_t{k} * corners + i] = static_cast<std::int32_t>(e.v[i]);
       mesh_.neighbors[std::size_t{k} * corners + i] = static_cast<std::int32_t>(e.n[i]);
-      main &= e.v[i] < own_ || mesh_.owners[e.v[i]] > in_.self.value;
+      main &= e.v[i] < own_ || mesh_.owners[e.v[i]] > in_.self;
     }
     mesh_.cell_ghost[k] = main ? 0 : 1;
     place_[e.cell] = static_cast<std::int32_t>(k);

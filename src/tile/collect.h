@@ -15,12 +15,12 @@ namespace tessera {
 struct CollectInput {
   int dimension;
   TileId self;
-  std::span<const Point> points;       // the tile's own, by rank: n
-  std::span<const std::uint64_t> ids;  // by rank
-  CellRows cells;                      // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
-  std::vector<std::uint8_t> fill;      // by row: 1 for fill of a reduced tile; or empty
-  std::vector<SharedPoint> foreign;    // by k
-  FinalCells final_cells;              // handed out earlier: they border the fill
+  std::span<const Point> points;     // the tile's own, by rank: n
+  std::span<const PointId> ids;      // by rank
+  CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
+  std::vector<std::uint8_t> fill;    // by row: 1 for fill of a reduced tile; or empty
+  std::vector<SharedPoint> foreign;  // by k
+  FinalCells final_cells;            // handed out earlier: they border the fill
 };
 
 // Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh

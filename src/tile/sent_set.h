@@ -17,7 +17,7 @@ namespace tessera {
 class SentSet {
  public:
   // False if `tile` has been told of `v` before.
-  bool add(Vertex v, std::uint32_t tile) {
+  bool add(Vertex v, TileId tile) {
     if (v >= first_.size()) first_.resize(v + 1, nobody);
     if (first_[v] == tile) return false;
     if (first_[v] != nobody) return more_.insert(key_of(v, tile)).second;
@@ -26,7 +26,7 @@ class SentSet {
   }
 
   // True only if `tile` has been told of `v`, and most times when it has. Costs next to nothing.
-  bool surely_has(Vertex v, std::uint32_t tile) const { return v < first_.size() && first_[v] == tile; }
+  bool surely_has(Vertex v, TileId tile) const { return v < first_.size() && first_[v] == tile; }
 
   // Vertex v becomes to[v]. REQUIRES: to[v] is not 0 for all v in the set, and no two are equal.
   void renumber(const std::vector<Vertex>& to) {
@@ -34,7 +34,7 @@ class SentSet {
     for (const std::uint64_t key : keys()) {
       const Vertex v = to[key >> 32];
       check(v != 0, "only vertices of cells that are not final have been shared");
-      renumbered.add(v, static_cast<std::uint32_t>(key));
+      renumbered.add(v, TileId{static_cast<std::uint32_t>(key)});
     }
     *this = std::move(renumbered);
   }
@@ -48,13 +48,13 @@ class SentSet {
     return all;
   }
 
-  std::size_t memory() const { return first_.capacity() * sizeof(std::uint32_t) + more_.bucket_count() * 16; }
+  std::size_t memory() const { return first_.capacity() * sizeof(TileId) + more_.bucket_count() * 16; }
 
  private:
-  static constexpr std::uint32_t nobody = ~std::uint32_t{0};
-  static std::uint64_t key_of(Vertex v, std::uint32_t tile) { return std::uint64_t{v} << 32 | tile; }
+  static constexpr TileId nobody{~std::uint32_t{0}};
+  static std::uint64_t key_of(Vertex v, TileId tile) { return std::uint64_t{v} << 32 | tile.value; }
 
-  std::vector<std::uint32_t> first_;
+  std::vector<TileId> first_;
   tsl::robin_set<std::uint64_t, MixHash> more_;
 };
 

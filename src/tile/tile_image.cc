@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint64_t magic = 0x3365676d49454c54u;
 
 struct KnownForeign {
-  std::uint64_t id;
+  PointId id;
   std::uint64_t vertex;
 };
 
@@ -23,7 +23,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + foreign_.size() * 16 +
               open_cells_.size() * 16 + 1024);
   out.value(magic);
-  out.value(options_.self.value);
+  out.value(options_.self);
   out.value(static_cast<std::int32_t>(options_.dimension));
   out.value(options_.kernel);
   out.value(static_cast<std::uint8_t>(reduced_));
@@ -50,17 +50,19 @@ std::vector<std::byte> TileTriangulation::save() const {
 bool TileTriangulation::load(std::vector<std::byte> bytes) {
   FlatReader in(bytes);
   std::uint64_t found = 0;
-  std::uint32_t self = 0;
+  TileId self;
   std::int32_t dimension = 0;
   std::uint8_t reduced = 0;
   KernelKind kernel = KernelKind::flat;
   ExchangeCounts counts;
   KernelImage image;
-  std::vector<std::uint64_t> ids, sent;
-  std::vector<std::uint32_t> owners, ranks;
+  std::vector<PointId> ids;
+  std::vector<TileId> owners;
+  std::vector<std::uint64_t> sent;
+  std::vector<std::uint32_t> ranks;
   std::vector<KnownForeign> foreign;
   std::vector<CellKey> open_cells;
-  const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self.value &&
+  const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self &&
                     in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
                     kernel == options_.kernel && in.value(reduced) && in.value(counts) && in.value(image.dimension) &&
                     in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
@@ -88,7 +90,8 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   foreign_.clear();
   for (const auto& f : foreign) foreign_[f.id] = static_cast<Vertex>(f.vertex);
   sent_ = {};
-  for (const std::uint64_t key : sent) sent_.add(static_cast<Vertex>(key >> 32), static_cast<std::uint32_t>(key));
+  for (const std::uint64_t key : sent)
+    sent_.add(static_cast<Vertex>(key >> 32), TileId{static_cast<std::uint32_t>(key)});
   open_cells_ = {open_cells.begin(), open_cells.end()};
   updates_.clear();
   return true;
@@ -97,7 +100,7 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
 void TileTriangulation::replay() {
   for (const std::uint64_t key : sent_.keys()) {
     const auto v = static_cast<Vertex>(key >> 32);
-    const auto tile = static_cast<std::uint32_t>(key);
+    const TileId tile{static_cast<std::uint32_t>(key)};
     if (owners_[v] == tile) continue;
     updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
     ++counts_.sent;

@@ -14,16 +14,16 @@ namespace tessera {
 TileTriangulation::TileTriangulation(const TileOptions& options)
     : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
 
-void TileTriangulation::triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
+void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids,
                                     std::span<const SharedPoint> seeds, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
   kernel_->build(points, keep);
-  ids_.assign(1, 0);
+  ids_.assign(1, PointId{});
   ids_.insert(ids_.end(), ids.begin(), ids.end());
-  owners_.assign(points.size() + 1, options_.self.value);
+  owners_.assign(points.size() + 1, options_.self);
   std::vector<Vertex> around;
   for (const SharedPoint& seed : seeds) {
-    if (seed.tile == options_.self.value) continue;
+    if (seed.tile == options_.self) continue;
     check(add_foreign(seed, true, around).has_value(), "seeds are points of the cloud, each once");
   }
   // The seeds count as one batch: what matters is who their neighbours are once all of them are in.
@@ -109,8 +109,8 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
   std::vector<Vertex> to(ids_.size(), 0);
   for (const Vertex v : used) to[v] = 1;
   to[infinite_vertex] = 0;
-  std::vector<std::uint64_t> ids(1, 0);
-  std::vector<std::uint32_t> owners(1, options_.self.value);
+  std::vector<PointId> ids(1);
+  std::vector<TileId> owners(1, options_.self);
   ranks_.assign(1, 0);
   for (Vertex v = 1; v < to.size(); ++v) {
     const bool local = v <= own;
@@ -164,7 +164,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     if (ball.reach > largest) continue;
     for (const TileNeighbour& n : neighbours) {
       if (!may_meet(ball, n.bounds, d)) continue;
-      for (int i = 0; i < corners; ++i) share(v[i], n.tile.value);
+      for (int i = 0; i < corners; ++i) share(v[i], n.tile);
     }
   }
 }
@@ -173,9 +173,9 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
   if (options_.rule == ExchangeRule::published) return receive_published(from, batch);
   for (const SharedPoint& p : batch) {
     ++counts_.received;
-    if (p.tile == options_.self.value || !is_finite(p.at)) return refuse(from, p);
+    if (p.tile == options_.self || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second != 0) sent_.add(known->second, from.value);
+      if (known->second != 0) sent_.add(known->second, from);
       continue;
     }
     BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
@@ -183,7 +183,7 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
       for (const Vertex w : around_) share(w, p.tile);
       continue;
     }
-    sent_.add(v, from.value);
+    sent_.add(v, from);
     if (kernel_->dimension() < options_.dimension) {
       share_with_all();
     } else {
@@ -195,8 +195,8 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
 
 // What a peer says is never a reason to stop the process.
 Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
-  return error(Errc::internal, "tile " + std::to_string(options_.self.value) + ": tile " + std::to_string(from.value) +
-                                   " told it of point " + std::to_string(p.id) + ", which it cannot have");
+  return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " told it of point " +
+                                   to_string(p.id) + ", which it cannot have");
 }
 
 // The published order: insert everything, simplify, then splay what survived.
@@ -207,7 +207,7 @@ Status TileTriangulation::receive_published(TileId from, std::span<const SharedP
     if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
     BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));
     added.push_back(v);
-    sent_.add(v, from.value);
+    sent_.add(v, from);
   }
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
@@ -231,7 +231,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   const auto mode = always ? InsertMode::always : InsertMode::if_local_neighbour;
   const Insertion result = kernel_->insert(p.at, false, mode, around);
   if (!result.inserted) {
-    if (result.vertex != 0) return refuse(TileId{p.tile}, p);  // equal coordinates are one id
+    if (result.vertex != 0) return refuse(p.tile, p);  // equal coordinates are one id
     foreign_[p.id] = 0;
     ++counts_.refused;
     return Vertex{0};
@@ -248,11 +248,11 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
 // Rule S for a vertex that has just come: all cells around it are new, and no others.
 void TileTriangulation::share_star(Vertex v) {
   const int corners = options_.dimension + 1;
-  const std::uint32_t self = options_.self.value;
+  const TileId self = options_.self;
   kernel_->star(v, star_);
   for (std::size_t c = 0; c < star_.size(); c += corners) {
     std::array<Vertex, 4> cell{};  // without the infinite vertex, which has no owner
-    std::array<std::uint32_t, 4> owners{};
+    std::array<TileId, 4> owners{};
     int n = 0;
     bool touches_local = false;
     for (int i = 0; i < corners; ++i) {
@@ -284,18 +284,16 @@ void TileTriangulation::share_with_all() {
   }
 }
 
-void TileTriangulation::share(Vertex v, std::uint32_t tile) {
-  if (tile == options_.self.value || owners_[v] == tile) return;
+void TileTriangulation::share(Vertex v, TileId tile) {
+  if (tile == options_.self || owners_[v] == tile) return;
   if (!sent_.add(v, tile)) return;
   updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
   ++counts_.sent;
 }
 
-std::map<std::uint32_t, std::vector<SharedPoint>> TileTriangulation::take_updates() {
-  return std::exchange(updates_, {});
-}
+std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() { return std::exchange(updates_, {}); }
 
-TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const std::uint64_t> ids,
+TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
                                     FinalCells final_cells) {
   CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;

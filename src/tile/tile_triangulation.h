@@ -55,8 +55,8 @@ class TileTriangulation {
   // every tile is given. REQUIRES for (1): the seeds contain the lexicographically least point of the cloud. If they
   // span the space (as they do in production) the tile is never flat and the exchange stays small.
   // `keep`: borrowed points must stay where they are until collect().
-  void triangulate(std::span<const Point> points, std::span<const std::uint64_t> ids,
-                   std::span<const SharedPoint> seeds, KeepPoints keep = KeepPoints::copied);
+  void triangulate(std::span<const Point> points, std::span<const PointId> ids, std::span<const SharedPoint> seeds,
+                   KeepPoints keep = KeepPoints::copied);
 
   // Takes the final cells out (those inside `box`) and keeps only what can still change. Call right after
   // triangulate(), with the same points. A kernel that cannot forget cells is built again from the others' vertices;
@@ -79,11 +79,11 @@ class TileTriangulation {
   std::vector<SharedPoint> foreign_vertices() const;
 
   // What others must now hear of, by tile, and forgets it. A tile is only ever told of points it does not own.
-  std::map<std::uint32_t, std::vector<SharedPoint>> take_updates();
+  std::map<TileId, std::vector<SharedPoint>> take_updates();
 
   // All cells with a vertex of this tile. `points`, `ids` as in triangulate(); `final_cells` from reduce(), or empty.
   // Right only once all tiles are quiet. The triangulation is gone afterwards.
-  TileMesh collect(std::span<const Point> points, std::span<const std::uint64_t> ids, FinalCells final_cells);
+  TileMesh collect(std::span<const Point> points, std::span<const PointId> ids, FinalCells final_cells);
 
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;
@@ -104,24 +104,22 @@ class TileTriangulation {
   Error refuse(TileId from, const SharedPoint& p) const;
   void share_star(Vertex v);
   void share_with_all();
-  void share(Vertex v, std::uint32_t tile);
+  void share(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> batch);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
-  bool is_local(Vertex v) const {
-    return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self.value;
-  }
+  bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self; }
 
   TileOptions options_;
   std::unique_ptr<Kernel> kernel_;
   // By vertex; [0] is the infinite vertex.
-  std::vector<std::uint64_t> ids_;
-  std::vector<std::uint32_t> owners_;
+  std::vector<PointId> ids_;
+  std::vector<TileId> owners_;
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: rank = vertex - 1
-  tsl::robin_map<std::uint64_t, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
+  tsl::robin_map<PointId, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
   SentSet sent_;
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
-  std::map<std::uint32_t, std::vector<SharedPoint>> updates_;
+  std::map<TileId, std::vector<SharedPoint>> updates_;
   ExchangeCounts counts_;
   std::vector<Vertex> star_, around_;  // scratch
 };

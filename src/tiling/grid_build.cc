@@ -80,7 +80,7 @@ class GridBuilder {
     for (int a = 1; a < 3; ++a) {
       if (to[a] - from[a] > to[axis] - from[axis]) axis = a;
     }
-    if (to[axis] - from[axis] == 1) return as_leaf(leaves_++);
+    if (to[axis] - from[axis] == 1) return as_leaf(TileId{leaves_++});
     const std::uint32_t middle = from[axis] + (to[axis] - from[axis]) / 2;
     const auto row = static_cast<std::int32_t>(nodes_.size());
     nodes_.push_back({planes_[axis][middle - 1], axis, {0, 0}});

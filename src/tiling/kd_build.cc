@@ -31,7 +31,7 @@ class KdBuilder {
 
   // Returns the child to store in the parent.
   std::int32_t grow(std::span<Point> points, const Box& box, std::uint32_t tiles) {
-    if (tiles == 1) return as_leaf(leaves_++);
+    if (tiles == 1) return as_leaf(TileId{leaves_++});
     Choice choice = split_points(points, tiles);
     if (choice.axis < 0) choice = split_box(box);
     Box below = box;

@@ -133,7 +133,7 @@ class OctreeBuilder {
 
   // Numbers leaves in the order of the tree, so that near tiles have near numbers.
   std::vector<SplitNode> finish(const std::vector<Cube>& leaves) {
-    for (const Cube& leaf : leaves) hang(leaf, as_leaf(0));
+    for (const Cube& leaf : leaves) hang(leaf, as_leaf(TileId{0}));
     if (nodes_.empty()) return {};
     std::uint32_t number = 0;
     std::vector<std::pair<std::int32_t, int>> todo{{0, 1}, {0, 0}};
@@ -142,7 +142,7 @@ class OctreeBuilder {
       todo.pop_back();
       std::int32_t& child = nodes_[static_cast<std::size_t>(row)].child[side];
       if (child < 0) {
-        child = as_leaf(number++);
+        child = as_leaf(TileId{number++});
       } else {
         todo.emplace_back(child, 1);
         todo.emplace_back(child, 0);

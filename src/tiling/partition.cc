@@ -82,9 +82,9 @@ Partition Partition::build_tiles(PartitionKind kind, int dimension, std::span<co
   return {kind, dimension, std::move(nodes), leaves};
 }
 
-std::uint32_t Partition::hashed_tile(const Point& p, std::uint32_t tiles) {
+TileId Partition::hashed_tile(const Point& p, std::uint32_t tiles) {
   const std::uint64_t hash = XXH3_64bits(&p, sizeof p) >> 32;
-  return static_cast<std::uint32_t>(hash * tiles >> 32);
+  return TileId{static_cast<std::uint32_t>(hash * tiles >> 32)};
 }
 
 bool Partition::split(TileId tile, std::vector<Point> points) {
@@ -111,15 +111,15 @@ bool Partition::split(TileId tile, std::vector<Point> points) {
     if (axis < 0 || candidates[a].length > candidates[axis].length) axis = a;
   }
 
-  const std::uint32_t added = tiles();
+  const TileId added{tiles()};
   const double value = candidates[axis].split.value;
   const auto row = static_cast<std::int32_t>(nodes_.size());
   for (SplitNode& node : nodes_) {
     for (std::int32_t& child : node.child) {
-      if (child == as_leaf(tile.value)) child = row;
+      if (child == as_leaf(tile)) child = row;
     }
   }
-  nodes_.push_back({value, axis, {as_leaf(tile.value), as_leaf(added)}});
+  nodes_.push_back({value, axis, {as_leaf(tile), as_leaf(added)}});
   Box above = boxes_[tile.value];
   above.lo[axis] = value;
   boxes_[tile.value].hi[axis] = value;

@@ -46,7 +46,7 @@ class Partition {
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(boxes_.size()); }
   const std::vector<Box>& boxes() const { return boxes_; }
   TileId tile_of(const Point& p) const {
-    return TileId{kind_ == PartitionKind::random ? hashed_tile(p, tiles()) : leaf_of(nodes_, p)};
+    return kind_ == PartitionKind::random ? hashed_tile(p, tiles()) : leaf_of(nodes_, p);
   }
 
   // Splits a tile in two at the exact median of `points` (all of that tile) along the axis that halves them best (the
@@ -61,7 +61,7 @@ class Partition {
 
  private:
   Partition(PartitionKind kind, int dimension, std::vector<SplitNode> nodes, std::uint32_t tiles);
-  static std::uint32_t hashed_tile(const Point& p, std::uint32_t tiles);
+  static TileId hashed_tile(const Point& p, std::uint32_t tiles);
 
   PartitionKind kind_ = PartitionKind::kdtree;
   int dimension_ = 3;

@@ -27,8 +27,9 @@ Status check_tree(const std::vector<SplitNode>& nodes, std::uint32_t tiles) {
     for (const int side : {0, 1}) {
       const std::int32_t child = node.child[side];
       if (child < 0) {
-        if (leaf_used[leaf_number(child)]) return bad("tile " + std::to_string(leaf_number(child)) + " occurs twice");
-        leaf_used[leaf_number(child)] = true;
+        const TileId tile = tile_at(child);
+        if (leaf_used[tile.value]) return bad("tile " + to_string(tile) + " occurs twice");
+        leaf_used[tile.value] = true;
         continue;
       }
       const auto next = static_cast<std::size_t>(child);

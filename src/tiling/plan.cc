@@ -142,11 +142,11 @@ class PlanReader {
     if (!seeds.is_array() || seeds.size() < span || seeds.size() > span + 1) return bad("has not the right seeds");
     for (const json& from : seeds) {
       SharedPoint seed;
-      if (!read_unsigned(at(from, "id"), seed.id) || seed.id >= run_.counts.read ||
+      if (!read_unsigned(at(from, "id"), seed.id.value) || seed.id.value >= run_.counts.read ||
           !read_point(at(from, "at"), seed.at)) {
         return bad("a seed is not a point of the cloud");
       }
-      seed.tile = run_.partition.tile_of(seed.at).value;
+      seed.tile = run_.partition.tile_of(seed.at);
       run_.seeds.push_back(seed);
     }
     return success();
@@ -219,7 +219,7 @@ Status write_plan(const RoutedRun& run) {
                      {"attributes_xxh3", checksum_text(run.tile_sums[t].rows)}});
   }
   json seeds = json::array();
-  for (const SharedPoint& s : run.seeds) seeds.push_back({{"at", to_json(s.at)}, {"id", s.id}});
+  for (const SharedPoint& s : run.seeds) seeds.push_back({{"at", to_json(s.at)}, {"id", s.id.value}});
   json schema = json::array();
   for (const Attribute& a : run.schema) {
     schema.push_back({{"name", a.name}, {"type", type_names[static_cast<std::size_t>(a.type)]}});

@@ -130,7 +130,7 @@ std::vector<SharedPoint> seeds_of(const SpanFinder& finder, const Partition& par
   }
   std::vector<SharedPoint> seeds;
   for (const LocalPoint& p : points) {
-    seeds.push_back({.at = p.at, .id = p.id, .tile = partition.tile_of(p.at).value, .reserved = 0});
+    seeds.push_back({.at = p.at, .id = p.id, .tile = partition.tile_of(p.at), .reserved = 0});
   }
   return seeds;
 }

@@ -73,8 +73,8 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder);
 // A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
 struct LoadedTile {
   std::vector<Point> points;
-  std::vector<std::uint64_t> ids;                                   // of equal points, the lowest
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates;  // (duplicate, kept), by ascending duplicate
+  std::vector<PointId> ids;                             // of equal points, the lowest
+  std::vector<std::pair<PointId, PointId>> duplicates;  // (duplicate, kept), by ascending duplicate
 };
 // Error corrupt when the file is not the one that was written.
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
@@ -84,6 +84,6 @@ LoadedTile order_points(std::vector<LocalPoint> points, int dimension);
 // The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing, or
 // if the tile's files are not those that were written, which the first call for a tile finds out. Safe to call from
 // several threads.
-Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<std::uint64_t>& ids);
+Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids);
 
 }  // namespace tessera

@@ -16,7 +16,7 @@ std::vector<Box> boxes_of(std::span<const SplitNode> nodes, std::uint32_t leaves
     const auto [row, box] = todo.back();
     todo.pop_back();
     if (row < 0) {
-      boxes[leaf_number(row)] = box;
+      boxes[tile_at(row).value] = box;
       continue;
     }
     const SplitNode& node = nodes[static_cast<std::size_t>(row)];

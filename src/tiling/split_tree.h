@@ -17,18 +17,18 @@ struct SplitNode {
   std::int32_t child[2] = {0, 0};
 };
 
-constexpr std::int32_t as_leaf(std::uint32_t tile) { return -1 - static_cast<std::int32_t>(tile); }
-constexpr std::uint32_t leaf_number(std::int32_t child) { return static_cast<std::uint32_t>(-1 - child); }
+constexpr std::int32_t as_leaf(TileId tile) { return -1 - static_cast<std::int32_t>(tile.value); }
+constexpr TileId tile_at(std::int32_t child) { return TileId{static_cast<std::uint32_t>(-1 - child)}; }
 
 // Which child is an index, not a branch: the sides of a median split cannot be predicted.
-inline std::uint32_t leaf_of(std::span<const SplitNode> nodes, const Point& p) {
+inline TileId leaf_of(std::span<const SplitNode> nodes, const Point& p) {
   const double at[3] = {p.x, p.y, p.z};
-  std::int32_t row = nodes.empty() ? as_leaf(0) : 0;
+  std::int32_t row = nodes.empty() ? as_leaf(TileId{0}) : 0;
   while (row >= 0) {
     const SplitNode& node = nodes[static_cast<std::size_t>(row)];
     row = node.child[at[node.axis] >= node.value];
   }
-  return leaf_number(row);
+  return tile_at(row);
 }
 
 // By leaf number. REQUIRES: the tree has `leaves` leaves, numbered from 0.

@@ -77,7 +77,7 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
   return order_points(std::move(points), run.dimension);
 }
 
-Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<std::uint64_t>& ids) {
+Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids) {
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
   const std::size_t row = row_bytes(run.schema);
   std::vector<std::byte> rows(ids.size() * row);
@@ -85,7 +85,7 @@ Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, cons
   const std::uint64_t count = run.tile_points[tile.value];
   const auto path = points_file(run.folder, tile);
   const auto rows_path = attributes_file(run.folder, tile);
-  if (count == 0) return damaged_run(path, "is empty, but point " + std::to_string(ids[0]) + " is wanted");
+  if (count == 0) return damaged_run(path, "is empty, but point " + to_string(ids[0]) + " is wanted");
   BOOST_OUTCOME_TRYV(check_files(run, tile, row));
   BOOST_OUTCOME_TRY(points_map, MappedFile::open(path));
   BOOST_OUTCOME_TRY(rows_map, MappedFile::open(rows_path));
@@ -117,7 +117,7 @@ Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, cons
       }
     }
     if (low == count || record(points, low).id != ids[i]) {
-      return damaged_run(path, "has no point " + std::to_string(ids[i]));
+      return damaged_run(path, "has no point " + to_string(ids[i]));
     }
     std::memcpy(rows.data() + i * row, from.data() + low * row, row);
   }

@@ -40,7 +40,7 @@ Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> p
     points_.insert(points_.end(), points.begin(), points.begin() + static_cast<std::ptrdiff_t>(n));
     rows_.insert(rows_.end(), rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(n * row_bytes_));
     tiles_.resize(old + n);
-    for (std::size_t i = 0; i < n; ++i) tiles_[old + i] = partition.tile_of(points[i].at).value;
+    for (std::size_t i = 0; i < n; ++i) tiles_[old + i] = partition.tile_of(points[i].at);
     points = points.subspan(n);
     rows = rows.subspan(n * row_bytes_);
     if (points_.size() == capacity_) {
@@ -52,10 +52,10 @@ Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> p
 
 Status TileWriter::flush() {
   std::vector<std::uint32_t> end(counts_.size() + 1);  // by tile: where its indices end, once they are placed
-  for (const std::uint32_t tile : tiles_) ++end[tile + 1];
+  for (const TileId tile : tiles_) ++end[tile.value + 1];
   for (std::size_t t = 1; t < end.size(); ++t) end[t] += end[t - 1];
   by_tile_.resize(tiles_.size());
-  for (std::size_t i = 0; i < tiles_.size(); ++i) by_tile_[end[tiles_[i]]++] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = 0; i < tiles_.size(); ++i) by_tile_[end[tiles_[i].value]++] = static_cast<std::uint32_t>(i);
   std::uint32_t begin = 0;
   for (std::uint32_t t = 0; t < counts_.size(); ++t) {
     if (end[t] > begin) {

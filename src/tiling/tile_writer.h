@@ -43,7 +43,7 @@ class TileWriter {
   std::size_t capacity_;  // points; < 2^32
   std::vector<LocalPoint> points_;
   std::vector<std::byte> rows_;
-  std::vector<std::uint32_t> tiles_;
+  std::vector<TileId> tiles_;
   std::vector<std::uint32_t> by_tile_;  // indices into points_, by tile and then in order of arrival
   std::vector<std::byte> block_;
   std::vector<std::uint64_t> counts_;

@@ -16,10 +16,10 @@ namespace tessera {
 namespace {
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Vb3 = CGAL::Triangulation_vertex_base_with_info_3<std::uint64_t, K>;
+using Vb3 = CGAL::Triangulation_vertex_base_with_info_3<PointId, K>;
 using Dt3 = CGAL::Delaunay_triangulation_3<
     K, CGAL::Triangulation_data_structure_3<Vb3, CGAL::Delaunay_triangulation_cell_base_3<K>>>;
-using Vb2 = CGAL::Triangulation_vertex_base_with_info_2<std::uint64_t, K>;
+using Vb2 = CGAL::Triangulation_vertex_base_with_info_2<PointId, K>;
 using Dt2 = CGAL::Delaunay_triangulation_2<K, CGAL::Triangulation_data_structure_2<Vb2>>;
 
 template <class Handle>
@@ -31,11 +31,10 @@ IdSet ids_of(Handle cell, int corners) {
 }
 
 // The finite cells, sorted ids each; none if the points span less than the space.
-std::vector<IdSet> cells_by_cgal(const std::vector<Point>& points, const std::vector<std::uint64_t>& ids,
-                                 int dimension) {
+std::vector<IdSet> cells_by_cgal(const std::vector<Point>& points, const std::vector<PointId>& ids, int dimension) {
   std::vector<IdSet> cells;
   if (dimension == 3) {
-    std::vector<std::pair<K::Point_3, std::uint64_t>> input;
+    std::vector<std::pair<K::Point_3, PointId>> input;
     input.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i)
       input.emplace_back(K::Point_3(points[i].x, points[i].y, points[i].z), ids[i]);
@@ -43,7 +42,7 @@ std::vector<IdSet> cells_by_cgal(const std::vector<Point>& points, const std::ve
     if (t.dimension() < 3) return cells;
     for (const auto c : t.finite_cell_handles()) cells.push_back(ids_of(c, 4));
   } else {
-    std::vector<std::pair<K::Point_2, std::uint64_t>> input;
+    std::vector<std::pair<K::Point_2, PointId>> input;
     input.reserve(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) input.emplace_back(K::Point_2(points[i].x, points[i].y), ids[i]);
     const Dt2 t(input.begin(), input.end());

@@ -22,8 +22,8 @@ class AgainstCgal {
 
  private:
   int dimension_;
-  std::vector<Point> points_;       // in the order of the tiles, which is along Hilbert curves
-  std::vector<std::uint64_t> ids_;  // of points_
+  std::vector<Point> points_;  // in the order of the tiles, which is along Hilbert curves
+  std::vector<PointId> ids_;   // of points_
   std::vector<IdSet> cells_;
 };
 

@@ -22,15 +22,15 @@ struct Part {
 
 Status check_boxes(const Manifest& manifest, const std::filesystem::path& out) {
   const std::vector<Box>& boxes = manifest.boxes;
-  const auto wrong = [&](std::uint32_t tile, const std::string& reason) {
-    return error(Errc::corrupt, manifest_file(out).string() + ": tile " + std::to_string(tile) + " " + reason);
+  const auto wrong = [&](TileId tile, const std::string& reason) {
+    return error(Errc::corrupt, manifest_file(out).string() + ": tile " + to_string(tile) + " " + reason);
   };
-  if (!manifest.tiles.empty() && manifest.tiles.back().tile >= boxes.size())
+  if (!manifest.tiles.empty() && manifest.tiles.back().tile.value >= boxes.size())
     return wrong(manifest.tiles.back().tile, "has no box in the partition");
   std::vector<std::uint32_t> order(boxes.size());
   for (std::uint32_t tile = 0; tile < boxes.size(); ++tile) {
     if (manifest.partition_kind == "random" && boxes[tile] != Box{})
-      return wrong(tile, "has a box that is not all of space, though the partition is random");
+      return wrong(TileId{tile}, "has a box that is not all of space, though the partition is random");
     order[tile] = tile;
   }
   if (boxes.empty() || manifest.partition_kind == "random") return success();
@@ -41,7 +41,7 @@ Status check_boxes(const Manifest& manifest, const std::filesystem::path& out) {
     parts.pop_back();
     if (part.end - part.begin == 1) {
       if (boxes[order[part.begin]] != part.room)
-        return wrong(order[part.begin], "has a box that overlaps another or leaves a gap");
+        return wrong(TileId{order[part.begin]}, "has a box that overlaps another or leaves a gap");
       continue;
     }
     bool cut = false;
@@ -67,7 +67,7 @@ Status check_boxes(const Manifest& manifest, const std::filesystem::path& out) {
       }
       if (cut) parts.push_back(rest);
     }
-    if (!cut) return wrong(order[part.begin], "has a box that overlaps another or leaves a gap");
+    if (!cut) return wrong(TileId{order[part.begin]}, "has a box that overlaps another or leaves a gap");
   }
   return success();
 }

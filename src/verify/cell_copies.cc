@@ -17,17 +17,17 @@ Status check_group(std::span<const CellCopy> group, int dimension, const std::fi
     if (i > 0 && group[i - 1].tile == copy.tile)
       return wrong(copy, "is also cell " + std::to_string(group[i - 1].cell) + " of the same file");
     if (copy.coordinates != group[0].coordinates)
-      return wrong(copy, "has vertices at other places than in tile " + std::to_string(group[0].tile));
+      return wrong(copy, "has vertices at other places than in tile " + to_string(group[0].tile));
     if ((owned & copy.own) != 0) return wrong(copy, "has a vertex that is also another tile's own");
     owned |= copy.own;
     if (i > 0 && copy.main != 0)
-      return wrong(copy, "is main here, but tile " + std::to_string(group[0].tile) + " holds it too");
+      return wrong(copy, "is main here, but tile " + to_string(group[0].tile) + " holds it too");
   }
   if (const unsigned all = (1U << (dimension + 1)) - 1; owned != all) {
     int missing = 0;
     while ((owned >> missing & 1U) != 0) ++missing;
     return wrong(group[0], "is missing in the tile that owns vertex " +
-                               std::to_string(group[0].ids[static_cast<std::size_t>(missing)]));
+                               to_string(group[0].ids[static_cast<std::size_t>(missing)]));
   }
   if (group[0].main == 0) return wrong(group[0], "is main in no tile, though this tile is the lowest that holds it");
   return success();

@@ -13,7 +13,7 @@ namespace tessera {
 
 struct CellCopy {
   IdSet ids;
-  std::uint32_t tile;
+  TileId tile;
   std::uint32_t cell;
   std::uint64_t coordinates;  // XXH3-64 of the vertices' coordinates, in the order of `ids`
   std::uint8_t own;           // bit i: ids[i] is the tile's own

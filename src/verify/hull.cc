@@ -58,7 +58,7 @@ Status Hull::add(const HullFacet& facet, const Core& cell) {
   ++facets_;
   for (std::size_t i = 0; i <= static_cast<std::size_t>(dimension_); ++i)
     if (orientation(facet, core_->at[i]) < 0)
-      return wrong_facet(facet, "is not on the hull: vertex " + std::to_string(core_->ids[i]) + " lies beyond it");
+      return wrong_facet(facet, "is not on the hull: vertex " + to_string(core_->ids[i]) + " lies beyond it");
   for (auto& ray : rays_) count_hit(facet, ray);
 
   for (std::size_t i = 0; i < static_cast<std::size_t>(dimension_); ++i) {
@@ -69,7 +69,7 @@ Status Hull::add(const HullFacet& facet, const Core& cell) {
       ridge.ids = {facet.ids[1 - i], padding_id};
       ridge.ascending = i == 0;
     } else {
-      const std::uint64_t a = facet.ids[(i + 1) % 3], b = facet.ids[(i + 2) % 3];
+      const PointId a = facet.ids[(i + 1) % 3], b = facet.ids[(i + 2) % 3];
       ridge.ids = {std::min(a, b), std::max(a, b)};
       ridge.ascending = a < b;
     }
@@ -155,7 +155,7 @@ Status Hull::check_ridge(std::span<const Ridge> group) const {
     return wrong_facet(group[0].facet, "and the next one, with vertices " +
                                            text_of(ids_of(group[1].facet, dimension_)) + ", face opposite sides");
   if (orientation(group[0].facet, group[1].facet.at[group[1].opposite]) < 0)
-    return wrong_facet(group[0].facet, "has vertex " + std::to_string(group[1].facet.ids[group[1].opposite]) +
+    return wrong_facet(group[0].facet, "has vertex " + to_string(group[1].facet.ids[group[1].opposite]) +
                                            " of the next facet beyond it: the hull is not convex");
   return success();
 }

@@ -36,7 +36,7 @@ namespace tessera {
 // positive for the points p of the cell's side.
 struct HullFacet {
   std::array<Point, 3> at;
-  std::array<std::uint64_t, 3> ids;
+  std::array<PointId, 3> ids;
   Place cell;
 };
 
@@ -64,7 +64,7 @@ class Hull {
     bool through_ridge = false;  // met a facet's border: says nothing
   };
   struct Ridge {
-    std::array<std::uint64_t, 2> ids;
+    std::array<PointId, 2> ids;
     HullFacet facet;
     std::uint8_t opposite;  // the facet's vertex that is not on the ridge
     bool ascending;         // the direction in which the facet runs through the ridge

@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-Status match_facets(TileMesh& mesh, std::uint32_t tile, const std::filesystem::path& out) {
+Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out) {
   const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t facets = mesh.cells.size();
   // The vertices of facet `corner of cell`, sorted; unused places are -1.

@@ -12,6 +12,6 @@ namespace tessera {
 // Fills mesh.neighbors from the cells: the cell of this file across each facet; without one, -1 when the facet has an
 // own vertex (this tile would hold the other cell), -2 otherwise (nobody knows). Error not_delaunay when three cells
 // share a facet. 8 bytes a facet.
-Status match_facets(TileMesh& mesh, std::uint32_t tile, const std::filesystem::path& out);
+Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out);
 
 }  // namespace tessera

@@ -13,30 +13,30 @@
 namespace tessera {
 
 // Of up to 4 vertices, sorted; a place that is not used is padding_id.
-using IdSet = std::array<std::uint64_t, 4>;
-inline constexpr std::uint64_t padding_id = ~std::uint64_t{0};
+using IdSet = std::array<PointId, 4>;
+inline constexpr PointId padding_id{~std::uint64_t{0}};
 
 struct Place {
-  std::uint32_t tile = 0;
+  TileId tile;
   std::uint32_t cell = 0;  // index in the tile file
 };
 
 inline std::string text_of(const IdSet& ids) {
   std::string text;
   for (const auto id : ids)
-    if (id != padding_id) text += (text.empty() ? "" : " ") + std::to_string(id);
+    if (id != padding_id) text += (text.empty() ? "" : " ") + to_string(id);
   return text;
 }
 
 // Error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
 inline Error wrong_cell(const std::filesystem::path& out, const Place& place, const IdSet& ids,
                         const std::string& reason) {
-  return error(Errc::not_delaunay, stored_tile_file(out, TileId{place.tile}).string() + ": cell " +
-                                       std::to_string(place.cell) + " (vertices " + text_of(ids) + ") " + reason);
+  return error(Errc::not_delaunay, stored_tile_file(out, place.tile).string() + ": cell " + std::to_string(place.cell) +
+                                       " (vertices " + text_of(ids) + ") " + reason);
 }
 
-inline Error wrong_tile(const std::filesystem::path& out, std::uint32_t tile, const std::string& reason) {
-  return error(Errc::not_delaunay, stored_tile_file(out, TileId{tile}).string() + ": " + reason);
+inline Error wrong_tile(const std::filesystem::path& out, TileId tile, const std::string& reason) {
+  return error(Errc::not_delaunay, stored_tile_file(out, tile).string() + ": " + reason);
 }
 
 }  // namespace tessera

@@ -38,7 +38,7 @@ Status check_listed(const fs::path& out, const Manifest& manifest) {
   const auto folder = tiles_folder(out);
   std::set<fs::path> names;
   for (const auto& entry : manifest.tiles) {
-    names.insert(tile_file(out, TileId{entry.tile}, manifest.format_version).filename());
+    names.insert(tile_file(out, entry.tile, manifest.format_version).filename());
   }
   std::error_code code;
   for (fs::directory_iterator file(folder, code), end; !code && file != end; file.increment(code)) {
@@ -73,13 +73,13 @@ Status check_files(const fs::path& out, const Manifest& manifest) {
 }
 
 Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Manifest& manifest) {
-  const auto path = tile_file(out, TileId{entry.tile}, manifest.format_version);
+  const auto path = tile_file(out, entry.tile, manifest.format_version);
   BOOST_OUTCOME_TRYV(check_sum(path, entry.xxh3));
   std::error_code code;
   if (const auto bytes = fs::file_size(path, code); !code && bytes != entry.bytes)
     return corrupt(path, "has " + std::to_string(bytes) + " bytes, the manifest says " + std::to_string(entry.bytes));
   // With the values of the attributes, though nothing is known of them: each vertex must have one.
-  BOOST_OUTCOME_TRY(tile, read_tile(out, TileId{entry.tile}, true));
+  BOOST_OUTCOME_TRY(tile, read_tile(out, entry.tile, true));
   TileMesh& mesh = tile.mesh;
   const auto count = [](const auto& ghosts) {
     return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
@@ -92,12 +92,12 @@ Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Ma
     return corrupt(path, manifest.neighbors ? "has no neighbours, though the manifest says so"
                                             : "has neighbours, though the manifest says it has none");
   if (tile.schema != manifest.schema) return corrupt(path, "has other attributes than the manifest says");
-  if (entry.tile < manifest.boxes.size()) {
-    const Box& box = manifest.boxes[entry.tile];
+  if (entry.tile.value < manifest.boxes.size()) {
+    const Box& box = manifest.boxes[entry.tile.value];
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
       if (mesh.point_ghost[i] == 0 && !box.contains(mesh.points[i]))
         return error(Errc::not_delaunay,
-                     path.string() + ": own vertex " + std::to_string(mesh.ids[i]) + " lies outside the tile's box");
+                     path.string() + ": own vertex " + to_string(mesh.ids[i]) + " lies outside the tile's box");
   }
   return std::move(mesh);
 }

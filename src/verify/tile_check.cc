@@ -16,7 +16,7 @@ namespace {
 template <int D>
 class TileCheck {
  public:
-  TileCheck(const TileMesh& mesh, std::uint32_t tile, bool neighbors_stored, const std::filesystem::path& out,
+  TileCheck(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
             TileSinks& sinks)
       : mesh_(mesh), tile_(tile), neighbors_stored_(neighbors_stored), out_(out), sinks_(sinks) {}
 
@@ -37,9 +37,9 @@ class TileCheck {
       }
     }
     if (const auto unused = std::find(used.begin(), used.end(), false); unused != used.end())
-      return wrong_tile(out_, tile_,
-                        "vertex " + std::to_string(mesh_.ids[static_cast<std::size_t>(unused - used.begin())]) +
-                            " belongs to no cell");
+      return wrong_tile(
+          out_, tile_,
+          "vertex " + to_string(mesh_.ids[static_cast<std::size_t>(unused - used.begin())]) + " belongs to no cell");
     return success();
   }
 
@@ -75,7 +75,7 @@ class TileCheck {
 
   // Own ids are compared with those of other tiles later; foreign ones only need to differ in here.
   Status check_vertices() {
-    std::vector<std::uint64_t> foreign;
+    std::vector<PointId> foreign;
     for (std::size_t i = 0; i < mesh_.ids.size(); ++i) {
       if (mesh_.point_ghost[i] != 0) {
         foreign.push_back(mesh_.ids[i]);
@@ -85,7 +85,7 @@ class TileCheck {
     }
     std::sort(foreign.begin(), foreign.end());
     if (const auto twice = std::adjacent_find(foreign.begin(), foreign.end()); twice != foreign.end())
-      return wrong_tile(out_, tile_, "foreign vertex " + std::to_string(*twice) + " is there twice");
+      return wrong_tile(out_, tile_, "foreign vertex " + to_string(*twice) + " is there twice");
     return success();
   }
 
@@ -126,7 +126,7 @@ class TileCheck {
     bool judged_here = true, any_own = true;
     if (!all_own) {
       any_own = false;
-      std::uint64_t least = padding_id;
+      PointId least = padding_id;
       for (int i = 0; i <= D; ++i) {
         if (i == k) continue;
         any_own = any_own || is_own(c, i);
@@ -139,7 +139,7 @@ class TileCheck {
     const std::int32_t n = neighbor(c, k);
     if (n >= 0) return check_pair(c, k, static_cast<std::size_t>(n), judged_here);
     if (n == -2 && any_own)
-      return wrong(c, "has no neighbour opposite vertex " + std::to_string(mesh_.ids[vertex(c, k)]) +
+      return wrong(c, "has no neighbour opposite vertex " + to_string(mesh_.ids[vertex(c, k)]) +
                           ", though this tile would hold it");
     if (n == -1 && judged_here) {
       ++sinks_.facets;
@@ -193,8 +193,7 @@ class TileCheck {
     };
     while (back <= D && !says_so(back)) ++back;
     if (back > D || n == c)
-      return wrong(c, "names " + name(n) + " as its neighbour opposite vertex " +
-                          std::to_string(mesh_.ids[vertex(c, k)]) +
+      return wrong(c, "names " + name(n) + " as its neighbour opposite vertex " + to_string(mesh_.ids[vertex(c, k)]) +
                           ", which does not share that facet or does not name it in turn");
     if (!judged_here || c > n) return success();
 
@@ -209,14 +208,14 @@ class TileCheck {
     if constexpr (D == 3)
       inside = independent::in_sphere_perturbed_3(at(c, 0), at(c, 1), at(c, 2), at(c, 3), at(n, back));
     if (inside >= 0)
-      return wrong(c, std::string("is not Delaunay: vertex ") + std::to_string(mesh_.ids[vertex(n, back)]) + " of " +
+      return wrong(c, std::string("is not Delaunay: vertex ") + to_string(mesh_.ids[vertex(n, back)]) + " of " +
                           name(n) + " is inside its circum" + (D == 2 ? "circle" : "sphere") +
                           ", or on it and the tie rule puts it inside");
     return success();
   }
 
   const TileMesh& mesh_;
-  const std::uint32_t tile_;
+  const TileId tile_;
   const bool neighbors_stored_;
   const std::filesystem::path& out_;
   TileSinks& sinks_;
@@ -242,7 +241,7 @@ Status check_claim_group(std::span<const FacetClaim> group, const std::filesyste
 
 }  // namespace
 
-Status check_tile(const TileMesh& mesh, std::uint32_t tile, bool neighbors_stored, const std::filesystem::path& out,
+Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
                   TileSinks& sinks, std::stop_token stop) {
   return mesh.dimension == 2 ? TileCheck<2>(mesh, tile, neighbors_stored, out, sinks).run(stop)
                              : TileCheck<3>(mesh, tile, neighbors_stored, out, sinks).run(stop);

@@ -28,7 +28,7 @@ enum class Claim : std::uint8_t { on_hull, said_outside, said_elsewhere };
 
 struct FacetClaim {
   IdSet ids;
-  std::uint32_t tile;
+  TileId tile;
   std::uint32_t cell;
   Claim claim;  // on_hull: not said, but found by the tile that judges the facet
   friend bool operator<(const FacetClaim& a, const FacetClaim& b) {
@@ -45,7 +45,7 @@ struct TileSinks {
 };
 
 // `neighbors_stored`: mesh.neighbors come from the file, so that -1 and -2 are claims to be checked.
-Status check_tile(const TileMesh& mesh, std::uint32_t tile, bool neighbors_stored, const std::filesystem::path& out,
+Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
                   TileSinks& sinks, std::stop_token stop);
 
 // Whether the claims of all tiles hold.

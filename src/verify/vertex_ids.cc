@@ -9,8 +9,7 @@
 
 namespace tessera {
 
-Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
-                        std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates,
+Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, std::vector<DuplicatePair> duplicates,
                         const std::filesystem::path& out) {
   const auto wrong = [&](const std::string& reason) {
     return error(Errc::not_delaunay, manifest_file(out).string() + ": " + reason);
@@ -19,13 +18,13 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
     return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
                  std::to_string(duplicates.size()));
   // They ascend. A pair with a number that no point has could make up for a point that was lost.
-  if (!duplicates.empty() && duplicates.back().first >= manifest.points_read)
+  if (!duplicates.empty() && duplicates.back().duplicate.value >= manifest.points_read)
     return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " +
-                                         std::to_string(duplicates.back().first) + " is none of the " +
+                                         to_string(duplicates.back().duplicate) + " is none of the " +
                                          std::to_string(manifest.points_read) + " points read");
-  std::vector<std::uint64_t> kept;
+  std::vector<PointId> kept;
   kept.reserve(duplicates.size());
-  for (const auto& pair : duplicates) kept.push_back(pair.second);
+  for (const auto& pair : duplicates) kept.push_back(pair.kept);
   std::sort(kept.begin(), kept.end());
 
   std::uint64_t vertices = 0;
@@ -34,20 +33,20 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
   auto wanted = kept.begin();
   BOOST_OUTCOME_TRYV(own.for_each([&](const OwnVertex& vertex) -> Status {
     if (last && last->id == vertex.id)
+      return wrong_tile(
+          out, vertex.tile,
+          "vertex " + to_string(vertex.id) +
+              (last->tile == vertex.tile ? " is there twice" : " is also tile " + to_string(last->tile) + "'s own"));
+    if (vertex.id.value >= manifest.points_read)
       return wrong_tile(out, vertex.tile,
-                        "vertex " + std::to_string(vertex.id) +
-                            (last->tile == vertex.tile ? " is there twice"
-                                                       : " is also tile " + std::to_string(last->tile) + "'s own"));
-    if (vertex.id >= manifest.points_read)
+                        "vertex " + to_string(vertex.id) + " is none of the " + std::to_string(manifest.points_read) +
+                            " points read");
+    while (duplicate != duplicates.end() && duplicate->duplicate < vertex.id) ++duplicate;
+    if (duplicate != duplicates.end() && duplicate->duplicate == vertex.id)
       return wrong_tile(out, vertex.tile,
-                        "vertex " + std::to_string(vertex.id) + " is none of the " +
-                            std::to_string(manifest.points_read) + " points read");
-    while (duplicate != duplicates.end() && duplicate->first < vertex.id) ++duplicate;
-    if (duplicate != duplicates.end() && duplicate->first == vertex.id)
-      return wrong_tile(out, vertex.tile,
-                        "vertex " + std::to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
+                        "vertex " + to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
     if (wanted != kept.end() && *wanted < vertex.id)
-      return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + std::to_string(*wanted) +
+      return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + to_string(*wanted) +
                                            " was kept for a duplicate, but is no vertex");
     while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
     last = vertex;
@@ -55,7 +54,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
     return success();
   }));
   if (wanted != kept.end())
-    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + std::to_string(*wanted) +
+    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + to_string(*wanted) +
                                          " was kept for a duplicate, but is no vertex");
   if (vertices != manifest.vertices)
     return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +

@@ -13,14 +13,13 @@
 namespace tessera {
 
 struct OwnVertex {
-  std::uint64_t id;
-  std::uint32_t tile;
+  PointId id;
+  TileId tile;
   friend bool operator<(const OwnVertex& a, const OwnVertex& b) { return a.id != b.id ? a.id < b.id : a.tile < b.tile; }
 };
 
 // Every vertex is one tile's own; a duplicate is no vertex, and what was kept for it is one; the counts add up.
-Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest,
-                        std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates,
+Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, std::vector<DuplicatePair> duplicates,
                         const std::filesystem::path& out);
 
 }  // namespace tessera

@@ -46,7 +46,7 @@ inline std::vector<IdCell> cells_of(const Delaunay& triangulation) {
   std::vector<IdCell> cells;
   for (std::size_t i = 0; i < triangulation.simplices().size(); i += corners) {
     IdCell cell{infinite_id, infinite_id, infinite_id, infinite_id};
-    for (std::size_t k = 0; k < corners; ++k) cell[k] = static_cast<std::uint64_t>(triangulation.simplices()[i + k]);
+    for (std::size_t k = 0; k < corners; ++k) cell[k] = {static_cast<std::uint64_t>(triangulation.simplices()[i + k])};
     std::sort(cell.begin(), cell.end());
     cells.push_back(cell);
   }
@@ -64,7 +64,7 @@ inline std::vector<IdCell> cells_of(const Triangulation& triangulation) {
       if (tile.ghost()[c]) continue;
       IdCell cell{infinite_id, infinite_id, infinite_id, infinite_id};
       for (std::size_t k = 0; k < corners; ++k)
-        cell[k] = tile.ids()[static_cast<std::size_t>(tile.cells()[c * corners + k])];
+        cell[k] = {tile.ids()[static_cast<std::size_t>(tile.cells()[c * corners + k])]};
       std::sort(cell.begin(), cell.end());
       cells.push_back(cell);
     }

@@ -14,11 +14,11 @@ namespace {
 constexpr IdCell no_cell{infinite_id, infinite_id, infinite_id, infinite_id};
 
 // The tile of every vertex, by source index.
-using Owners = std::vector<std::uint32_t>;
+using Owners = std::vector<TileId>;
 
-std::uint32_t least_owner(const IdCell& cell, int corners, const Owners& owners) {
-  std::uint32_t least = UINT32_MAX;
-  for (int i = 0; i < corners; ++i) least = std::min(least, owners[cell[i]]);
+TileId least_owner(const IdCell& cell, int corners, const Owners& owners) {
+  TileId least{UINT32_MAX};
+  for (int i = 0; i < corners; ++i) least = std::min(least, owners[cell[i].value]);
   return least;
 }
 
@@ -27,18 +27,18 @@ std::vector<std::uint64_t> cells_by_tile(const std::vector<IdCell>& cells, int c
                                          std::size_t tiles) {
   std::vector<std::uint64_t> counts(tiles, 0);
   for (const IdCell& cell : cells) {
-    std::array<std::uint32_t, 4> in{};
-    for (int i = 0; i < corners; ++i) in[i] = owners[cell[i]];
+    std::array<TileId, 4> in{};
+    for (int i = 0; i < corners; ++i) in[i] = owners[cell[i].value];
     std::sort(in.begin(), in.begin() + corners);
     const auto end = std::unique(in.begin(), in.begin() + corners);
-    for (auto tile = in.begin(); tile != end; ++tile) ++counts[*tile];
+    for (auto tile = in.begin(); tile != end; ++tile) ++counts[tile->value];
   }
   return counts;
 }
 
 class TileFileCheck {
  public:
-  TileFileCheck(const TileMesh& mesh, std::uint32_t tile, const Expected& expected, const Owners& owners)
+  TileFileCheck(const TileMesh& mesh, TileId tile, const Expected& expected, const Owners& owners)
       : m_(mesh), tile_(tile), expected_(expected), owners_(owners), corners_(mesh.dimension + 1) {}
 
   // Appends the main cells.
@@ -68,10 +68,10 @@ class TileFileCheck {
   std::string vertices() const {
     for (std::size_t i = 0; i < m_.points.size(); ++i) {
       const std::string at = "vertex " + std::to_string(i) + ": ";
-      if (m_.ids[i] >= expected_.points.size()) return at + "no such source index";
-      if (m_.points[i] != expected_.points[m_.ids[i]].at) return at + "not the coordinates of its source index";
-      if ((owners_[m_.ids[i]] != tile_) != (m_.point_ghost[i] != 0)) return at + "ghost flag";
-      if (owners_[m_.ids[i]] != m_.owners[i]) return at + "owner";
+      if (m_.ids[i].value >= expected_.points.size()) return at + "no such source index";
+      if (m_.points[i] != expected_.points[m_.ids[i].value].at) return at + "not the coordinates of its source index";
+      if ((owners_[m_.ids[i].value] != tile_) != (m_.point_ghost[i] != 0)) return at + "ghost flag";
+      if (owners_[m_.ids[i].value] != m_.owners[i]) return at + "owner";
     }
     return "";
   }
@@ -112,7 +112,7 @@ class TileFileCheck {
   }
 
   const TileMesh& m_;
-  std::uint32_t tile_;
+  TileId tile_;
   const Expected& expected_;
   const Owners& owners_;
   int corners_;
@@ -146,7 +146,7 @@ Expected expected_of(std::vector<LocalPoint> points, int dimension) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < finite.size(); ++i) {
     if (i > 0 && finite[i].at == finite[kept].at) {
-      expected.duplicates.emplace_back(finite[i].id, finite[kept].id);
+      expected.duplicates.push_back({finite[i].id, finite[kept].id});
     } else {
       kept = i;
       ++expected.vertices;
@@ -171,29 +171,30 @@ std::string wrong_with(const EngineRun& run, const std::filesystem::path& out, c
   }
 
   const int corners = run.routed.dimension + 1;
-  Owners owners(expected.points.size(), UINT32_MAX);
+  Owners owners(expected.points.size(), TileId{UINT32_MAX});
   for (const LocalPoint& p : expected.points) {
-    if (is_finite(p.at)) owners[p.id] = run.routed.partition.tile_of(p.at).value;
+    if (is_finite(p.at)) owners[p.id.value] = run.routed.partition.tile_of(p.at);
   }
   const auto written = read_manifest(out);
   if (!written) return written.error().where;
   const auto partition = Partition::from_json(written.value().partition);
   if (!partition) return partition.error().where;
   for (const LocalPoint& p : expected.points)
-    if (is_finite(p.at) && partition.value().tile_of(p.at).value != owners[p.id])
-      return "the manifest's partition gives point " + std::to_string(p.id) + " to another tile";
+    if (is_finite(p.at) && partition.value().tile_of(p.at) != owners[p.id.value])
+      return "the manifest's partition gives point " + to_string(p.id) + " to another tile";
   const auto by_tile = cells_by_tile(expected.cells, corners, owners, run.routed.partition.tiles());
   std::vector<IdCell> main;
   main.reserve(expected.cells.size());
   std::uint64_t own_points = 0;
   for (const TileEntry& entry : run.manifest.tiles) {
-    const std::string at = "tile " + std::to_string(entry.tile) + ": ";
-    const auto stored = read_tile(out, TileId{entry.tile});
+    const std::string at = "tile " + to_string(entry.tile) + ": ";
+    const auto stored = read_tile(out, entry.tile);
     if (!stored) return stored.error().where;
     const TileMesh& mesh = stored.value().mesh;
     if (auto wrong = TileFileCheck(mesh, entry.tile, expected, owners).run(main); !wrong.empty()) return at + wrong;
-    if (mesh.cell_ghost.size() != by_tile[entry.tile]) {
-      return at + std::to_string(mesh.cell_ghost.size()) + " cells instead of " + std::to_string(by_tile[entry.tile]);
+    if (mesh.cell_ghost.size() != by_tile[entry.tile.value]) {
+      return at + std::to_string(mesh.cell_ghost.size()) + " cells instead of " +
+             std::to_string(by_tile[entry.tile.value]);
     }
     own_points += static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
   }

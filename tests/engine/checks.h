@@ -15,12 +15,12 @@ namespace tessera::testing {
 
 // The right answer for a cloud.
 struct Expected {
-  std::vector<LocalPoint> points;                                   // by id; all that were read
-  std::uint64_t invalid = 0;                                        // of them not finite
-  std::uint64_t vertices = 0;                                       // distinct finite ones
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates;  // (duplicate, kept), ascending
-  std::vector<IdCell> cells;                                        // finite, sorted; empty: no triangulation
-  std::vector<IdCell> hull;                                         // infinite ones, sorted
+  std::vector<LocalPoint> points;         // by id; all that were read
+  std::uint64_t invalid = 0;              // of them not finite
+  std::uint64_t vertices = 0;             // distinct finite ones
+  std::vector<DuplicatePair> duplicates;  // (duplicate, kept), ascending
+  std::vector<IdCell> cells;              // finite, sorted; empty: no triangulation
+  std::vector<IdCell> hull;               // infinite ones, sorted
 };
 Expected expected_of(std::vector<LocalPoint> points, int dimension);
 

@@ -67,7 +67,7 @@ class Invariance : public ::testing::TestWithParam<Case> {
     std::vector<TileMesh> meshes;
     const auto manifest = read_manifest(out);
     for (const TileEntry& entry : manifest.value().tiles) {
-      meshes.push_back(read_tile(out, TileId{entry.tile}).value().mesh);
+      meshes.push_back(read_tile(out, entry.tile).value().mesh);
     }
     return main_cells(meshes);
   }
@@ -104,13 +104,13 @@ TEST_P(Invariance, PermutedInputGivesTheSameCells) {
   std::vector<Point> permuted;
   for (const auto i : order) permuted.push_back(original[i]);
   // The id of a vertex: the lowest of its coordinates, in the original order.
-  std::map<Point, std::uint64_t> id_of;
-  for (std::size_t i = 0; i < original.size(); ++i) id_of.emplace(original[i], i);
+  std::map<Point, PointId> id_of;
+  for (std::size_t i = 0; i < original.size(); ++i) id_of.emplace(original[i], PointId{i});
 
   const auto expected = cells(run("original", original, options(7)));
   auto got = cells(run("permuted", permuted, options(7)));
   for (IdCell& cell : got) {
-    for (auto& id : cell) id = id == infinite_id ? id : id_of.at(permuted[id]);
+    for (auto& id : cell) id = id == infinite_id ? id : id_of.at(permuted[id.value]);
     std::sort(cell.begin(), cell.end());
   }
   std::sort(got.begin(), got.end());

@@ -59,7 +59,7 @@ TEST(CloudOfASource, IsReadAndSampledAsOftenAsWanted) {
     std::uint64_t next = 0;
     const auto counts = cloud.for_each_batch([&](CloudBatch& batch) -> Status {
       for (const LocalPoint& p : batch.points) {
-        EXPECT_EQ(p.id, next);
+        EXPECT_EQ(p.id.value, next);
         EXPECT_EQ(p.at.x, coordinates[3 * next++]);
       }
       return success();

@@ -134,7 +134,7 @@ TEST_F(CloudOfFiles, KeepsTheClassesAskedForWhetherOrNotTheClassIsCarried) {
     const auto all = collect({at("a.las")}, {.classes = {2, 9}, .attributes = carried});
     ASSERT_EQ(sentence(all), "");
     std::vector<std::uint64_t> ids;
-    for (const auto& p : all.value().points) ids.push_back(p.id);
+    for (const auto& p : all.value().points) ids.push_back(p.id.value);
     EXPECT_EQ(ids, (std::vector<std::uint64_t>{19, 26, 51, 58, 83, 90}));
     EXPECT_EQ(all.value().counts.filtered, 94u);
   }

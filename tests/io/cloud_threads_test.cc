@@ -123,7 +123,7 @@ TEST_F(CloudThreads, ChangeNeitherPointsNorIdsNorRowsNorBatchesNorSample) {
 TEST_F(CloudThreads, GiveTheIdsThatTheOrderOfTheInputSays) {
   many_files();
   const auto seen = see(folder_.path().string(), {}, 4);
-  for (std::size_t i = 0; i < seen.points.size(); ++i) ASSERT_EQ(seen.points[i].id, i);
+  for (std::size_t i = 0; i < seen.points.size(); ++i) ASSERT_EQ(seen.points[i].id.value, i);
 }
 
 TEST_F(CloudThreads, ReportTheFirstErrorInInputOrder) {
@@ -181,7 +181,7 @@ TEST_F(CloudThreads, ReadTenThousandFilesWithFewDescriptorsAndLittleMemory) {
     EXPECT_EQ(seen.error, "");
     ASSERT_EQ(seen.points.size(), 2u * files);
     for (std::size_t i = 0; i < seen.points.size(); ++i)
-      ASSERT_TRUE(seen.points[i].id == i && seen.points[i].at.x == static_cast<double>(i / 2));
+      ASSERT_TRUE(seen.points[i].id.value == i && seen.points[i].at.x == static_cast<double>(i / 2));
   }
   ::getrusage(RUSAGE_SELF, &after);
   ::setrlimit(RLIMIT_NOFILE, &old);

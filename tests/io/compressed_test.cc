@@ -171,7 +171,7 @@ TEST_P(Compressed, FilesShareAFewDescriptors) {
     std::uint64_t next = 0;
     const auto counts = cloud.value().for_each_batch([&](CloudBatch& batch) -> Status {
       for (const auto& p : batch.points) {
-        EXPECT_EQ(p.id, next);
+        EXPECT_EQ(p.id.value, next);
         EXPECT_EQ(p.at.x, static_cast<double>(next++));
       }
       return success();

@@ -178,7 +178,7 @@ TEST(RealCloud, OfFourAdjacentTilesIsOneCloud) {
   ASSERT_EQ(cloud.value().files().size(), 4u);
   std::uint64_t next = 0;
   const auto counts = cloud.value().for_each_batch([&](CloudBatch& batch) -> Status {
-    for (const auto& p : batch.points) EXPECT_EQ(p.id, next++);
+    for (const auto& p : batch.points) EXPECT_EQ(p.id.value, next++);
     EXPECT_EQ(batch.rows.size(), batch.points.size() * 10);
     return success();
   });

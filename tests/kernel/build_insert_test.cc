@@ -47,11 +47,11 @@ TEST_P(Spanning, InsertionInAnyOrderEqualsBuilding) {
   std::vector<Vertex> around;
   for (const auto& order : {as_given, shuffled(cloud.points.size(), 1), shuffled(cloud.points.size(), 2)}) {
     const auto kernel = make_kernel(cloud.dimension, cloud.kind);
-    std::vector<std::uint64_t> ids;
+    std::vector<PointId> ids;
     for (const std::size_t i : order) {
       const Insertion made = kernel->insert(cloud.points[i], i % 2 == 0, InsertMode::always, around);
       ASSERT_TRUE(made.inserted);
-      ids.push_back(i);
+      ids.push_back({i});
       ASSERT_EQ(made.vertex, ids.size());
       EXPECT_EQ(kernel->is_local(made.vertex), i % 2 == 0);
     }
@@ -168,11 +168,11 @@ TEST_P(Spanning, TheStarsOfAllVerticesAreTheCells) {
       for (std::size_t i = 0; i < corners; ++i) {
         const Vertex w = star[c + i];
         if (w == infinite_vertex) continue;
-        cell[i] = w - 1;
+        cell[i] = {w - 1};
         if (w != v) joined.push_back(w);
       }
       std::sort(cell.begin(), cell.end());
-      if (cell[0] == v - 1) from_stars.push_back(cell);  // each cell once: by its least vertex
+      if (cell[0].value == v - 1) from_stars.push_back(cell);  // each cell once: by its least vertex
     }
     std::sort(joined.begin(), joined.end());
     joined.erase(std::unique(joined.begin(), joined.end()), joined.end());

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <memory>
-#include <numeric>
 #include <random>
 #include <utility>
 #include <vector>
@@ -236,8 +235,8 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       ASSERT_EQ(std::count(begin, begin + 3, f / 3), 1);
     }
     std::vector<Vertex> around;
-    std::vector<std::uint64_t> ids(inside.size());
-    std::iota(ids.begin(), ids.end(), 0);
+    std::vector<PointId> ids;
+    for (std::uint64_t i = 0; i < inside.size(); ++i) ids.push_back({i});
     std::vector<Point> all = inside;
     for (const Point& p : outside) {
       const bool copied = below(rng, 20) == 0;
@@ -245,13 +244,13 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
         ASSERT_TRUE(kernel->load(kernel->save()));
       }
       ASSERT_TRUE(kernel->insert(p, false, InsertMode::always, around).inserted);
-      ids.push_back(ids.size());
+      ids.push_back({ids.size()});
       all.push_back(p);
     }
     const CellList rest = kernel->cells();
     std::vector<IdCell> cells = cells_of(*kernel, ids);
     for (std::size_t f = 0; f < frozen.vertices.size(); f += 3) {
-      IdCell cell{frozen.vertices[f] - 1, frozen.vertices[f + 1] - 1, frozen.vertices[f + 2] - 1, infinite_id};
+      IdCell cell{{{frozen.vertices[f] - 1}, {frozen.vertices[f + 1] - 1}, {frozen.vertices[f + 2] - 1}, infinite_id}};
       std::sort(cell.begin(), cell.end());
       cells.push_back(cell);
     }

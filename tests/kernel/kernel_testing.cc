@@ -120,7 +120,7 @@ std::ostream& operator<<(std::ostream& out, const KernelCloud& cloud) {
   return out << cloud.points.size() << " points of " << name_of_cloud(cloud);
 }
 
-std::vector<IdCell> cells_of(const Kernel& kernel, const std::vector<std::uint64_t>& ids) {
+std::vector<IdCell> cells_of(const Kernel& kernel, const std::vector<PointId>& ids) {
   const std::size_t corners = static_cast<std::size_t>(kernel.max_dimension()) + 1;
   const CellList list = kernel.cells();
   std::vector<IdCell> cells;
@@ -138,8 +138,8 @@ std::vector<IdCell> cells_of(const Kernel& kernel, const std::vector<std::uint64
 }
 
 std::vector<IdCell> cells_of(const Kernel& kernel) {
-  std::vector<std::uint64_t> ids(kernel.vertices());
-  std::iota(ids.begin(), ids.end(), 0);
+  std::vector<PointId> ids;
+  for (std::uint64_t i = 0; i < kernel.vertices(); ++i) ids.push_back({i});
   return cells_of(kernel, ids);
 }
 

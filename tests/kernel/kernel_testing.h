@@ -29,7 +29,7 @@ std::string name_of_cloud(const KernelCloud& cloud);
 std::ostream& operator<<(std::ostream& out, const KernelCloud& cloud);
 
 // Cells as sorted ids, infinite ones too; ids[v - 1] is the id of vertex v.
-std::vector<IdCell> cells_of(const Kernel& kernel, const std::vector<std::uint64_t>& ids);
+std::vector<IdCell> cells_of(const Kernel& kernel, const std::vector<PointId>& ids);
 // The same by vertex number minus 1.
 std::vector<IdCell> cells_of(const Kernel& kernel);
 

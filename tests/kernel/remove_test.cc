@@ -41,14 +41,14 @@ TEST_P(Removal, LeavesTheTriangulationOfTheOthers) {
 TEST_P(Removal, AndInsertionAgainRestoresTheTriangulationUnderNewNumbers) {
   const KernelCloud& cloud = GetParam();
   const auto kernel = built(cloud);
-  std::vector<std::uint64_t> ids;
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) ids.push_back(i);
+  std::vector<PointId> ids;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) ids.push_back({i});
   std::vector<Vertex> around;
   for (std::size_t i = 0; i < cloud.points.size(); i += 3) kernel->remove(static_cast<Vertex>(i + 1));
   for (std::size_t i = 0; i < cloud.points.size(); i += 3) {
     const Insertion made = kernel->insert(cloud.points[i], true, InsertMode::always, around);
     ASSERT_TRUE(made.inserted);
-    ids.push_back(i);
+    ids.push_back({i});
     ASSERT_EQ(made.vertex, ids.size());
   }
   EXPECT_EQ(difference(reference(cloud.points, cloud.dimension), cells_of(*kernel, ids)), "");

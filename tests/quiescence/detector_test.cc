@@ -13,45 +13,45 @@ using Verdict = QuiescenceDetector::Verdict;
 TEST(Detector, BelievesOnlyTwoEqualWaves) {
   QuiescenceDetector d(2);
   EXPECT_EQ(d.notice(), Verdict::probe);
-  EXPECT_EQ(d.answer(1, 0, true, {3, 1}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 1, true, {1, 3}), Verdict::probe);
-  EXPECT_EQ(d.answer(2, 0, true, {3, 1}), Verdict::wait);
-  EXPECT_EQ(d.answer(2, 1, true, {1, 3}), Verdict::quiet);
+  EXPECT_EQ(d.answer(1, {0}, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, {1}, true, {1, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(2, {0}, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(2, {1}, true, {1, 3}), Verdict::quiet);
 }
 
 TEST(Detector, SumsThatAgreeOnlyWithinAWaveAreNotEnough) {
   QuiescenceDetector d(1);
   d.notice();
-  EXPECT_EQ(d.answer(1, 0, true, {3, 3}), Verdict::probe);
-  EXPECT_EQ(d.answer(2, 0, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
-  EXPECT_EQ(d.answer(3, 0, true, {4, 4}), Verdict::quiet);
+  EXPECT_EQ(d.answer(1, {0}, true, {3, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(2, {0}, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
+  EXPECT_EQ(d.answer(3, {0}, true, {4, 4}), Verdict::quiet);
 }
 
 TEST(Detector, ABusyNodeOrAMessageOnItsWayEndsTheWave) {
   QuiescenceDetector d(2);
   d.notice();
-  d.answer(1, 0, false, {1, 1});
-  EXPECT_EQ(d.answer(1, 1, true, {0, 0}), Verdict::wait);
+  d.answer(1, {0}, false, {1, 1});
+  EXPECT_EQ(d.answer(1, {1}, true, {0, 0}), Verdict::wait);
   EXPECT_EQ(d.notice(), Verdict::probe);
-  d.answer(2, 0, true, {2, 1});
-  EXPECT_EQ(d.answer(2, 1, true, {0, 0}), Verdict::wait);
+  d.answer(2, {0}, true, {2, 1});
+  EXPECT_EQ(d.answer(2, {1}, true, {0, 0}), Verdict::wait);
 }
 
 TEST(Detector, ANoticeDuringAWaveStartsAnotherOne) {
   QuiescenceDetector d(1);
   d.notice();
   EXPECT_EQ(d.notice(), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 0, false, {1, 0}), Verdict::probe);
+  EXPECT_EQ(d.answer(1, {0}, false, {1, 0}), Verdict::probe);
 }
 
 TEST(Detector, AnswersToOldWavesAndSecondAnswersAreIgnored) {
   QuiescenceDetector d(2);
   d.notice();
-  EXPECT_EQ(d.answer(0, 0, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 0, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 0, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 7, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, 1, true, {0, 0}), Verdict::probe);
+  EXPECT_EQ(d.answer(0, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, {7}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(1, {1}, true, {0, 0}), Verdict::probe);
 }
 
 // Nodes that send, receive and work at random, asked at random moments: quiet is never said while a message is on its
@@ -97,7 +97,7 @@ TEST(Detector, QuietIsTrueForRandomHistories) {
         default:
           if (n.asked) {
             n.asked = false;
-            verdict = d.answer(d.wave(), static_cast<std::uint32_t>(&n - node.data()), n.work == 0, n.totals);
+            verdict = d.answer(d.wave(), NodeId{static_cast<std::uint32_t>(&n - node.data())}, n.work == 0, n.totals);
           }
       }
       if (verdict == Verdict::probe) {

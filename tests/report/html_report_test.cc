@@ -26,7 +26,7 @@ ReportData two_tiles() {
   TileFigures left, right;
   left.box.hi.x = 5;
   left.points = 10;
-  right.tile = 1;
+  right.tile = TileId{1};
   right.box.lo.x = 5;
   right.points = 20;
   data.tiles = {left, right};

@@ -15,7 +15,7 @@ TEST(PartSpec, CrossesAWireUnchanged) {
   spec.keep = Keep::reduced;
   spec.neighbors = false;
   spec.resumable = false;
-  spec.nodes = {0, 2, 1};
+  spec.nodes = {{0}, {2}, {1}};
   spec.incarnations = {0, 1, 7};
   const auto back = spec_from_bytes(to_bytes(spec));
   ASSERT_TRUE(back);
@@ -27,7 +27,7 @@ TEST(PartSpec, WhatNoCoordinatorSendsIsRefused) {
   EXPECT_FALSE(spec_from_bytes("\xff\xff"));
   EXPECT_FALSE(spec_from_bytes(""));  // no threads
   PartSpec spec;
-  spec.nodes = {0, 1};  // without incarnations
+  spec.nodes = {{0}, {1}};  // without incarnations
   EXPECT_FALSE(spec_from_bytes(to_bytes(spec)));
 }
 

@@ -152,8 +152,9 @@ TEST_P(DamagedTile, IsCorruptWithValuesThatCannotBe) {
   expect([&](TileMesh& mesh) { mesh.neighbors[1] = m; }, "CellData/neighbors: cell 0 has neighbour ");
   expect([&](TileMesh& mesh) { mesh.cell_ghost[1] = 2; }, "CellData/vtkGhostType: cell 1 is neither 0 nor 1");
   expect([&](TileMesh& mesh) { mesh.point_ghost[1] = 2; }, "PointData/vtkGhostType: point 1 is neither 0 nor 1");
-  expect([&](TileMesh& mesh) { mesh.owners[1] = 0; }, "PointData/owner: point 1 of tile 0 has the wrong vtkGhostType");
-  expect([&](TileMesh& mesh) { mesh.owners.back() = 1; }, "PointData/owner: point ");
+  expect([&](TileMesh& mesh) { mesh.owners[1] = {0}; },
+         "PointData/owner: point 1 of tile 0 has the wrong vtkGhostType");
+  expect([&](TileMesh& mesh) { mesh.owners.back() = {1}; }, "PointData/owner: point ");
 }
 
 TEST_P(DamagedTile, IsCorruptUnderAnotherNumber) {

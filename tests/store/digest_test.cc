@@ -65,8 +65,8 @@ TEST_P(DigestOf, NeitherTheOrderOfVerticesNorThatOfCellsOrCornersMatters) {
 TEST_P(DigestOf, EveryChangeOfATriangulationChangesIt) {
   using Change = std::function<void(TileMesh&)>;
   std::vector<Change> changes{
-      [](TileMesh& m) { m.ids[7] ^= 1; },
-      [](TileMesh& m) { m.ids[7] ^= std::uint64_t{1} << 63; },
+      [](TileMesh& m) { m.ids[7].value ^= 1; },
+      [](TileMesh& m) { m.ids[7].value ^= std::uint64_t{1} << 63; },
       [](TileMesh& m) { std::swap(m.ids[7], m.ids[8]); },
       [](TileMesh& m) { m.cell_ghost[11] = 1; },
       [](TileMesh& m) { m.point_ghost[11] = 1; },
@@ -93,8 +93,8 @@ TEST(Digest, TheSamePointsInThePlaneAndInSpaceDiffer) {
   TileMesh flat;
   flat.dimension = 2;
   flat.points = {{1, 2, 0}};
-  flat.ids = {5};
-  flat.owners = {0};
+  flat.ids = {{5}};
+  flat.owners = {{0}};
   flat.point_ghost = {0};
   TileMesh solid = flat;
   solid.dimension = 3;
@@ -108,8 +108,8 @@ TEST(Digest, OfATriangleIsTheSameInEveryVersion) {
   TileMesh mesh;
   mesh.dimension = 2;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 0.5, 0}};
-  mesh.ids = {3, 1, 2};
-  mesh.owners = {0, 0, 0};
+  mesh.ids = {{3}, {1}, {2}};
+  mesh.owners = {{0}, {0}, {0}};
   mesh.point_ghost = {0, 0, 0};
   mesh.cells = {0, 1, 2};
   mesh.cell_ghost = {0};

@@ -40,20 +40,20 @@ TEST(Format1, TilesHoldTheInputsPointsAndAttributes) {
   ASSERT_EQ(rows.size(), manifest.value().points_read);
   std::uint64_t own = 0, main = 0;
   for (const auto& entry : manifest.value().tiles) {
-    const auto tile = read_tile(old_result, TileId{entry.tile}, true);
+    const auto tile = read_tile(old_result, entry.tile, true);
     ASSERT_TRUE(tile) << tile.error().where;
     const TileMesh& mesh = tile.value().mesh;
     EXPECT_TRUE(mesh.owners.empty());
     EXPECT_EQ(tile.value().schema, manifest.value().schema);
     for (std::size_t i = 0; i < mesh.points.size(); ++i) {
-      EXPECT_EQ(mesh.points[i], rows.at(mesh.ids[i]).first);
+      EXPECT_EQ(mesh.points[i], rows.at(mesh.ids[i].value).first);
       double intensity = 0;
       std::memcpy(&intensity, tile.value().rows.data() + 8 * i, 8);
-      EXPECT_EQ(intensity, rows.at(mesh.ids[i]).second);
+      EXPECT_EQ(intensity, rows.at(mesh.ids[i].value).second);
     }
     own += static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
     main += static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-    const auto vertices = read_tile_vertices(old_result, TileId{entry.tile});
+    const auto vertices = read_tile_vertices(old_result, entry.tile);
     ASSERT_TRUE(vertices) << vertices.error().where;
     EXPECT_EQ(vertices.value().mesh.points, mesh.points);
     EXPECT_TRUE(vertices.value().mesh.cells.empty());

@@ -78,8 +78,8 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
       for (auto& [point, index] : *part) {
         index = static_cast<std::int32_t>(mesh.points.size());
         mesh.points.push_back(points[point]);
-        mesh.ids.push_back(point);
-        mesh.owners.push_back(tile_of(point));
+        mesh.ids.push_back({point});
+        mesh.owners.push_back({tile_of(point)});
         mesh.point_ghost.push_back(part == &foreign ? 1 : 0);
       }
     for (const auto& [c, index] : cell_index) {
@@ -128,8 +128,7 @@ void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
 }  // namespace
 
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options,
-                      const std::vector<std::pair<std::uint64_t, std::uint64_t>>& duplicates) {
+                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates) {
   Manifest manifest;
   manifest.software_version = "0.1.0";
   manifest.command = {"tessera", "triangulate", "cloud.xyz"};

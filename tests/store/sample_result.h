@@ -23,8 +23,7 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
 
 // Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result.
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options = {},
-                      const std::vector<std::pair<std::uint64_t, std::uint64_t>>& duplicates = {});
+                      const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {});
 
 // An empty folder of its own, removed at the end.
 class TemporaryFolder {

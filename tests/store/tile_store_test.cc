@@ -79,7 +79,7 @@ TEST(TileStore, ChecksumsAreThoseOfTheFiles) {
   const auto manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 3, 500), 3, 2), {},
                                      {{600, 1}, {601, 1}, {602, 17}});
   for (const auto& entry : manifest.tiles) {
-    const auto file = tile_file(folder.path(), TileId{entry.tile});
+    const auto file = tile_file(folder.path(), entry.tile);
     EXPECT_EQ(checksum_file(file).value(), entry.xxh3);
     EXPECT_EQ(fs::file_size(file), entry.bytes);
   }
@@ -91,8 +91,8 @@ TEST(TileStore, ArraysOfManyBlocksAreRight) {
   TileMesh mesh;
   mesh.dimension = 2;
   mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  mesh.ids = {0, 1, 2};
-  mesh.owners = {7, 7, 7};
+  mesh.ids = {{0}, {1}, {2}};
+  mesh.owners = {{7}, {7}, {7}};
   mesh.point_ghost = {0, 0, 0};
   for (int i = 0; i < 70000; ++i) {
     mesh.cells.insert(mesh.cells.end(), {0, 1, 2});
@@ -110,8 +110,8 @@ TEST(TileStore, ArraysOfManyBlocksAreRight) {
 TEST(TileStore, ATileWithoutCellsIsStored) {
   TileMesh mesh;
   mesh.points = {{1, 2, 3}};
-  mesh.ids = {5};
-  mesh.owners = {0};
+  mesh.ids = {{5}};
+  mesh.owners = {{0}};
   mesh.point_ghost = {0};
   const TemporaryFolder folder;
   store_sample(folder.path(), {mesh});
@@ -230,7 +230,7 @@ TEST(Manifest, ReadsBackWhatWasWrittenToTheLastBit) {
   manifest.partition = R"({"dimension":3,"kind":"kdtree","splits":[[0,0.30000000000000004,-1,-2]],"tiles":2})";
   manifest.seconds = {{"routing", 0.1 + 0.2}};
   manifest.figures = {{"messages", 12}};
-  const std::vector<std::pair<std::uint64_t, std::uint64_t>> duplicates{{200, 3}};
+  const std::vector<DuplicatePair> duplicates{{200, 3}};
   ASSERT_TRUE(finish_store(folder.path(), manifest, duplicates));
   const auto read = read_manifest(folder.path());
   ASSERT_TRUE(read) << read.error().where;

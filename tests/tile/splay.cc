@@ -62,7 +62,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   const std::uint32_t tiles = *std::max_element(tile_of.begin(), tile_of.end()) + 1;
   struct Tile {
     std::vector<Point> points;
-    std::vector<std::uint64_t> ids;
+    std::vector<PointId> ids;
     FinalCells finals;
     std::unique_ptr<TileTriangulation> t;
     Bounds bounds;
@@ -78,9 +78,9 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   const auto post = [&](std::uint32_t from) {
     for (auto& [to, list] : tile[from].t->take_updates()) {
       if (!options.single_points) {
-        mail.push_back({from, to, std::move(list)});
+        mail.push_back({from, to.value, std::move(list)});
       } else {
-        for (const SharedPoint& p : list) mail.push_back({from, to, {p}});
+        for (const SharedPoint& p : list) mail.push_back({from, to.value, {p}});
       }
     }
   };
@@ -141,7 +141,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   return meshes;
 }
 
-std::string inconsistency(const TileMesh& m, std::uint32_t self) {
+std::string inconsistency(const TileMesh& m, TileId self) {
   const int d = m.dimension, corners = d + 1;
   const auto cells = static_cast<std::int32_t>(m.cell_ghost.size());
   for (std::int32_t c = 0; c < cells; ++c) {

@@ -34,6 +34,6 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
                             const std::vector<Box>& boxes, const SplayOptions& options);
 
 // A mesh's own arrays agree with each other: neighbours are mutual, ghosts and orientation right. "" or what is wrong.
-std::string inconsistency(const TileMesh& mesh, std::uint32_t self);
+std::string inconsistency(const TileMesh& mesh, TileId self);
 
 }  // namespace tessera::testing

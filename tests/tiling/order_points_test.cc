@@ -22,8 +22,8 @@ TEST_P(Ordered, PointsAreDistinctWithTheLowestIdAndNothingIsLost) {
   const auto& [name, dimension] = GetParam();
   const auto in = labelled(make_cloud(name, dimension, 5000));
   const LoadedTile out = order_points(in, dimension);
-  std::map<Point, std::uint64_t> lowest;
-  std::map<std::uint64_t, Point> place;
+  std::map<Point, PointId> lowest;
+  std::map<PointId, Point> place;
   for (const LocalPoint& p : in) {
     lowest.try_emplace(p.at, p.id);  // ids ascend, so the first is the lowest
     place.emplace(p.id, p.at);
@@ -31,7 +31,7 @@ TEST_P(Ordered, PointsAreDistinctWithTheLowestIdAndNothingIsLost) {
   ASSERT_EQ(out.points.size(), lowest.size());
   ASSERT_EQ(out.ids.size(), out.points.size());
   ASSERT_EQ(out.points.size() + out.duplicates.size(), in.size());
-  std::set<std::uint64_t> seen;
+  std::set<PointId> seen;
   for (std::size_t i = 0; i < out.points.size(); ++i) {
     ASSERT_EQ(out.ids[i], lowest.at(out.points[i]));
     ASSERT_TRUE(seen.insert(out.ids[i]).second);

@@ -135,7 +135,7 @@ TEST_F(Route, CountsWhatIsFilteredAndKeepsRanksInTheInput) {
   std::uint64_t kept = 0;
   for (std::uint32_t t = 0; t < run.value().partition.tiles(); ++t) {
     for (const LocalPoint& p : read_points(run.value(), t)) {
-      EXPECT_EQ(p.at, points[p.id]);
+      EXPECT_EQ(p.at, points[p.id.value]);
       ++kept;
     }
   }
@@ -176,12 +176,12 @@ TEST_F(Route, CarriesTheRowsOfItsPoints) {
     for (std::size_t i = 0; i < tile.ids.size(); ++i) {
       double quality = 0;
       std::memcpy(&quality, rows.value().data() + 8 * i, 8);
-      ASSERT_EQ(quality, static_cast<double>(tile.ids[i]) + 0.5);
+      ASSERT_EQ(quality, static_cast<double>(tile.ids[i].value) + 0.5);
     }
     if (tile.ids.empty()) continue;
     const auto last_twice = load_rows(run.value(), TileId{t}, {tile.ids.back(), tile.ids.back()});
     EXPECT_EQ(last_twice.value().size(), 16u);
-    tile.ids.push_back(tile.ids.back() + 100000);
+    tile.ids.push_back({tile.ids.back().value + 100000});
     EXPECT_EQ(load_rows(run.value(), TileId{t}, tile.ids).error().code, Errc::corrupt);
   }
 }

@@ -79,12 +79,12 @@ class RunFixture : public testing::Test {
       const auto inside = read_points(run, t);
       Bounds bounds;
       for (std::size_t i = 0; i < inside.size(); ++i) {
-        ASSERT_LT(inside[i].id, points.size());
-        ASSERT_EQ(inside[i].at, points[inside[i].id]);
+        ASSERT_LT(inside[i].id.value, points.size());
+        ASSERT_EQ(inside[i].at, points[inside[i].id.value]);
         ASSERT_EQ(run.partition.tile_of(inside[i].at).value, t);
         ASSERT_TRUE(i == 0 || inside[i - 1].id < inside[i].id);
-        ASSERT_FALSE(seen[inside[i].id]);
-        seen[inside[i].id] = true;
+        ASSERT_FALSE(seen[inside[i].id.value]);
+        seen[inside[i].id.value] = true;
         bounds.add(inside[i].at);
       }
       ASSERT_EQ(bounds, run.tile_bounds[t]);
@@ -105,8 +105,8 @@ class RunFixture : public testing::Test {
     EXPECT_EQ(seeds[0].at, lowest.begin()->first);
     std::set<Point> distinct;
     for (const SharedPoint& s : seeds) {
-      EXPECT_EQ(s.id, lowest.at(s.at));
-      EXPECT_EQ(s.tile, run.partition.tile_of(s.at).value);
+      EXPECT_EQ(s.id.value, lowest.at(s.at));
+      EXPECT_EQ(s.tile, run.partition.tile_of(s.at));
       EXPECT_TRUE(distinct.insert(s.at).second);
     }
     bool spanned = false;

@@ -29,7 +29,7 @@ Manifest manifest_of(const Partition& partition) {
   manifest.partition_kind = name_of(partition.kind());
   manifest.boxes = partition.boxes();
   manifest.tiles.resize(1);
-  manifest.tiles[0].tile = partition.tiles() - 1;
+  manifest.tiles[0].tile = TileId{partition.tiles() - 1};
   return manifest;
 }
 

@@ -23,7 +23,7 @@ using test::verify_meshes;
 using test::vertex;
 
 // Takes a cell away from every tile, or from the given one alone; its neighbours then have the outside there.
-void remove_cell(Meshes& meshes, const std::set<std::uint64_t>& ids, int only_tile = -1) {
+void remove_cell(Meshes& meshes, const std::set<PointId>& ids, int only_tile = -1) {
   for (std::size_t tile = 0; tile < meshes.size(); ++tile) {
     if (only_tile >= 0 && tile != static_cast<std::size_t>(only_tile)) continue;
     TileMesh& mesh = meshes[tile];
@@ -97,7 +97,7 @@ TEST_P(DamagedResult, AMissingCopyOfACellIsFound) {
 
 TEST_P(DamagedResult, AVertexMovedEverywhereIsFound) {
   // To another vertex of its tile, slightly displaced: cells around it turn over.
-  const std::uint64_t id = meshes_[0].ids[0];
+  const PointId id = meshes_[0].ids[0];
   const Point to = meshes_[0].points[9];
   for (auto& mesh : meshes_)
     for (std::size_t i = 0; i < mesh.ids.size(); ++i)
@@ -154,7 +154,7 @@ TEST_P(DamagedResult, AChangedIdIsFound) {
 
 TEST_P(DamagedResult, TwoVerticesThatChangePlacesAreFound) {
   std::swap(meshes_[0].ids[3], meshes_[0].ids[4]);  // consistent inside the tile, not with the others
-  const std::uint64_t a = meshes_[0].ids[3], b = meshes_[0].ids[4];
+  const PointId a = meshes_[0].ids[3], b = meshes_[0].ids[4];
   bool seen = false;
   for (std::size_t tile = 1; tile < meshes_.size(); ++tile)
     for (const auto id : meshes_[tile].ids) seen = seen || id == a || id == b;
@@ -187,8 +187,8 @@ TEST_P(DamagedResult, AnInnerCellThatIsNotMainIsFound) {
 TEST_P(DamagedResult, AVertexWithoutCellsIsFound) {
   TileMesh& mesh = meshes_[0];
   mesh.points.push_back({0.5, 0.5, 0});
-  mesh.ids.push_back(300);
-  mesh.owners.push_back(0);
+  mesh.ids.push_back({300});
+  mesh.owners.push_back({0});
   mesh.point_ghost.push_back(0);
   expect_wrong(meshes_, "vertex 300 belongs to no cell", neighbors());
 }
@@ -197,8 +197,8 @@ TEST_P(DamagedResult, TheSameTriangulationTwiceIsFound) {
   // Every cell, facet and ridge is in order, but space is covered twice.
   Meshes twice = meshes_;
   for (auto mesh : meshes_) {
-    for (auto& id : mesh.ids) id += 300;
-    for (auto& owner : mesh.owners) owner += static_cast<std::uint32_t>(meshes_.size());
+    for (auto& id : mesh.ids) id.value += 300;
+    for (auto& owner : mesh.owners) owner.value += static_cast<std::uint32_t>(meshes_.size());
     twice.push_back(mesh);
   }
   expect_wrong(twice, "winds 2 times", neighbors());

@@ -22,7 +22,7 @@ using test::sample_tiles;
 using test::Shape;
 using test::store_sample;
 using test::TemporaryFolder;
-using Pairs = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
+using Pairs = std::vector<DuplicatePair>;
 
 TEST(Verify, AFlippedByteIsACorruptFileWhereverItIs) {
   const TemporaryFolder folder;

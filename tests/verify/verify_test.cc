@@ -90,8 +90,8 @@ TileMesh mesh_of(int dimension, const std::vector<Point>& points, const std::vec
   TileMesh mesh;
   mesh.dimension = dimension;
   mesh.points = points;
-  for (std::size_t i = 0; i < points.size(); ++i) mesh.ids.push_back(i);
-  mesh.owners.assign(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i) mesh.ids.push_back({i});
+  mesh.owners.assign(points.size(), TileId{0});
   mesh.point_ghost.assign(points.size(), 0);
   for (const auto& cell : cells) {
     mesh.cells.insert(mesh.cells.end(), cell.begin(), cell.end());
@@ -132,12 +132,12 @@ TEST(Verify, ATieBrokenTheWrongWayIsFoundOnACube) {
   EXPECT_TRUE(verify_meshes(right));
   auto wrong = sample_tiles(mirrored, 3, 1);
   wrong[0].points.clear();
-  for (const auto id : wrong[0].ids) wrong[0].points.push_back(cube[id]);
+  for (const auto id : wrong[0].ids) wrong[0].points.push_back(cube[id.value]);
   for (std::size_t c = 0; c < wrong[0].cell_ghost.size(); ++c) {
     std::swap(wrong[0].cells[4 * c], wrong[0].cells[4 * c + 1]);
     std::swap(wrong[0].neighbors[4 * c], wrong[0].neighbors[4 * c + 1]);
   }
-  std::set<std::set<std::uint64_t>> a, b;
+  std::set<std::set<PointId>> a, b;
   for (std::size_t c = 0; c < right[0].cell_ghost.size(); ++c) a.insert(ids_of(right[0], c));
   for (std::size_t c = 0; c < wrong[0].cell_ghost.size(); ++c) b.insert(ids_of(wrong[0], c));
   ASSERT_NE(a, b);

@@ -21,8 +21,8 @@ inline std::size_t vertex(const TileMesh& mesh, std::size_t cell, std::size_t k)
   return static_cast<std::size_t>(mesh.cells[cell * corners(mesh) + k]);
 }
 
-inline std::set<std::uint64_t> ids_of(const TileMesh& mesh, std::size_t cell) {
-  std::set<std::uint64_t> ids;
+inline std::set<PointId> ids_of(const TileMesh& mesh, std::size_t cell) {
+  std::set<PointId> ids;
   for (std::size_t k = 0; k < corners(mesh); ++k) ids.insert(mesh.ids[vertex(mesh, cell, k)]);
   return ids;
 }

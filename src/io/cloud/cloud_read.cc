@@ -128,7 +128,7 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   };
   const auto deliver = [&](std::size_t i, ReadUnit made) -> Status {
     for (auto& batch : made.batches) {
-      for (auto& p : batch.points) p.id += counts.read;
+      for (auto& p : batch.points) p.id.value += counts.read;
       BOOST_OUTCOME_TRYV(visit(batch));
     }
     if (!units[i].ahead) {

@@ -80,7 +80,7 @@ Status PointFilter::apply(const PointBatch& batch, const PointReader& reader, st
       continue;
     }
     const double z = options_.dimension == 2 ? 0 : p.z;
-    to.points[kept] = {.at = without_negative_zero({p.x, p.y, z}), .id = first_id + i};
+    to.points[kept] = {.at = without_negative_zero({p.x, p.y, z}), .id = PointId{first_id + i}};
     if (row_bytes_ > 0) {
       std::byte* to_row = to.rows.data() + kept * row_bytes_;
       std::memcpy(to_row, row, row_bytes_);
