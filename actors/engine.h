@@ -1,4 +1,5 @@
-// One process's node and the jobs it runs: actors, threads and memory are the engine's, a job gets its share of them.
+// One process's node and the jobs it runs. Jobs that run at once take turns on the engine's threads, each on at most as
+// many as it asks for; memory is each one's own while it runs.
 #pragma once
 
 #include <cstdint>
@@ -32,8 +33,9 @@ class Engine {
   Engine& operator=(const Engine&) = delete;
 
   // Runs the tiles of a routed cloud as actors until message counting proves quiet, and stores them. Returns when
-  // nothing works on them any more. Error interrupted when `stop` was requested: what is on scratch stays for a run
-  // that goes on. Several threads may call this at once, for different runs.
+  // nothing works on them any more, and its memory is free for another run. Error interrupted when `stop` was
+  // requested: what is on scratch stays for a run that goes on; memory, at once, when the others have left too little.
+  // Several threads may call this at once, for different runs.
   Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, std::stop_token stop);
 

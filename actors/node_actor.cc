@@ -12,7 +12,6 @@ NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared
     : NodeHandle::base(config), options_(std::move(options)), source_(std::move(source)) {}
 
 NodeActor::behavior_type NodeActor::make_behavior() {
-  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { used_.erase(down.source); });
   // Whoever did not get the answer watches its own peers.
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     options_.hooks.tell([&] { return "node: a message came back: " + caf::to_string(reason); });
@@ -38,16 +37,18 @@ NodeActor::behavior_type NodeActor::make_behavior() {
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec));
-  std::uint64_t used = 0;
-  for (const auto& [part, bytes] : used_) used += bytes;
-  if (used + spec.memory_bytes > options_.memory_bytes) {
-    return error(Errc::memory, "job " + std::to_string(wanted.job.value) + " wants " +
-                                   std::to_string(spec.memory_bytes >> 20) + " MiB of memory, but the node has " +
-                                   std::to_string((options_.memory_bytes - used) >> 20) + " MiB left");
+  const std::uint64_t memory = spec.memory_bytes, left = options_.memory_bytes - *used_;
+  if (memory > left) {
+    return error(Errc::memory, "job " + std::to_string(wanted.job.value) + " wants " + std::to_string(memory >> 20) +
+                                   " MiB of memory, but the node has " + std::to_string(left >> 20) + " MiB left");
   }
   BOOST_OUTCOME_TRY(made, source_->open(spec, wanted.node));
-  const std::shared_ptr<const Part> part = std::move(made);
-  const std::uint64_t memory = spec.memory_bytes;
+  *used_ += memory;
+  // Before the part lets go of the run: whoever has waited for that may begin the next job.
+  const std::shared_ptr<const Part> part(made.release(), [used = used_, memory](const Part* last) {
+    *used -= memory;
+    delete last;
+  });
   const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
   PartOpened opened;
   opened.settled = part->settled;
@@ -58,8 +59,6 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   using Options = caf::spawn_options;
   const PartHandle handle = options_.detached ? start(std::integral_constant<Options, caf::detached>{})
                                               : start(std::integral_constant<Options, caf::no_spawn_options>{});
-  monitor(handle);
-  used_.emplace(handle.address(), memory);
   opened.part = caf::actor_cast<caf::actor>(handle);
   return opened;
 }

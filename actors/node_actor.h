@@ -2,12 +2,13 @@
 //
 // message  | effect                                                  | answer to the coordinator
 // OpenPart | read what the part needs to know, start its actor       | PartOpened
-// a part is gone | what it could use is free again                   | -
+//
+// What a part may use is free again when the part's actor and its tiles have let go of it.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <map>
 #include <memory>
 
 #include "actors/office.h"
@@ -33,7 +34,8 @@ class NodeActor : public NodeHandle::base {
 
   NodeOptions options_;
   std::shared_ptr<PartSource> source_;
-  std::map<caf::actor_addr, std::uint64_t> used_;  // by part: bytes
+  std::shared_ptr<std::atomic<std::uint64_t>> used_ =
+      std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
 };
 
 }  // namespace tessera

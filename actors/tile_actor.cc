@@ -60,6 +60,8 @@ TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
 void TileActor::on_exit() {
+  state_.drop();
+  mesh_.reset();
   office_ = nullptr;
   part_ = nullptr;
 }

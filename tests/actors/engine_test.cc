@@ -1,0 +1,84 @@
+// Several runs on one engine, after one another and at once.
+#include "actors/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/harness/clouds.h"
+#include "src/io/npy/array_source.h"
+
+namespace tessera {
+namespace {
+
+class Runs : public ::testing::Test {
+ protected:
+  // A routed cloud of 300 points in 5 tiles whose result goes to the folder `name`.
+  RoutedRun routed(const std::string& name) {
+    const auto out = folder_.path() / name;
+    std::filesystem::create_directory(out);
+    Progress progress;
+    const Cloud cloud = Cloud::open_source(array_source("cloud", coordinates_, 3), {.dimension = 3}).value();
+    return route(cloud, run_folder(out), {.tiles = 5}, progress, {}).value();
+  }
+
+  // The number of cells, or the sentence of a failure.
+  static std::string run(Engine& engine, const RoutedRun& run, const RunOptions& options) {
+    Progress progress;
+    const auto summary = engine.run(run, run.folder.parent_path(), options, progress, {});
+    return summary ? std::to_string(summary.value().cells) : summary.error().where;
+  }
+
+  std::string cells_of_one() {
+    Engine engine(2, memory);
+    return run(engine, routed("one"), {.threads = 2, .memory_bytes = memory});
+  }
+
+  static constexpr std::uint64_t memory = std::uint64_t{256} << 20;
+
+ private:
+  std::vector<double> coordinates_ = [] {
+    std::vector<double> list;
+    for (const LocalPoint& p : make_cloud("uniform", 3, 300, 1)) list.insert(list.end(), {p.at.x, p.at.y, p.at.z});
+    return list;
+  }();
+  TemporaryFolder folder_ = TemporaryFolder::make().value();
+};
+
+TEST_F(Runs, InARowEachHaveTheWholeMemory) {
+  const std::string cells = cells_of_one();
+  const RoutedRun again = routed("again");
+  Engine engine(2, memory);
+  // All but the first find every tile stored: they end as soon as they have begun.
+  for (int i = 0; i < 1000; ++i) ASSERT_EQ(run(engine, again, {.threads = 2, .memory_bytes = memory}), cells) << i;
+}
+
+// Each works in its share of the memory, and in turn on the engine's threads.
+TEST_F(Runs, AtOnceShareMemoryAndThreads) {
+  const std::string cells = cells_of_one();
+  constexpr int runs = 4;
+  std::vector<RoutedRun> clouds;
+  for (int i = 0; i < runs; ++i) clouds.push_back(routed(std::to_string(i)));
+  Engine engine(2, memory);
+  std::vector<std::string> got(runs);
+  {
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < runs; ++i)
+      threads.emplace_back([&, i] { got[i] = run(engine, clouds[i], {.threads = 2, .memory_bytes = memory / runs}); });
+  }
+  EXPECT_EQ(got, std::vector<std::string>(runs, cells));
+}
+
+TEST_F(Runs, ThatWantMoreThanTheEngineHasAreRefused) {
+  Engine engine(2, memory);
+  EXPECT_EQ(run(engine, routed("large"), {.memory_bytes = 2 * memory}),
+            "job 1 wants 512 MiB of memory, but the node has 256 MiB left");
+}
+
+}  // namespace
+}  // namespace tessera
