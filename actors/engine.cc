@@ -118,14 +118,7 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
 
   CoordinatorOptions job;
   job.job = JobId{++impl_->jobs};
-  job.spec.run_folder = run.folder.string();
-  job.spec.out_folder = out.string();
-  job.spec.threads = options.threads;
-  job.spec.memory_bytes = options.memory_bytes;
-  job.spec.kernel = options.kernel;
-  job.spec.keep = options.keep;
-  job.spec.neighbors = options.neighbors;
-  job.spec.resumable = options.resumable;
+  job.spec = {options, run.folder.string(), out.string(), {}, {}};
   job.mark_settled = [&run](bool settled) { return mark_settled(run, settled); };
 
   std::vector<TileDone> done;

@@ -15,15 +15,6 @@
 
 namespace tessera {
 
-struct RunOptions {
-  std::uint32_t threads = 1;
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
-  KernelKind kernel = KernelKind::flat;
-  Keep keep = Keep::by_budget;
-  bool neighbors = true;
-  bool resumable = true;  // when it is interrupted, tiles in memory are written to scratch
-};
-
 class Engine {
  public:
   // For all jobs together: threads that work on tiles, and memory.

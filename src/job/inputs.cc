@@ -11,9 +11,7 @@
 namespace tessera {
 
 Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop) {
-  if (options.memory_bytes > 0) {
-    options.cloud.threads = budget::reading_threads(options.memory_bytes, options.cloud.threads);
-  }
+  options.cloud.threads = budget::reading_threads(options.memory_bytes, options.cloud.threads);
   const bool open_dimension = options.cloud.dimension == 0;
   BOOST_OUTCOME_TRY(cloud, Cloud::open(inputs, options.cloud, std::move(stop)));
   options.cloud.dimension = cloud.options().dimension;

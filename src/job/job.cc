@@ -97,13 +97,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
                 " tiles");
   }
 
-  const RunOptions run_options{.threads = options.threads,
-                               .memory_bytes = options.memory_bytes,
-                               .kernel = options.kernel,
-                               .keep = options.keep,
-                               .neighbors = options.neighbors,
-                               .resumable = options.resumable};
-  BOOST_OUTCOME_TRY(tiles, engine.run(run, folder.path(), run_options, progress, stop));
+  BOOST_OUTCOME_TRY(tiles, engine.run(run, folder.path(), options, progress, stop));
   const double ran_s = elapsed_s();
 
   progress.phase = Phase::finishing;

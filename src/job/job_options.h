@@ -7,23 +7,16 @@
 #include <vector>
 
 #include "src/io/cloud/cloud.h"
-#include "src/kernel/kernel.h"
 #include "src/run/part.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
 
-struct JobOptions {
+struct JobOptions : RunOptions {
   CloudOptions cloud;  // dimension 0: 2 when no input holds z, else 3; settled by open_cloud()
   PartitionKind partition = PartitionKind::kdtree;
   std::uint64_t max_points_per_tile = 0;  // 0: chosen from memory and threads, unless `tiles` is given
   std::uint32_t tiles = 0;
-  std::uint32_t threads = 1;
-  std::uint64_t memory_bytes = 0;
-  KernelKind kernel = KernelKind::flat;
-  Keep keep = Keep::by_budget;
-  bool neighbors = true;
-  bool resumable = true;                             // what an interrupted job leaves is worth a resume
   std::vector<std::string> command = {};             // for the manifest: how the job was started
   std::function<void(const std::string&)> log = {};  // what happens, for people
 };

@@ -16,15 +16,21 @@ namespace tessera {
 // Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
 enum class Keep : std::uint8_t { by_budget, whole, reduced };
 
-// Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
-struct PartSpec {
-  std::string run_folder, out_folder;
+// How a routed cloud is worked on.
+struct RunOptions {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   KernelKind kernel = KernelKind::flat;
   Keep keep = Keep::by_budget;
   bool neighbors = true;  // store them
   bool resumable = true;  // leave images when the job is interrupted
+
+  friend bool operator==(const RunOptions&, const RunOptions&) = default;
+};
+
+// Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
+struct PartSpec : RunOptions {
+  std::string run_folder, out_folder;
   // By tile: its node, and which incarnation of it lives there. Empty: all on node 0, incarnation 0.
   std::vector<NodeId> nodes;
   std::vector<std::uint32_t> incarnations;

@@ -32,12 +32,8 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
 
   EngineRun run;
   run.routed = std::move(routed);
-  RunOptions run_options;
-  run_options.threads = options.threads;
-  run_options.memory_bytes = options.memory_bytes;
-  run_options.keep = options.keep;
   Engine engine(options.threads, options.memory_bytes);
-  BOOST_OUTCOME_TRY(summary, engine.run(run.routed, out, run_options, progress, std::stop_token{}));
+  BOOST_OUTCOME_TRY(summary, engine.run(run.routed, out, options, progress, std::stop_token{}));
   run.summary = std::move(summary);
 
   Manifest& manifest = run.manifest;

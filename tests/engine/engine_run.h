@@ -12,13 +12,11 @@
 
 namespace tessera::testing {
 
-struct EngineOptions {
+// One byte of memory makes every tile sleep when it may.
+struct EngineOptions : RunOptions {
   int dimension = 3;
   PartitionKind partition = PartitionKind::kdtree;
   std::uint32_t tiles = 1;
-  std::uint32_t threads = 1;
-  Keep keep = Keep::whole;
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  // of the tiles; one byte makes every tile sleep when it may
   bool skip_invalid = false;
 };
 
