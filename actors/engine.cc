@@ -119,7 +119,7 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   CoordinatorOptions job;
   job.job = JobId{++impl_->jobs};
   job.spec = {options, run.folder.string(), out.string(), {}, {}};
-  job.mark_settled = [&run](bool settled) { return mark_settled(run, settled); };
+  job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
 
   std::vector<TileDone> done;
   std::optional<RunEnded> ended;

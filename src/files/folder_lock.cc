@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstdio>
@@ -76,7 +75,6 @@ struct FolderLock::Impl {
   LockOwner owner;
   fs::path file;
   std::chrono::milliseconds heartbeat{};
-  std::atomic<bool> lost = false;
   std::mutex mutex;
   std::condition_variable_any woken;
   std::jthread thread;  // last: ends before what it uses
@@ -94,8 +92,8 @@ struct FolderLock::Impl {
   void beat(const std::stop_token& stop) {
     std::unique_lock lock(mutex);
     while (!woken.wait_for(lock, stop, heartbeat, [&] { return stop.stop_requested(); })) {
-      // Other errors pass: a server that does not answer for a while.
-      if (::utimensat(AT_FDCWD, file.c_str(), nullptr, 0) != 0 && errno == ENOENT) lost = true;
+      // Errors pass: a server that does not answer for a while. Whether the lock is lost, check_held() finds out.
+      ::utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
     }
   }
 
@@ -166,9 +164,14 @@ Result<FolderLock> FolderLock::take(const fs::path& out, const LockOptions& opti
   return FolderLock(std::move(impl));
 }
 
-Status FolderLock::check_held() const {
-  if (!impl_->lost) return success();
-  return error(Errc::io, impl_->out.string() + ": was silent for so long that another process has taken its lock");
+const fs::path& FolderLock::file() const { return impl_->file; }
+
+Status check_held(const fs::path& file) {
+  // Opened, as in last_change(). Other errors pass, as in beat().
+  if (file.empty() || FileHandle(::open(file.c_str(), O_RDONLY | O_CLOEXEC)).get() >= 0 || errno != ENOENT)
+    return success();
+  return error(Errc::io, file.parent_path().parent_path().string() +
+                             ": was silent for so long that another process has taken its lock");
 }
 
 }  // namespace tessera

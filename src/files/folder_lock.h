@@ -29,6 +29,10 @@ struct LockOptions {
   bool use_flock = true;  // false: as where there is none
 };
 
+// Error io once the lock whose file this was is another process's, because its owner was silent too long (suspended,
+// cut off): what is in the folder is the other's. To be asked before each write. No file: nothing is locked.
+Status check_held(const std::filesystem::path& file);
+
 class FolderLock {
  public:
   // `out` exists. Error usage, naming the owner, when it is locked; io.
@@ -37,9 +41,8 @@ class FolderLock {
   FolderLock& operator=(FolderLock&&) noexcept;
   ~FolderLock();
 
-  // Error io once another process has taken the lock, because this one was silent too long (suspended, cut off): what
-  // is in the folder is the other's.
-  Status check_held() const;
+  // Of this owner, in the lock folder.
+  const std::filesystem::path& file() const;
 
  private:
   struct Impl;

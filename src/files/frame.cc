@@ -120,7 +120,7 @@ Status append_frame(const fs::path& path, ScratchKind kind, std::span<const std:
 }
 
 Status write_frame(const fs::path& path, ScratchKind kind, std::span<const std::byte> payload) {
-  TemporaryFile temporary(temporary_name(path));
+  TemporaryFile temporary(temporary_name_of_process(path));
   BOOST_OUTCOME_TRYV(write_new(temporary.path(), O_TRUNC, kind, payload, path));
   BOOST_OUTCOME_TRYV(rename_file(temporary.path(), path));
   temporary.keep();

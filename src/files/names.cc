@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <random>
 #include <string>
 #include <system_error>
+
+#include "src/files/checksum.h"
 
 namespace tessera {
 
@@ -15,6 +18,16 @@ namespace {
 
 constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
+constexpr const char* new_run = ".run.new";
+
+// No other process has it: numbers of processes alone are used again, and by every container.
+std::string token_of_process() {
+  static const std::string token = [] {
+    std::random_device random;
+    return checksum_text(std::uint64_t{random()} << 32 | random());
+  }();
+  return "-" + std::to_string(::getpid()) + "-" + token;
+}
 
 fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
   char name[32];
@@ -64,7 +77,7 @@ fs::path new_lock_folder(const fs::path& out, const std::string& token) {
   return name;
 }
 fs::path run_folder(const fs::path& out) { return out / ".run"; }
-fs::path new_run_folder(const fs::path& out) { return out / ".run.new"; }
+fs::path new_run_folder(const fs::path& out) { return out / (new_run + token_of_process()); }
 
 fs::path plan_file(const fs::path& run) { return run / "plan.json"; }
 fs::path points_folder(const fs::path& run) { return run / "points"; }
@@ -88,7 +101,7 @@ fs::path temporary_name(const fs::path& final_name) {
 
 fs::path temporary_name_of_process(const fs::path& final_name) {
   fs::path name = temporary_name(final_name);
-  name += "-" + std::to_string(::getpid());
+  name += token_of_process();
   return name;
 }
 
@@ -105,11 +118,13 @@ bool is_tile_name(const fs::path& file) {
 }
 
 bool is_done_name(const fs::path& file) { return file.extension() == done_ending; }
-bool is_temporary_name(const fs::path& file) { return file.extension() == temporary_ending; }
+bool is_temporary_name(const fs::path& file) { return file.extension().string().starts_with(temporary_ending); }
 
 bool is_lock_name(const fs::path& file) {
   const auto name = file.filename().string();
   return name == lock_folder("") || name.starts_with(new_lock_folder("", "").string());
 }
+
+bool is_new_run_name(const fs::path& file) { return file.filename().string().starts_with(new_run); }
 
 }  // namespace tessera

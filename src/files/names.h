@@ -7,14 +7,15 @@
 //   OUT/duplicates.bin             when there are any
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
-//   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new/ until points are routed
+//   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new-4711-.../ of its
+//                                  own for every process until points are routed
 //     plan.json                    what was routed; written last
 //     points/000042.bin            a tile's points (src/tiling/routed_run.h)
 //     attributes/000042.bin        their attributes; absent when nothing is carried
 //     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin, settled/000042.bin
 //                                  scratch of a tile: frames (frame.h)
 //     settled.done                 all tiles are settled
-//   NAME.tmp, NAME.tmp-4711        NAME while it is written; with a process id where two may write the same
+//   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; of its own for every process where two may write the same
 #pragma once
 
 #include <cstdint>
@@ -65,7 +66,7 @@ std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKi
 std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
 std::filesystem::path settled_marker(const std::filesystem::path& run);
 
-// What a file is called until it is whole. Of one name at a time, unless every process has its own.
+// What a file is called until it is whole. Of one name at a time, unless every process has its own, on any machine.
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 std::filesystem::path temporary_name_of_process(const std::filesystem::path& final_name);
 
@@ -78,5 +79,7 @@ bool is_done_name(const std::filesystem::path& file);
 bool is_temporary_name(const std::filesystem::path& file);
 // A lock of `out`, or one that is being made.
 bool is_lock_name(const std::filesystem::path& file);
+// Of any process.
+bool is_new_run_name(const std::filesystem::path& file);
 
 }  // namespace tessera

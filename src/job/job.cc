@@ -154,8 +154,11 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
     return std::nullopt;
   }
   BOOST_OUTCOME_TRYV(folder.discard_runs());
-  BOOST_OUTCOME_TRY(summary, make_result(engine, options, std::move(cloud), folder, progress, stop));
-  return std::move(summary);
+  options.lock_file = folder.lock_file();
+  auto summary = make_result(engine, options, std::move(cloud), folder, progress, stop);
+  if (summary) return std::move(summary).value();
+  BOOST_OUTCOME_TRYV(folder.check_claim());  // what fails in a folder that is another's is no news
+  return summary.error();
 }
 
 }  // namespace tessera

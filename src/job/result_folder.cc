@@ -46,7 +46,7 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
   for (; entries != fs::directory_iterator(); entries.increment(ec)) {
     if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
-    anything = anything || (entries->path() != new_run_folder(out) && !is_lock_name(entries->path()));
+    anything = anything || (!is_new_run_name(entries->path()) && !is_lock_name(entries->path()));
   }
   const bool manifest = fs::exists(manifest_file(out), ec);
   if (manifest) {
@@ -90,11 +90,15 @@ Status ResultFolder::claim() {
 
 Status ResultFolder::discard_runs() {
   std::error_code ec;
-  fs::remove_all(new_run(), ec);
-  if (ec) return refused_by_system(new_run(), "cannot be removed: " + ec.message());
-  if (!resuming_) {
-    fs::remove_all(run(), ec);
-    if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
+  std::vector<fs::path> old;
+  for (fs::directory_iterator entry(out_, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    if (is_new_run_name(entry->path())) old.push_back(entry->path());
+  }
+  if (ec) return refused_by_system(out_, "cannot be read: " + ec.message());
+  if (!resuming_) old.push_back(run());
+  for (const fs::path& folder : old) {
+    fs::remove_all(folder, ec);
+    if (ec) return refused_by_system(folder, "cannot be removed: " + ec.message());
   }
   return success();
 }
@@ -133,6 +137,7 @@ Status ResultFolder::accept_new_run() {
 }
 
 Status ResultFolder::finish() {
+  BOOST_OUTCOME_TRYV(check_claim());
   complete_ = true;
   std::error_code ec;
   fs::remove_all(run(), ec);
@@ -143,7 +148,7 @@ Status ResultFolder::finish() {
 void ResultFolder::abandon() {
   std::error_code ignored;  // see the header
   // Without the lock another process may be at work.
-  if (complete_ || !lock_ || !lock_->check_held()) return;
+  if (complete_ || !lock_ || !check_claim()) return;
   fs::remove_all(new_run(), ignored);
   if (resuming_) return;
   if (!old_result_stands_) {

@@ -7,8 +7,8 @@
 //   finished   | a manifest                            | with --overwrite; --resume has nothing to write
 //   foreign    | anything else                         | never
 //
-// A run is routed into .run.new and renamed to .run when complete. An old result is removed just before that: whatever
-// is wrong with the new input, it is found while the old result still stands.
+// A run is routed into a folder of this process's own and renamed to .run when complete. An old result is removed just
+// before that: whatever is wrong with the new input, it is found while the old result still stands.
 #pragma once
 
 #include <cstdint>
@@ -45,7 +45,9 @@ class ResultFolder {
   Status claim();
   // Error io when another process has taken the lock meanwhile (folder_lock.h). To be asked before what others can see
   // is replaced.
-  Status check_claim() const { return lock_ ? lock_->check_held() : success(); }
+  Status check_claim() const { return check_held(lock_file()); }
+  // Of the claim; none before it.
+  std::filesystem::path lock_file() const { return lock_ ? lock_->file() : std::filesystem::path(); }
   // Removes what a crashed routing left, and an unfinished run that is to be overwritten.
   Status discard_runs();
   // Removes the old result and makes the new run the run.

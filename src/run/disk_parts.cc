@@ -11,6 +11,7 @@
 
 #include "src/base/memory_pool.h"
 #include "src/budget/budget.h"
+#include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 #include "src/files/whole_file.h"
 #include "src/run/disk_storage.h"
@@ -78,8 +79,9 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
   // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
-  auto part = std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema}, spec.threads,
-                                         reduce ? 0 : spec.memory_bytes / 4);
+  auto part =
+      std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema, spec.lock_file},
+                                 spec.threads, reduce ? 0 : spec.memory_bytes / 4);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
   part->schedule.memory_bytes = budget::for_tiles(spec.memory_bytes, spec.threads);
@@ -108,7 +110,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   return std::unique_ptr<Part>(std::move(part));
 }
 
-Status mark_settled(const RoutedRun& run, bool settled) {
+Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled) {
+  BOOST_OUTCOME_TRYV(check_held(lock_file));
   const auto marker = settled_marker(run.folder);
   if (settled) return write_whole(marker, std::string_view("settled\n"));
   std::error_code failed;

@@ -25,6 +25,7 @@ class DiskParts final : public PartSource {
 };
 
 // Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not.
-Status mark_settled(const RoutedRun& run, bool settled);
+// `lock_file` as in RunOptions.
+Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled);
 
 }  // namespace tessera

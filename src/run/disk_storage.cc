@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 
 namespace tessera {
@@ -36,12 +37,14 @@ DiskStorage::~DiskStorage() { writers_.join(); }
 Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
 
 Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(run_->folder, what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
   return write_frame(path, what, bytes);
 }
 
 Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(run_->folder, what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
   return append_frame(path, what, bytes);
@@ -62,6 +65,7 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
 }
 
 Status DiskStorage::remove(TileId tile, ScratchKind what) {
+  BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(run_->folder, what, tile);
   std::error_code failed;
   std::filesystem::remove(path, failed);
@@ -70,6 +74,7 @@ Status DiskStorage::remove(TileId tile, ScratchKind what) {
 }
 
 Status DiskStorage::clear(ScratchKind what) {
+  BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto folder = scratch_folder(run_->folder, what);
   std::error_code failed;
   std::filesystem::remove_all(folder, failed);
@@ -99,6 +104,7 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
 Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) {
   const auto name = "tile " + std::to_string(tile.value);
   try {
+    BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
     BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
     BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, mesh, rows, options_));
     BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));

@@ -12,8 +12,9 @@ namespace tessera {
 
 class DiskStorage final : public TileStorage {
  public:
-  // Scratch goes under run->folder, results to `out`. As many meshes are stored at a time as there are `writers`, which
-  // wait for the disk while others work.
+  // Scratch goes under run->folder, results to `out`; error io before anything is written or removed there when the
+  // lock of the options is another's. As many meshes are stored at a time as there are `writers`, which wait for the
+  // disk while others work.
   DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
               std::uint32_t writers);
   // Waits for what is being stored.

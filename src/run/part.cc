@@ -14,6 +14,7 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_keep(static_cast<proto::PartSpec::Keep>(spec.keep));
   message.set_neighbors(spec.neighbors);
   message.set_resumable(spec.resumable);
+  message.set_lock_file(spec.lock_file);
   for (const NodeId node : spec.nodes) message.add_nodes(node.value);
   message.mutable_incarnations()->Assign(spec.incarnations.begin(), spec.incarnations.end());
   return message.SerializeAsString();
@@ -36,6 +37,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.keep = static_cast<Keep>(message.keep());
   spec.neighbors = message.neighbors();
   spec.resumable = message.resumable();
+  spec.lock_file = message.lock_file();
   for (const std::uint32_t node : message.nodes()) spec.nodes.push_back(NodeId{node});
   spec.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
   return spec;

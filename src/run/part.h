@@ -22,8 +22,9 @@ struct RunOptions {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   KernelKind kernel = KernelKind::flat;
   Keep keep = Keep::by_budget;
-  bool neighbors = true;  // store them
-  bool resumable = true;  // leave images when the job is interrupted
+  bool neighbors = true;       // store them
+  bool resumable = true;       // leave images when the job is interrupted
+  std::string lock_file = {};  // of the result folder: once it is another's, nothing is written any more (check_held())
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
 };

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "src/files/folder_lock.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"
@@ -111,11 +112,12 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.cells = header.cells;
   entry.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
   entry.digest = digest_of(mesh);
-  TemporaryFile temporary(temporary_name(final_name));
+  TemporaryFile temporary(temporary_name_of_process(final_name));
   BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays));
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   // Synced before this writer takes the next tile: others work meanwhile.
+  BOOST_OUTCOME_TRYV(check_held(options.lock_file));
   BOOST_OUTCOME_TRYV(publish(temporary.path(), final_name));
   temporary.keep();
   BOOST_OUTCOME_TRYV(write_done(out, entry));

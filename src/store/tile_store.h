@@ -36,7 +36,8 @@ struct TileEntry {
 
 struct StoreOptions {
   bool neighbors = true;
-  std::vector<Attribute> schema;  // of `rows` below
+  std::vector<Attribute> schema;         // of `rows` below
+  std::filesystem::path lock_file = {};  // of OUT's lock: check_held()
 };
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the

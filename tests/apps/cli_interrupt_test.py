@@ -2,12 +2,13 @@
 import hashlib
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import time
 import unittest
 
-from cli import CORRUPT, IGN, INTERRUPTED, TESSERA, USAGE, CliTest
+from cli import CORRUPT, IGN, INTERRUPTED, IO, TESSERA, USAGE, CliTest
 
 
 class Interrupt(CliTest):
@@ -72,7 +73,7 @@ class Interrupt(CliTest):
 
     def test_an_interrupted_reading_leaves_nothing(self):
         process = self.start()
-        self.wait_until(process, lambda: (self.out / ".run.new").exists() or self.is_routed())
+        self.wait_until(process, lambda: list(self.out.glob(".run.new*")) or self.is_routed())
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=120)
         self.assertEqual(process.returncode, INTERRUPTED)
@@ -97,6 +98,29 @@ class Interrupt(CliTest):
         process.communicate(timeout=120)
         self.assertEqual(done.returncode, USAGE, done.stderr)
         self.assertIn(f"another tessera is at work in it: process {process.pid} on ", done.stderr)
+
+    def test_a_run_that_loses_its_lock_ends_and_leaves_the_folder_to_the_other(self):
+        for routed in (False, True):
+            process = self.start()
+            self.wait_until(process, self.is_routed if routed else lambda: list(self.out.glob(".run.new*")))
+            process.send_signal(signal.SIGSTOP)
+            owner, = (self.out / ".lock").iterdir()
+            owner.rename(owner.with_name("another"))
+            if not routed:  # what the other does first
+                for run in self.out.glob(".run.new*"):
+                    shutil.rmtree(run)
+            before = self.files(self.out)
+            process.send_signal(signal.SIGCONT)
+            _, errors = process.communicate(timeout=120)
+            self.assertEqual(process.returncode, IO, errors)
+            self.assertEqual(errors.splitlines()[-1],
+                             f"tessera: {self.out}: was silent for so long that another process has taken its lock")
+            # Its one writer and its one thread may each have been in the middle of a tile's file.
+            new = {name.split(".")[0] for name in set(self.files(self.out)) - set(before) if name[0] != "."}
+            self.assertLessEqual(len(new), 1)
+            new = {name for name in set(self.files(self.out)) - set(before) if name[0] == "."}
+            self.assertLessEqual(len(new), 1)
+            shutil.rmtree(self.out)
 
     def test_a_damaged_run_is_refused(self):
         self.stop(signal.SIGINT)

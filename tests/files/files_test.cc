@@ -126,6 +126,10 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_TRUE(is_tile_name(temporary_name(tile_file("r", tile))));
   EXPECT_TRUE(is_done_name(done_file("r", tile)));
   EXPECT_TRUE(is_temporary_name(temporary_name(tile_file("r", tile))));
+  EXPECT_TRUE(is_temporary_name(temporary_name_of_process(tile_file("r", tile))));
+  EXPECT_TRUE(is_new_run_name(new_run_folder("r")));
+  EXPECT_TRUE(is_new_run_name("r/.run.new"));  // of older software
+  EXPECT_FALSE(is_new_run_name(run_folder("r")));
   EXPECT_TRUE(is_result_name(temporary_name(manifest_file("r"))));
   EXPECT_TRUE(is_result_name(master_file("r", 1)));
   EXPECT_FALSE(is_result_name("r/notes.txt"));

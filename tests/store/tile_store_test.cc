@@ -315,8 +315,7 @@ TEST(TileStore, AFullDiskIsAnIoErrorAndLeavesNoTemporaryFile) {
     if (!entry) {
       EXPECT_EQ(entry.error().code, Errc::io);
     }
-    EXPECT_FALSE(fs::exists(folder.path() / "tiles/000000.vtu.tmp"));
-    EXPECT_FALSE(fs::exists(folder.path() / "tiles/000000.vtu"));
+    EXPECT_TRUE(fs::is_empty(tiles_folder(folder.path())));
     EXPECT_EQ(::umount2(folder.path().c_str(), MNT_DETACH), 0);
   }
 }
@@ -334,7 +333,7 @@ TEST(TileStore, AWriteThatTheSystemRefusesIsAnIoErrorAndLeavesNoTemporaryFile) {
     ::setrlimit(RLIMIT_FSIZE, &before);
     ASSERT_FALSE(entry) << bytes;
     EXPECT_EQ(entry.error().code, Errc::io);
-    EXPECT_FALSE(fs::exists(folder.path() / "tiles/000000.vtu.tmp"));
+    EXPECT_TRUE(fs::is_empty(tiles_folder(folder.path())));
   }
   EXPECT_TRUE(write_tile(folder.path(), TileId{0}, mesh, {}, {}));
   EXPECT_TRUE(read_tile(folder.path(), TileId{0}));

@@ -131,7 +131,7 @@ bool is_result_folder(const fs::path& folder) {
   const bool manifest = fs::exists(manifest_file(folder), gone);
   return (manifest && (fs::exists(master_file(folder), gone) || fs::exists(master_file(folder, 1), gone) ||
                        fs::is_directory(tiles_folder(folder), gone))) ||
-         fs::is_directory(run_folder(folder), gone) || fs::is_directory(new_run_folder(folder), gone);
+         fs::is_directory(run_folder(folder), gone) || fs::is_directory(lock_folder(folder), gone);
 }
 
 Result<std::vector<InputName>> find_inputs(const InputQuestion& question, Spool& spool) {

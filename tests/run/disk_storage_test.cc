@@ -1,0 +1,84 @@
+#include "src/run/disk_storage.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <set>
+#include <span>
+
+#include "src/files/folder_lock.h"
+#include "src/files/temporary.h"
+#include "src/run/disk_parts.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LockedStorage : public ::testing::Test {
+ protected:
+  LockedStorage() {
+    run_->folder = run_folder(out());
+    storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file()}, 1);
+  }
+  const fs::path& out() const { return folder_.path(); }
+
+  // As another process that found it silent.
+  void take_the_lock_away() const { fs::rename(lock_.file(), lock_folder(out()) / "another"); }
+
+  Result<TileEntry> store(TileId tile) {
+    TileMesh mesh;
+    mesh.dimension = 3;
+    std::promise<Result<TileEntry>> stored;
+    storage_->store(tile, std::move(mesh), [&](const Result<TileEntry>& entry) { stored.set_value(entry); });
+    return stored.get_future().get();
+  }
+
+  std::set<fs::path> files() const {
+    std::set<fs::path> names;
+    for (const auto& entry : fs::recursive_directory_iterator(out())) names.insert(entry.path());
+    return names;
+  }
+
+  static constexpr TileId tile{7};
+  const std::vector<std::byte> bytes_{std::byte{1}, std::byte{2}};
+  TemporaryFolder folder_ = TemporaryFolder::make().value();
+  FolderLock lock_ = FolderLock::take(folder_.path()).value();
+  std::shared_ptr<RoutedRun> run_ = std::make_shared<RoutedRun>();
+  std::optional<DiskStorage> storage_;
+};
+
+TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
+  EXPECT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
+  EXPECT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
+  EXPECT_EQ(storage_->read(tile, ScratchKind::mail).value(), TileStorage::Pieces{bytes_});
+  EXPECT_TRUE(mark_settled(*run_, lock_.file(), true));
+  EXPECT_TRUE(storage_->clear(ScratchKind::mail));
+  EXPECT_TRUE(store(tile));
+  EXPECT_TRUE(storage_->read(tile, ScratchKind::state).value().empty());  // not needed any more
+  EXPECT_TRUE(fs::exists(tile_file(out(), tile)));
+}
+
+TEST_F(LockedStorage, TouchesNothingOnceTheLockIsAnothers) {
+  ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
+  ASSERT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
+  take_the_lock_away();
+  const auto before = files();
+  const auto refused = [&](const auto& result) {
+    return !result && result.error().code == Errc::io &&
+           result.error().where == out().string() + ": was silent for so long that another process has taken its lock";
+  };
+  EXPECT_TRUE(refused(storage_->write(tile, ScratchKind::finals, bytes_)));
+  EXPECT_TRUE(refused(storage_->append(TileId{8}, ScratchKind::mail, bytes_)));
+  EXPECT_TRUE(refused(storage_->remove(tile, ScratchKind::state)));
+  EXPECT_TRUE(refused(storage_->clear(ScratchKind::mail)));
+  EXPECT_TRUE(refused(store(tile)));
+  EXPECT_TRUE(refused(mark_settled(*run_, lock_.file(), true)));
+  EXPECT_EQ(files(), before);
+  // Also when it went while the tile was written.
+  EXPECT_TRUE(refused(write_tile(out(), tile, TileMesh{}, {}, {true, {}, lock_.file()})));
+  EXPECT_TRUE(fs::is_empty(tiles_folder(out())));
+}
+
+}  // namespace
+}  // namespace tessera
