@@ -1,7 +1,10 @@
 // Errors as values: input, disk and network give a Result; our own mistakes are asserted.
 #pragma once
 
-#include <boost/outcome.hpp>
+// Not <boost/outcome.hpp>: streams and the std and boost error codes, which nothing here uses, are most of its cost.
+#include <boost/outcome/basic_result.hpp>
+#include <boost/outcome/policy/terminate.hpp>
+#include <boost/outcome/try.hpp>
 #include <cstdint>
 #include <string>
 #include <utility>
