@@ -157,6 +157,9 @@ void Coordinator::collect() {
 
 void Coordinator::fail(const Failure& failure) {
   if (!failure_) failure_ = failure;
+  if (state_ == State::collecting && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
+    again_ = options_.mark_settled(false).has_value();  // if not, this failure is still the one to tell
+  }
   if (state_ != State::ending) {
     state_ = State::ending;
     if (failure.code == static_cast<std::uint8_t>(Errc::interrupted)) {
@@ -208,6 +211,7 @@ void Coordinator::finish_if_over() {
     const auto now = std::chrono::steady_clock::now();
     RunEnded message;
     if (failure_) message.failure = *failure_;
+    message.again = again_;
     message.waves = detector_.wave();
     message.sum = sum_;
     message.triangulate_us = microseconds(begun_.value_or(now) - started_);

@@ -12,6 +12,7 @@
 // any        | PartProgress     | RunProgress to the owner                                    |
 // any        | Cancel           | Suspend to all parts                                        | ending
 // any        | PartEnded        | with a failure: Abort to the others; when all: RunEnded     | ending, ended
+// collecting | PartEnded        | with damage: the run is not settled any more, too           | ending
 // any        | a part, a node or the owner is gone | as PartEnded with a failure              | ending, ended
 #pragma once
 
@@ -75,7 +76,7 @@ class Coordinator : public CoordinatorHandle::base {
   PartEnded sum_;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
-  bool told_ = false;
+  bool told_ = false, again_ = false;
 };
 
 }  // namespace tessera

@@ -93,6 +93,10 @@ struct Engine::Impl {
     node = nullptr;
   }
 
+  // `again`: see RunEnded.
+  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                         Progress& progress, const std::stop_token& stop, bool& again);
+
   EngineConfig config;
   std::shared_ptr<DiskParts> source = std::make_shared<DiskParts>();
   caf::actor_system system;
@@ -100,13 +104,8 @@ struct Engine::Impl {
   std::atomic<std::uint64_t> jobs{0};
 };
 
-Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)
-    : impl_(std::make_unique<Impl>(threads, memory_bytes)) {}
-
-Engine::~Engine() = default;
-
-Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
-                               Progress& progress, std::stop_token stop) {
+Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                                     Progress& progress, const std::stop_token& stop, bool& again) {
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
   progress.phase = Phase::triangulating;
@@ -114,20 +113,20 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
   const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below
   std::shared_ptr<const RoutedRun> lent(&run, [let_go](const RoutedRun*) { let_go->set_value(); });
-  impl_->source->offer(lent);
+  source->offer(lent);
 
   CoordinatorOptions job;
-  job.job = JobId{++impl_->jobs};
+  job.job = JobId{++jobs};
   job.spec = {options, run.folder.string(), out.string(), {}, {}};
   job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
 
   std::vector<TileDone> done;
   std::optional<RunEnded> ended;
   {
-    caf::scoped_actor self(impl_->system);
+    caf::scoped_actor self(system);
     const double opened_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count();
     const auto coordinator = self->spawn<Coordinator, caf::detached + caf::monitored>(
-        std::move(job), caf::actor_cast<caf::actor>(self.ptr()), std::vector<NodeHandle>{impl_->node});
+        std::move(job), caf::actor_cast<caf::actor>(self.ptr()), std::vector<NodeHandle>{node});
     const std::stop_callback cancel(stop, [&coordinator] { caf::anon_send(coordinator, Cancel{}); });
     bool running = true;
     self->receive_while(running)([&](const RunProgress& now) { show(now, opened_s, progress); },
@@ -140,11 +139,26 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
                                    running = false;
                                  });
   }
-  impl_->source->withdraw(run);
+  source->withdraw(run);
   lent.reset();
   let_go->get_future().wait();
+  again = ended->again;
   if (ended->failure) return error_of(ended->failure);
   return summary_of(*ended, std::move(done));
+}
+
+Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)
+    : impl_(std::make_unique<Impl>(threads, memory_bytes)) {}
+
+Engine::~Engine() = default;
+
+Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                               Progress& progress, std::stop_token stop) {
+  bool again = false;
+  auto summary = impl_->run(run, out, options, progress, stop, again);
+  // Once: where damage follows damage, nothing should go on.
+  if (again) summary = impl_->run(run, out, options, progress, stop, again);
+  return summary;
 }
 
 }  // namespace tessera

@@ -29,7 +29,6 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
   sum_.node = progress_.node = self;
   progress_told_ = std::chrono::steady_clock::now();
   for (const TileEntry& entry : part_->stored) {
-    if (!knows(entry.tile)) continue;
     schedule_.set_stored(entry.tile);
     ++progress_.tiles_stored;
   }
@@ -246,9 +245,7 @@ void PartActor::end() {
   if (failure_) {
     sum_.failure = *failure_;
   } else {  // what an earlier process has stored
-    for (const TileEntry& entry : part_->stored) {
-      if (knows(entry.tile)) send(coordinator_, TileDone{entry, 0});
-    }
+    for (const TileEntry& entry : part_->stored) send(coordinator_, TileDone{entry, 0});
   }
   tell_progress(true);
   send(coordinator_, sum_);

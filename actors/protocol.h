@@ -149,6 +149,7 @@ struct RunProgress {
 };
 struct RunEnded {
   Failure failure;
+  bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
   std::uint64_t waves = 0;
   PartEnded sum;
   // Wall clock of the stages.

@@ -121,7 +121,8 @@ typename Inspector::result_type inspect(Inspector& f, RunProgress& x) {
 }
 template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, RunEnded& x) {
-  return f(caf::meta::type_name("RunEnded"), x.failure, x.waves, x.sum, x.triangulate_us, x.splay_us, x.collect_us);
+  return f(caf::meta::type_name("RunEnded"), x.failure, x.again, x.waves, x.sum, x.triangulate_us, x.splay_us,
+           x.collect_us);
 }
 
 // Entries of a store: their digest may be missing.

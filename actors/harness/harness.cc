@@ -70,7 +70,6 @@ struct Outcome {
   std::string failure;  // of the harness: what must not be
   std::optional<RunEnded> ended;
   std::uint64_t steps = 0, batches = 0;
-  bool was_settled = false;
 };
 
 // What ends a life early.
@@ -112,7 +111,7 @@ class Life {
         outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " batches not processed";
       }
     };
-    outcome.was_settled = storage_.settled;
+    storage_.take_reads();
     const auto coordinator = self->spawn<Coordinator>(std::move(job), caf::actor_cast<caf::actor>(self.ptr()), nodes);
     while (outcome.failure.empty() && outcome.steps < steps_max) {
       if (end != End::never && outcome.steps == end_at) {
@@ -140,6 +139,10 @@ class Life {
     outcome.batches = truth_.sent();
     if (outcome.failure.empty() && end != End::kill && !outcome.ended) {
       outcome.failure = "no end after " + std::to_string(outcome.steps) + " steps";
+    }
+    const bool settled = outcome.ended && !outcome.ended->failure && outcome.ended->waves == 0;  // from the start
+    if (settled && storage_.take_reads() > 1) {
+      outcome.failure = "a run that was settled reads what it is built from more than once";
     }
     return outcome;
   }
@@ -176,6 +179,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   };
   // The last life is not ended by anybody, and meets no fault.
   const std::uint64_t ends = options.restarts ? 1 + rng() % 2 : 0;
+  std::uint64_t damages = 0, mended = 0;
   for (std::uint64_t life = 0;; ++life) {
     const End end = life >= ends ? End::never : rng() % 2 == 0 ? End::cancel : End::kill;
     const Outcome outcome = Life(options, setting, storage, rng).live(end, rng() % 1500);
@@ -188,15 +192,20 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
       if (!outcome.ended->failure) break;
       const bool cancelled =
           end == End::cancel && outcome.ended->failure.code == static_cast<std::uint8_t>(Errc::interrupted);
+      if (outcome.ended->again && ++mended <= damages) continue;
       if (!cancelled && (!options.faults || storage.fault)) return fail(outcome.ended->failure.text);
       if (!cancelled) ++report.failures;
     }
-    if (life > ends + 2) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
+    if (life > ends + mended + 2) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
     ++report.restarts;
     if (storage.settled) ++report.settled_restarts;
-    if (options.restarts && rng() % 4 == 0) storage.damage(rng);
+    if (options.restarts && rng() % 4 == 0) {
+      storage.damage(rng);
+      ++damages;
+    }
   }
   report.spills += storage.spills();
+  report.mended += mended;
   if (storage.holds_mail()) return fail("mail is left on scratch");
   std::vector<TileMesh> meshes;
   for (const auto& [tile, mesh] : storage.meshes()) meshes.push_back(mesh);

@@ -31,6 +31,7 @@ struct HarnessReport {
   std::uint64_t batches = 0, waves = 0, sleeps = 0, spills = 0;
   std::uint64_t failures = 0;  // runs that a fault ended, with an error
   std::uint64_t restarts = 0, settled_restarts = 0;
+  std::uint64_t mended = 0;  // runs that were begun again for damage found late
   // The first seed whose run was wrong, and how: cells that differ, quiescence believed too early, or no end.
   std::optional<std::uint64_t> failed_seed;
   std::string failure;

@@ -1,5 +1,6 @@
 #include "actors/harness/memory_storage.h"
 
+#include <algorithm>
 #include <iterator>
 #include <new>
 #include <stdexcept>
@@ -18,6 +19,7 @@ Status MemoryStorage::maybe_fail(StorageFault::Call call) {
 
 Result<LoadedTile> MemoryStorage::load_points(TileId tile) {
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::load));
+  ++reads_[{tile, {}}];
   return order_points(points_[tile.value], dimension_);
 }
 
@@ -38,6 +40,7 @@ Result<TileStorage::Pieces> MemoryStorage::read(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::read));
   const auto found = scratch_.find({tile, what});
   if (found == scratch_.end()) return Pieces{};
+  ++reads_[{tile, what}];
   if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
   return found->second.pieces;
 }
@@ -95,6 +98,12 @@ bool MemoryStorage::lose_pending() {
 void MemoryStorage::damage(std::mt19937_64& rng) {
   if (scratch_.empty()) return;
   std::next(scratch_.begin(), static_cast<std::ptrdiff_t>(rng() % scratch_.size()))->second.damaged = true;
+}
+
+std::uint64_t MemoryStorage::take_reads() {
+  std::uint64_t most = 0;
+  for (const auto& [what, times] : std::exchange(reads_, {})) most = std::max(most, times);
+  return most;
 }
 
 bool MemoryStorage::holds_mail() const {

@@ -31,6 +31,7 @@ class MemoryStorage final : public TileStorage {
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Result<Pieces> read(TileId tile, ScratchKind what) override;
+  Result<bool> has(TileId tile, ScratchKind what) override { return scratch_.contains({tile, what}); }
   Status remove(TileId tile, ScratchKind what) override;
   Status clear(ScratchKind what) override;
   void store(TileId tile, TileMesh mesh, Stored done) override;
@@ -50,6 +51,8 @@ class MemoryStorage final : public TileStorage {
   // Whether any mail is left.
   bool holds_mail() const;
   std::uint64_t spills() const { return spills_; }
+  // How often a tile's points, or its scratch of one kind, were read at most since this was asked last.
+  std::uint64_t take_reads();
 
  private:
   struct Scratch {
@@ -70,6 +73,7 @@ class MemoryStorage final : public TileStorage {
   std::vector<Pending> pending_;
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;
+  std::map<std::pair<TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;  // no kind: of its points
 };
 
 }  // namespace tessera

@@ -77,8 +77,9 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
       TileEntry entry;
       entry.tile = TileId{t};
       part->stored.push_back(entry);
-    } else if (part->settled && !can_be_built_alone(storage_, TileId{t})) {
-      part->settled = false;
+    } else {
+      BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage_, TileId{t}));
+      part->settled = part->settled && alone;
     }
   }
   return part;

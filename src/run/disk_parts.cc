@@ -30,14 +30,15 @@ struct DiskPart final : Part {
 };
 
 // Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
-bool settled(const RoutedRun& run, const Part& part, TileStorage& storage) {
+Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage) {
   std::error_code ignored;
   if (!std::filesystem::exists(settled_marker(run.folder), ignored)) return false;
   std::set<TileId> stored;
   for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
   for (std::uint32_t t = 0; t < part.points.size(); ++t) {
     if (part.points[t] == 0 || stored.contains(TileId{t})) continue;
-    if (!can_be_built_alone(storage, TileId{t})) return false;
+    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}));
+    if (!alone) return false;
   }
   return true;
 }
@@ -104,9 +105,12 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   part->points = std::move(points);
   // Mail of an earlier process was for tiles that are no more.
   BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
-  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder));
+  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder, [&](TileId tile) {
+                      return tile.value < part->points.size() && part->points[tile.value] > 0;
+                    }));
   part->stored = std::move(stored);
-  part->settled = settled(*run, *part, part->storage);
+  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, part->storage));
+  part->settled = all_settled;
   return std::unique_ptr<Part>(std::move(part));
 }
 

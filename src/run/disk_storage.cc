@@ -50,17 +50,23 @@ Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::b
   return append_frame(path, what, bytes);
 }
 
-Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
+Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
   const auto path = scratch_file(run_->folder, what, tile);
-  Pieces pieces;
   std::error_code failed;
   const bool there = std::filesystem::exists(path, failed);
   if (failed) return refused(path, "look at it", failed);
+  return there;
+}
+
+Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
+  Pieces pieces;
+  BOOST_OUTCOME_TRY(there, has(tile, what));
   if (!there) return pieces;
-  BOOST_OUTCOME_TRYV(for_each_frame(path, what, [&](std::vector<std::byte> payload) -> Status {
-    pieces.push_back(std::move(payload));
-    return success();
-  }));
+  BOOST_OUTCOME_TRYV(
+      for_each_frame(scratch_file(run_->folder, what, tile), what, [&](std::vector<std::byte> payload) -> Status {
+        pieces.push_back(std::move(payload));
+        return success();
+      }));
   return pieces;
 }
 

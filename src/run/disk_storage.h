@@ -24,6 +24,7 @@ class DiskStorage final : public TileStorage {
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Result<Pieces> read(TileId tile, ScratchKind what) override;
+  Result<bool> has(TileId tile, ScratchKind what) override;
   Status remove(TileId tile, ScratchKind what) override;
   Status clear(ScratchKind what) override;
   // The tile's scratch goes when its result is on disk.

@@ -48,8 +48,8 @@ struct Part {
   TileContext context;
   ScheduleOptions schedule;
   std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
-  std::vector<TileEntry> stored;      // of tiles that an earlier process has stored
-  bool settled = false;               // all was quiet once, and each tile not stored can be built by itself
+  std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
+  bool settled = false;               // all was quiet once, and each tile not stored has left what it is built from
 };
 
 // How a node comes by its parts: from a run folder in production, from memory in the harness.

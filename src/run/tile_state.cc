@@ -62,12 +62,7 @@ Result<bool> TileState::restore() {
   auto tile = load_image(std::move(pieces.value()[0]), own_points_);
   if (!tile) return false;
   triangulation_ = std::move(tile);
-  if (triangulation_->reduced()) {
-    if (!take_finals()) {
-      triangulation_.reset();
-      return false;
-    }
-  } else {
+  if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
     points_ = std::move(loaded);
     if (points_.points.size() != own_points_) return damaged("file of points");
@@ -258,8 +253,12 @@ Result<TileMesh> TileState::collect() {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
     points_ = std::move(loaded);
     if (points_.points.size() != own_points_) return damaged("file of points");
-    BOOST_OUTCOME_TRY(taken, take_finals());
-    finals = std::move(taken);
+    auto taken = take_finals();
+    if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them
+      BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
+    }
+    if (!taken) return taken.error();
+    finals = std::move(taken).value();
   }
   TileMesh mesh = triangulation_->collect(points_.points, points_.ids, std::move(finals));
   counts_ = triangulation_->counts();

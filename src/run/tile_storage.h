@@ -31,6 +31,8 @@ class TileStorage {
   virtual Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;
   // What was written and appended, a piece a call; none if nothing was. Error corrupt when it is damaged.
   virtual Result<Pieces> read(TileId tile, ScratchKind what) = 0;
+  // Whether there is anything to read, sound or not.
+  virtual Result<bool> has(TileId tile, ScratchKind what) = 0;
   virtual Status remove(TileId tile, ScratchKind what) = 0;
   virtual Status clear(ScratchKind what) = 0;  // of all tiles
 
@@ -42,7 +44,7 @@ class TileStorage {
 // Forgets what only a tile that is not stored needs.
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
-// Whether a settled run has left a tile all it needs to be built by itself.
-bool can_be_built_alone(TileStorage& storage, TileId tile);
+// Whether a settled run has left what a tile is built from by itself. Whether it is sound, reading it will tell: once.
+Result<bool> can_be_built_alone(TileStorage& storage, TileId tile);
 
 }  // namespace tessera

@@ -275,15 +275,16 @@ bool is_whole(const fs::path& tile, const TileEntry& entry) {
 
 }  // namespace
 
-Result<std::vector<TileEntry>> stored_tiles(const fs::path& out) {
+Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
   std::vector<TileEntry> entries;
   std::error_code code;
   for (fs::directory_iterator file(tiles_folder(out), code), end; !code && file != end; file.increment(code)) {
     if (!is_done_name(file->path())) continue;
+    const TileId tile{static_cast<std::uint32_t>(std::strtoul(file->path().filename().c_str(), nullptr, 10))};
+    if (done_file(out, tile) != file->path() || (wanted && !wanted(tile))) continue;
     BOOST_OUTCOME_TRY(bytes, read_whole(file->path()));
     const auto entry = read_done(as_text(bytes));
-    if (!entry || done_file(out, entry->tile) != file->path()) continue;
-    if (is_whole(tile_file(out, entry->tile), *entry)) entries.push_back(*entry);
+    if (entry && entry->tile == tile && is_whole(tile_file(out, tile), *entry)) entries.push_back(*entry);
   }
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   return entries;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -72,6 +73,27 @@ TEST_F(Runs, AtOnceShareMemoryAndThreads) {
       threads.emplace_back([&, i] { got[i] = run(engine, clouds[i], {.threads = 2, .memory_bytes = memory / runs}); });
   }
   EXPECT_EQ(got, std::vector<std::string>(runs, cells));
+}
+
+// What is found damaged where no tile tells another anything any more is built again, from its points.
+TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
+  const std::string cells = cells_of_one();
+  for (const bool damaged : {false, true}) {
+    const RoutedRun cloud = routed(damaged ? "damaged" : "sound");
+    const auto tiles = tiles_folder(cloud.folder.parent_path());
+    std::ofstream(tiles) << "in the way of the folder";
+    Engine engine(2, memory);
+    EXPECT_NE(run(engine, cloud, {.memory_bytes = memory}).find(tiles.string()), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(settled_marker(cloud.folder)));
+    std::filesystem::remove(tiles);
+    const auto foreign = scratch_file(cloud.folder, ScratchKind::settled, TileId{2});
+    if (damaged) std::filesystem::resize_file(foreign, std::filesystem::file_size(foreign) - 1);
+    Progress progress;
+    const auto resumed = engine.run(cloud, cloud.folder.parent_path(), {.memory_bytes = memory}, progress, {});
+    ASSERT_TRUE(resumed) << resumed.error().where;
+    EXPECT_EQ(std::to_string(resumed.value().cells), cells);
+    EXPECT_EQ(resumed.value().exchange.waves > 0, damaged);
+  }
 }
 
 TEST_F(Runs, ThatWantMoreThanTheEngineHasAreRefused) {

@@ -68,6 +68,7 @@ TEST_P(Accidents, EndInAnErrorAndWhatIsResumedIsTheGlobalDelaunayTriangulation) 
   EXPECT_GT(report.failures, c.seeds / 10);
   EXPECT_GT(report.restarts, c.seeds);
   EXPECT_GT(report.settled_restarts, 0u);
+  EXPECT_GT(report.mended, 0u);
 }
 INSTANTIATE_TEST_SUITE_P(Clouds, Accidents,
                          ::testing::Values(Case{"lattice", 3, 40, 7, PartitionKind::kdtree, 200},

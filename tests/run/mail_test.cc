@@ -19,6 +19,7 @@ class Scratch final : public TileStorage {
     return success();
   }
   Result<Pieces> read(TileId, ScratchKind) override { return pieces; }
+  Result<bool> has(TileId, ScratchKind) override { return !pieces.empty(); }
   Status remove(TileId, ScratchKind) override {
     pieces.clear();
     return success();

@@ -142,6 +142,9 @@ TEST(TileStore, ThreadsMayWriteDifferentTiles) {
       });
   }
   EXPECT_EQ(stored_tiles(folder.path()).value().size(), 8u);
+  const auto one = stored_tiles(folder.path(), [](TileId tile) { return tile == TileId{3}; });
+  ASSERT_EQ(one.value().size(), 1u);
+  EXPECT_EQ(one.value()[0].tile, TileId{3});
   for (std::uint32_t tile = 0; tile < 8; ++tile)
     expect_equal(read_tile(folder.path(), TileId{tile}).value().mesh, meshes[tile]);
 }
