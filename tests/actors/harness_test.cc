@@ -15,6 +15,7 @@ struct Case {
   std::uint32_t tiles;
   PartitionKind partition;
   std::uint64_t seeds;
+  std::uint64_t first_seed = 1;
 };
 
 HarnessOptions options_of(const Case& c) {
@@ -24,7 +25,8 @@ HarnessOptions options_of(const Case& c) {
   options.points = c.points;
   options.tiles = c.tiles;
   options.partition = c.partition;
-  options.last_seed = c.seeds;
+  options.first_seed = c.first_seed;
+  options.last_seed = c.first_seed + c.seeds - 1;
   return options;
 }
 
@@ -73,6 +75,7 @@ TEST_P(Accidents, EndInAnErrorAndWhatIsResumedIsTheGlobalDelaunayTriangulation) 
 INSTANTIATE_TEST_SUITE_P(Clouds, Accidents,
                          ::testing::Values(Case{"lattice", 3, 40, 7, PartitionKind::kdtree, 200},
                                            Case{"lattice", 2, 40, 7, PartitionKind::random, 300},
+                                           Case{"lattice", 2, 30, 6, PartitionKind::kdtree, 300, 1001},
                                            Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 200},
                                            Case{"clusters", 3, 40, 6, PartitionKind::random, 100}),
                          name_of_case);

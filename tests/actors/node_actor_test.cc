@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <caf/all.hpp>
+#include <future>
 #include <string>
 
 namespace tessera {
@@ -13,10 +14,35 @@ class Config : public caf::actor_system_config {
   Config() { add_message_types<caf::id_block::tessera>(); }
 };
 
-// Parts without tiles.
-class NoTiles final : public PartSource {
+// Parts whose tiles find no points, once they may look.
+class NoPoints final : public PartSource, public TileStorage {
  public:
-  Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override { return std::make_unique<Part>(); }
+  explicit NoPoints(std::size_t tiles) : tiles_(tiles) {}
+  Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override {
+    auto part = std::make_unique<Part>();
+    part->points.resize(tiles_, 1);
+    part->schedule.threads = static_cast<std::uint32_t>(tiles_);
+    part->context.storage = this;
+    return part;
+  }
+
+  Result<LoadedTile> load_points(TileId) override {
+    looking_.wait();
+    return error(Errc::io, "no points");
+  }
+  Status write(TileId, ScratchKind, std::span<const std::byte>) override { return success(); }
+  Status append(TileId, ScratchKind, std::span<const std::byte>) override { return success(); }
+  Result<Pieces> read(TileId, ScratchKind) override { return Pieces{}; }
+  Result<bool> has(TileId, ScratchKind) override { return false; }
+  Status remove(TileId, ScratchKind) override { return success(); }
+  Status clear(ScratchKind) override { return success(); }
+  void store(TileId, TileMesh, Stored) override {}
+
+  std::promise<void> may_look;
+
+ private:
+  std::size_t tiles_;
+  std::shared_future<void> looking_ = may_look.get_future().share();
 };
 
 class Node : public ::testing::Test {
@@ -31,20 +57,35 @@ class Node : public ::testing::Test {
     return answer;
   }
 
-  void end(const PartOpened& opened) {
-    self_->monitor(opened.part);
-    self_->send(caf::actor_cast<PartHandle>(opened.part), Abort{});
-    bool gone = false;
-    self_->receive_while([&] { return !gone; })([](const PartProgress&) {}, [](const PartEnded&) {},
-                                                [&](const caf::down_msg&) { gone = true; });
+  template <class... Messages>
+  void tell(const PartOpened& opened, Messages... messages) {
+    (self_->send(caf::actor_cast<PartHandle>(opened.part), std::move(messages)), ...);
   }
+
+  // What a part says at last, once it is gone.
+  PartEnded end_of(const PartOpened& opened) {
+    self_->monitor(opened.part);
+    PartEnded last;
+    bool gone = false;
+    self_->receive_while([&] { return !gone; })([](const PartProgress&) {},
+                                                [&](PartEnded& ended) { last = std::move(ended); },
+                                                [&](const caf::down_msg&) { gone = true; });
+    return last;
+  }
+
+  void give_up(const PartOpened& opened) {
+    tell(opened, Abort{});
+    end_of(opened);
+  }
+
+  std::shared_ptr<NoPoints> source_ = std::make_shared<NoPoints>(2);
 
  private:
   Config config_;
   caf::actor_system system_{config_};
   caf::scoped_actor self_{system_};
-  NodeHandle node_ = self_->spawn<NodeActor>(NodeOptions{.memory_bytes = std::uint64_t{100} << 20, .hooks = {}},
-                                             std::make_shared<NoTiles>());
+  NodeHandle node_ =
+      self_->spawn<NodeActor>(NodeOptions{.memory_bytes = std::uint64_t{100} << 20, .hooks = {}}, source_);
   std::uint64_t jobs_ = 0;
 };
 
@@ -54,12 +95,23 @@ TEST_F(Node, HasRoomForJobsUntilItsMemoryIsGivenAwayAndAgainWhenOneHasEnded) {
   const PartOpened third = open(50);
   EXPECT_EQ(third.failure.text, "job 3 wants 50 MiB of memory, but the node has 0 MiB left");
   EXPECT_EQ(third.failure.code, static_cast<std::uint8_t>(Errc::memory));
-  end(second);
+  give_up(second);
   EXPECT_EQ(open(50).failure.text, "job 4 wants 50 MiB of memory, but the node has 40 MiB left");
-  end(first);
+  give_up(first);
   const PartOpened whole = open(100);
   EXPECT_EQ(whole.failure.text, "");
-  end(whole);
+  give_up(whole);
+}
+
+// Its mail could not be kept while it worked; then its report comes, or its mesh is stored.
+TEST_F(Node, HearsOfATileThatWasGivenUpWhileOthersWork) {
+  const PartOpened part = open(1);
+  TileReport report;
+  report.span.tile = TileId{0};
+  tell(part, BeginPart{{part.part}, false}, TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}},
+       std::move(report), TileStored{TileId{0}, {}, {}});
+  source_->may_look.set_value();
+  EXPECT_EQ(end_of(part).failure.text, "no room");
 }
 
 }  // namespace
