@@ -110,6 +110,7 @@ TileEntry to_entry(const json& value) {
 
 // The members that make a partition. Whether the splits are a tree is for those to check who walk it.
 std::string partition_text(const json& value, const Manifest& manifest) {
+  if (!value.contains("splits")) throw json::other_error::create(501, "the partition does not tell its splits", &value);
   if (to_count(value.at("dimension")) != static_cast<std::uint64_t>(manifest.dimension) ||
       to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
     throw json::other_error::create(501, "the partition does not fit to the result", &value);
@@ -131,7 +132,7 @@ Manifest to_manifest(const json& value) {
   manifest.crs = value.at("crs").get<std::string>();
   manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
   for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
-  if (value.at("partition").contains("splits")) manifest.partition = partition_text(value.at("partition"), manifest);
+  if (manifest.format_version > 1) manifest.partition = partition_text(value.at("partition"), manifest);
   manifest.bounds = to_corners<Bounds>(value.at("bounds"));
   manifest.neighbors = value.at("neighbors").get<bool>();
   for (const auto& attribute : value.at("attributes")) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/files/names.h"
+#include "src/tiling/partition.h"
 
 namespace tessera {
 
@@ -27,6 +28,15 @@ Status check_boxes(const Manifest& manifest, const std::filesystem::path& out) {
   };
   if (!manifest.tiles.empty() && manifest.tiles.back().tile.value >= boxes.size())
     return wrong(manifest.tiles.back().tile, "has no box in the partition");
+  if (manifest.format_version > 1) {
+    const auto partition = Partition::from_json(manifest.partition);
+    if (!partition) return error(Errc::corrupt, manifest_file(out).string() + ": " + partition.error().where);
+    const std::vector<Box>& made = partition.value().boxes();
+    const auto differ = std::mismatch(boxes.begin(), boxes.end(), made.begin(), made.end());
+    if (differ.first == boxes.end() && differ.second == made.end()) return success();
+    return wrong(TileId{static_cast<std::uint32_t>(differ.first - boxes.begin())},
+                 "has another box than the partition's splits make");
+  }
   std::vector<std::uint32_t> order(boxes.size());
   for (std::uint32_t tile = 0; tile < boxes.size(); ++tile) {
     if (manifest.partition_kind == "random" && boxes[tile] != Box{})

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iomanip>
 #include <limits>
 #include <map>
 #include <random>
 #include <set>
+#include <sstream>
 
 #include "src/kernel/kernel.h"
 
@@ -102,6 +104,20 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
 
 namespace {
 
+// Tiles that are slabs are cut off one after the other.
+void set_splits(Manifest& manifest) {
+  std::ostringstream text;
+  text << std::setprecision(17) << R"({"kind": ")" << manifest.partition_kind << R"(", "dimension": )"
+       << manifest.dimension << R"(, "tiles": )" << manifest.boxes.size() << R"(, "splits": [)";
+  const std::size_t splits = manifest.partition_kind == "random" ? 0 : manifest.boxes.size() - 1;
+  for (std::size_t i = 0; i < splits; ++i) {
+    const auto above = i + 1 < splits ? static_cast<std::ptrdiff_t>(i) + 1 : -2 - static_cast<std::ptrdiff_t>(i);
+    text << (i > 0 ? ", " : "") << "[0, " << manifest.boxes[i].hi.x << ", " << -1 - static_cast<std::ptrdiff_t>(i)
+         << ", " << above << "]";
+  }
+  manifest.partition = text.str() + "]}";
+}
+
 // The boxes of tiles that are slabs along x; all of space for each, as a random partition has, when they are not.
 void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
   constexpr double inf = std::numeric_limits<double>::infinity();
@@ -118,11 +134,13 @@ void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
     if (hi >= next) {
       manifest.partition_kind = "random";
       manifest.boxes.assign(meshes.size(), Box{});
-      return;
+      break;
     }
+    if (lo == next) lo = std::nextafter(next, -inf);  // an empty tile has room, too
     manifest.boxes[tile].hi.x = next;
     if (tile > 0) manifest.boxes[tile].lo.x = next = lo;
   }
+  set_splits(manifest);
 }
 
 }  // namespace

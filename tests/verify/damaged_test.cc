@@ -208,6 +208,9 @@ TEST_P(DamagedResult, AnEmptyResultIsNoTriangulation) {
   const TemporaryFolder folder;
   Manifest manifest;
   manifest.dimension = dimension();
+  manifest.boxes.resize(1);
+  manifest.partition =
+      R"({"kind": "kdtree", "dimension": )" + std::to_string(dimension()) + R"(, "tiles": 1, "splits": []})";
   ASSERT_TRUE(finish_store(folder.path(), manifest, {}));
   const auto result = verify(folder.path(), {}, {});
   ASSERT_FALSE(result);

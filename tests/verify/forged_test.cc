@@ -169,15 +169,38 @@ const std::vector<Forgery>& forgeries() {
       {"ATileThatIsNotListed", [](Sound& s) { fs::copy(tile_file(s.out, TileId{1}), tile_file(s.out, TileId{9})); },
        "000009.vtu: is no tile of the manifest"},
       {"AnotherSize", [](Sound& s) { s.manifest.tiles[1].bytes += 7; }, "bytes, the manifest says"},
-      {"BoxesThatAreGone", [](Sound& s) { s.manifest.boxes.clear(); }, "tile 2 has no box in the partition"},
+      {"BoxesThatAreGone", [](Sound& s) { s.manifest.boxes.clear(); }, "the partition does not fit to the result"},
       {"BoxesThatOverlap", [](Sound& s) { s.manifest.boxes[0].hi.x = std::numeric_limits<double>::infinity(); },
-       "has a box that overlaps another or leaves a gap"},
+       "tile 0 has another box than the partition's splits make"},
       {"BoxesWithAGap", [](Sound& s) { s.manifest.boxes[1].hi.x = std::nextafter(s.manifest.boxes[1].hi.x, -1.0); },
-       "tile 1 has a box that overlaps another or leaves a gap"},
+       "tile 1 has another box than the partition's splits make"},
       {"ABoxThatEnds", [](Sound& s) { s.manifest.boxes[1].hi.z = 7; },
-       "tile 1 has a box that overlaps another or leaves a gap"},
-      {"ARandomPartitionWithBoxes", [](Sound& s) { s.manifest.partition_kind = "random"; },
-       "tile 0 has a box that is not all of space, though the partition is random"},
+       "tile 1 has another box than the partition's splits make"},
+      {"ARandomPartitionWithBoxes",
+       [](Sound& s) {
+         s.manifest.partition_kind = "random";
+         s.manifest.partition = R"({"kind": "random", "dimension": 3, "tiles": 3, "splits": []})";
+       },
+       "tile 0 has another box than the partition's splits make"},
+      {"SplitsOfAnotherKind", [](Sound& s) { s.manifest.partition_kind = "random"; },
+       "manifest.json: partition: 2 splits for 3 tiles"},
+      {"SplitsThatAreGone", [](Sound& s) { s.manifest.partition.clear(); }, "the partition does not tell its splits"},
+      {"SplitsThatLeadToEachOthersTiles",
+       [](Sound& s) {  // the boxes part space, and hold their vertices: only tile_of() would be wrong
+         std::string& text = s.manifest.partition;
+         const auto first = text.find(", -1, "), second = text.find(", -2, ");
+         ASSERT_TRUE(first != std::string::npos && second != std::string::npos);
+         text[first + 3] = '2';
+         text[second + 3] = '1';
+       },
+       "tile 0 has another box than the partition's splits make"},
+      {"ASplitThatMoved",
+       [](Sound& s) {
+         const auto digits = s.manifest.partition.find("[0, 0.") + 6;
+         char& digit = s.manifest.partition.at(digits + 12);
+         digit = digit == '5' ? '6' : '5';
+       },
+       "tile 0 has another box than the partition's splits make"},
       {"AnotherDigestOfATile",
        [](Sound& s) {
          s.manifest.tiles[1].digest->low ^= 1;
