@@ -34,8 +34,10 @@ struct CellList {
 };
 inline constexpr std::uint32_t across_frozen = std::uint32_t{1} << 31;
 
-// The same, a cell a row, as the flat kernels keep them. In 2D the last entry of each is not used.
+// The same, a cell a row, as the flat kernels keep them. A neighbour is 4 * row + k: there the common facet is the one
+// opposite vertices[k]. In 2D the last entry of each is not used.
 struct alignas(32) CellRow {
+  static constexpr std::size_t most = std::size_t{1} << 29;
   static constexpr Vertex gap = ~Vertex{0};  // vertices[0] of a row without a cell
   Vertex vertices[4];
   std::uint32_t neighbors[4];

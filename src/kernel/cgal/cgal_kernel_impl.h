@@ -112,12 +112,14 @@ class CgalKernel final : public Kernel {
     CellRows rows;
     std::uint32_t n = 0;
     Traits::for_each_cell(t_, [&](Cell c) { c->number = n++; });
+    if (n > CellRow::most) throw KernelFull();
     rows.resize(n);
     Traits::for_each_cell(t_, [&](Cell c) {
       CellRow& row = rows[c->number];
       for (int i = 0; i <= d; ++i) {
+        const Cell across = c->neighbor(i);
         row.vertices[i] = c->vertex(i)->info();
-        row.neighbors[i] = c->neighbor(i)->number;
+        row.neighbors[i] = 4 * across->number + static_cast<std::uint32_t>(across->index(c));
       }
     });
     return rows;

@@ -59,14 +59,11 @@ CellList FlatKernel<Mesh>::cells() const {
 
 template <class Mesh>
 CellRows FlatKernel<Mesh>::take_cells() {
+  for (const Word slot : mesh_.free_slots()) mesh_.cells[slot].v[0] = CellRow::gap;
   Array<Cell> all = mesh_.take_cells();
   reset();
-  for (std::size_t slot = 0; slot < all.size(); ++slot) {
-    Cell& c = all[slot];
-    if (c.dead()) c.v[0] = CellRow::gap;
-    for (Word& across : c.n) across = across & frozen_bit ? across : across >> 2;
-  }
-  static_assert(offsetof(Cell, v) == offsetof(CellRow, vertices) && offsetof(Cell, n) == offsetof(CellRow, neighbors));
+  static_assert(offsetof(Cell, v) == offsetof(CellRow, vertices) && offsetof(Cell, n) == offsetof(CellRow, neighbors) &&
+                cells_max == CellRow::most);
   return all.template take_as<CellRow>();
 }
 

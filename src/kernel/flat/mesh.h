@@ -24,6 +24,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <vector>
 
 #include "src/kernel/flat/cells.h"
@@ -72,6 +73,7 @@ class MeshBase {
   void compact();
   Word most_cells() const { return cells_max_; }
   std::size_t live_cells() const { return cells.size() - free_.size(); }
+  std::span<const Word> free_slots() const { return free_; }
 
  protected:
   MeshBase(const FlatOptions& options, Vertex vertices_max)
