@@ -1,12 +1,19 @@
 // What two results of the same triangulation have in common, whatever tiles, threads and nodes made them: the sum,
-// modulo 2^128, of an XXH3-128 hash of every cell and of every vertex.
-//  (1) A cell is hashed by its vertices' source ids, sorted; a vertex by its id and the bits of its coordinates; both
-//      with the dimension. What order things stand in, and which way a cell is written down, does not matter.
+// modulo 2^128, of a hash of every cell and of every vertex.
+//  (1) A cell is hashed by its vertices' source ids; a vertex by its id and the bits of its coordinates; both with the
+//      dimension. What order things stand in, and which way a cell is written down, does not matter.
 //  (2) Each cell is main in one tile and each vertex is one tile's own, so the digest of a result is the sum of its
 //      tiles' digests.
 //  (3) Different triangulations have the same digest with a probability of about 2^-128: no accident does it. Who sets
 //      out to make two such triangulations can, as hash and sum are no cryptography.
 // Attributes are not part of it.
+//
+// A cell's hash costs a vertex one XXH3-128 of its id, two 64-bit words that stand for it in all of its cells. In a
+// cell the words are added, which forgets their order and nothing else: as good as random, the sums of two different
+// sets of vertices agree with a probability of 2^-128, and where a few did, a digest would still have to agree in all
+// the rest. Sums of sums would be worth little: the sum over all cells would tell how many cells each vertex has, no
+// more. So the two sums are multiplied, twice with different keys, and the product's halves folded into one: no sum of
+// products is left of it, of which the number of cells around each edge would be enough.
 #pragma once
 
 #include <cstdint>

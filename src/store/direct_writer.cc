@@ -42,10 +42,11 @@ Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, con
   return DirectWriter(std::move(file), final_name, direct);
 }
 
-Status DirectWriter::append(std::span<const std::byte> bytes) {
+template <class Copy>
+Status DirectWriter::append_by(std::span<const std::byte> bytes, const Copy& copy) {
   while (!bytes.empty()) {
     const std::size_t n = std::min(bytes.size(), block_bytes - filled_);
-    std::memcpy(block_.get() + filled_, bytes.data(), n);
+    copy(bytes.first(n), block_.get() + filled_);
     filled_ += n;
     bytes = bytes.subspan(n);
     if (filled_ == block_bytes) {
@@ -53,6 +54,15 @@ Status DirectWriter::append(std::span<const std::byte> bytes) {
     }
   }
   return success();
+}
+
+Status DirectWriter::append(std::span<const std::byte> bytes) {
+  return append_by(
+      bytes, [](std::span<const std::byte> piece, std::byte* to) { std::memcpy(to, piece.data(), piece.size()); });
+}
+
+Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
+  return append_by(bytes, [&](std::span<const std::byte> piece, std::byte* to) { sum.copy(piece, to); });
 }
 
 Result<DirectWriter::Written> DirectWriter::finish() {

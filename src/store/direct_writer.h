@@ -10,6 +10,7 @@
 
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
+#include "src/store/block_sum.h"
 
 struct XXH3_state_s;
 
@@ -21,6 +22,8 @@ class DirectWriter {
   static Result<DirectWriter> create(const std::filesystem::path& path, const std::filesystem::path& final_name);
 
   Status append(std::span<const std::byte> bytes);
+  // The same, and adds them to `sum` on the way.
+  Status append(std::span<const std::byte> bytes, BlockSum& sum);
 
   struct Written {
     std::uint64_t bytes = 0;
@@ -37,6 +40,8 @@ class DirectWriter {
     void operator()(std::byte* block) const { std::free(block); }
   };
   DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct);
+  template <class Copy>
+  Status append_by(std::span<const std::byte> bytes, const Copy& copy);
   Status flush();
   bool leave_direct();
 

@@ -3,7 +3,6 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -11,6 +10,7 @@
 
 #include "src/base/check.h"
 #include "src/store/block_sum.h"
+#include "src/store/deflate_runs.h"
 
 namespace tessera::store {
 
@@ -31,17 +31,10 @@ Bytes deflate_block(std::span<const std::byte> bytes) {
 }
 
 Status write_plain_block(std::span<const std::byte> bytes, DirectWriter& file) {
-  const auto size = static_cast<std::uint16_t>(bytes.size());
-  const auto low = [](unsigned value) { return static_cast<std::byte>(value & 0xff); };
-  // zlib's header; then: last block, stored; its size, and that inverted.
-  const std::array<std::byte, plain_head_bytes> head{
-      std::byte{0x78}, std::byte{0x01}, std::byte{0x01}, low(size), low(size >> 8u), low(~size), low((~size) >> 8u),
-  };
-  const unsigned sum = block_sum(bytes);
-  const std::array<std::byte, 4> tail{low(sum >> 24u), low(sum >> 16u), low(sum >> 8u), low(sum)};
-  BOOST_OUTCOME_TRYV(file.append(head));
-  BOOST_OUTCOME_TRYV(file.append(bytes));
-  return file.append(tail);
+  BlockSum sum;
+  BOOST_OUTCOME_TRYV(file.append(plain_head(bytes.size())));
+  BOOST_OUTCOME_TRYV(file.append(bytes, sum));
+  return file.append(sum.bytes());
 }
 
 Bytes offsets_block(std::uint64_t first, std::uint64_t count, int step) {
@@ -60,12 +53,12 @@ PackedArray PackedArray::plain(std::span<const std::byte> bytes) {
   return array;
 }
 
-PackedArray PackedArray::deflated(std::span<const std::byte> bytes) {
+PackedArray PackedArray::runs(std::span<const std::byte> bytes, std::size_t size) {
   PackedArray array;
   array.bytes_ = bytes.size();
   for (; !bytes.empty(); bytes = bytes.subspan(std::min(bytes.size(), block_bytes)))
     array.blocks_.push_back(
-        std::make_shared<const Bytes>(deflate_block(bytes.first(std::min(bytes.size(), block_bytes)))));
+        std::make_shared<const Bytes>(deflate_runs(bytes.first(std::min(bytes.size(), block_bytes)), size)));
   return array;
 }
 
@@ -75,9 +68,9 @@ PackedArray PackedArray::repeated(std::span<const std::byte> value, std::uint64_
   Bytes bytes(std::min(array.bytes_, block_bytes));
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = value[i % value.size()];
   if (const auto whole = array.bytes_ / block_bytes; whole > 0)
-    array.blocks_.assign(whole, std::make_shared<const Bytes>(deflate_block(bytes)));
+    array.blocks_.assign(whole, std::make_shared<const Bytes>(deflate_runs(bytes, value.size())));
   if (const auto rest = array.bytes_ % block_bytes; rest > 0)
-    array.blocks_.push_back(std::make_shared<const Bytes>(deflate_block(std::span(bytes).first(rest))));
+    array.blocks_.push_back(std::make_shared<const Bytes>(deflate_runs(std::span(bytes).first(rest), value.size())));
   return array;
 }
 

@@ -1,6 +1,7 @@
 // Arrays as VTK XML files hold them with vtkZLibDataCompressor: a table of sizes, then blocks, each a zlib stream.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,6 +19,12 @@ inline constexpr std::uint64_t block_bytes = 65520;
 // What a plain block has more than its bytes: two of zlib, five of deflate, and a checksum.
 inline constexpr std::uint64_t plain_head_bytes = 7, plain_extra_bytes = plain_head_bytes + 4;
 
+// zlib's header; then: the last block, stored; its size, and that inverted. REQUIRES: size < 2^16.
+constexpr std::array<std::byte, plain_head_bytes> plain_head(std::uint64_t size) {
+  const auto low = [](std::uint64_t value) { return static_cast<std::byte>(value & 0xff); };
+  return {std::byte{0x78}, std::byte{0x01}, std::byte{0x01}, low(size), low(size >> 8u), low(~size), low(~size >> 8u)};
+}
+
 constexpr std::uint64_t block_count(std::uint64_t bytes) { return (bytes + block_bytes - 1) / block_bytes; }
 // Of the table before the blocks.
 constexpr std::uint64_t table_bytes(std::uint64_t blocks) { return 8 * (3 + blocks); }
@@ -26,7 +33,8 @@ class PackedArray {
  public:
   // `bytes` are copied when they are written, and must stay until then.
   static PackedArray plain(std::span<const std::byte> bytes);
-  static PackedArray deflated(std::span<const std::byte> bytes);
+  // Elements of `size` bytes, 1, 2 or 4, that hardly change.
+  static PackedArray runs(std::span<const std::byte> bytes, std::size_t size);
   // `count` times these bytes, 1, 2 or 4.
   static PackedArray repeated(std::span<const std::byte> value, std::uint64_t count);
   // step, 2 step, ..., cells step as i32. Blocks are the same in every tile, so the first ones are made once a process.

@@ -54,13 +54,13 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
   const std::uint8_t type = vtk_cell_type(mesh.dimension);
   const std::uint32_t tile = header.tile.value;
   std::vector<PackedArray> packed{PackedArray::plain(bytes_of(mesh.points)), PackedArray::plain(bytes_of(mesh.ids)),
-                                  PackedArray::deflated(bytes_of(mesh.owners)),
-                                  PackedArray::deflated(bytes_of(mesh.point_ghost))};
+                                  PackedArray::runs(bytes_of(mesh.owners), 4),
+                                  PackedArray::runs(bytes_of(mesh.point_ghost), 1)};
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
   packed.push_back(PackedArray::plain(bytes_of(mesh.cells)));
   packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&type, 1)), header.cells));
-  packed.push_back(PackedArray::deflated(bytes_of(mesh.cell_ghost)));
+  packed.push_back(PackedArray::runs(bytes_of(mesh.cell_ghost), 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&tile, 1)), header.cells));
   if (header.neighbors) packed.push_back(PackedArray::plain(bytes_of(mesh.neighbors)));
   return packed;

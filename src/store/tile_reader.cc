@@ -209,15 +209,13 @@ class TileReader {
 
   // REQUIRES: sizes fit together.
   static bool take_plain(std::span<const std::byte> from, std::span<std::byte> to) {
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned>(from[i]); };
-    const auto size = static_cast<unsigned>(to.size());
-    if (byte(0) != 0x78 || byte(1) != 0x01 || byte(2) != 0x01 || (byte(3) | byte(4) << 8u) != size ||
-        (byte(5) | byte(6) << 8u) != (size ^ 0xffffu))
-      return false;
-    std::memcpy(to.data(), from.data() + plain_head_bytes, to.size());
-    const std::size_t sum_at = plain_head_bytes + to.size();
-    const unsigned sum = byte(sum_at) << 24u | byte(sum_at + 1) << 16u | byte(sum_at + 2) << 8u | byte(sum_at + 3);
-    return block_sum(to) == sum;
+    const auto equal = [&](const auto& expected, std::size_t at) {
+      return std::ranges::equal(expected, from.subspan(at, expected.size()));
+    };
+    if (!equal(plain_head(to.size()), 0)) return false;
+    BlockSum sum;
+    sum.copy(from.subspan(plain_head_bytes, to.size()), to.data());
+    return equal(sum.bytes(), plain_head_bytes + to.size());
   }
 
   static bool inflate_block(std::span<const std::byte> from, std::span<std::byte> to) {

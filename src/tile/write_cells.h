@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "src/base/id.h"
+#include "src/base/ids.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <numeric>
 #include <random>
 #include <set>
+#include <sstream>
+#include <string>
 
 #include "tests/store/sample_result.h"
 
@@ -89,6 +93,22 @@ TEST_P(DigestOf, EveryChangeOfATriangulationChangesIt) {
   EXPECT_EQ(texts.size(), changes.size() + 1);
 }
 
+// Every vertex and every edge is in as many cells of one as of the other.
+TEST_P(DigestOf, CellsThatShareAllTheirEdgesWithOthersAreOthers) {
+  const auto trade = [&](int parity) {
+    TileMesh mesh = mesh_;
+    mesh.cells.clear();
+    for (std::int32_t choice = 0; choice < 8; ++choice) {
+      if (std::popcount(static_cast<unsigned>(choice)) % 2 != parity) continue;
+      for (std::int32_t k = 0; k < 3; ++k) mesh.cells.push_back(2 * k + (choice >> k & 1));
+      if (dimension() == 3) mesh.cells.push_back(6);
+    }
+    mesh.cell_ghost.assign(4, 0);
+    return digest_of(mesh);
+  };
+  EXPECT_NE(trade(0), trade(1));
+}
+
 TEST(Digest, TheSamePointsInThePlaneAndInSpaceDiffer) {
   TileMesh flat;
   flat.dimension = 2;
@@ -113,7 +133,24 @@ TEST(Digest, OfATriangleIsTheSameInEveryVersion) {
   mesh.point_ghost = {0, 0, 0};
   mesh.cells = {0, 1, 2};
   mesh.cell_ghost = {0};
-  EXPECT_EQ(digest_text(digest_of(mesh)), "95f0801fba8cbd9dac5683d3422b29b5");
+  EXPECT_EQ(digest_text(digest_of(mesh)), "728d3106a6658d24bc9a355e900a8c68");
+}
+
+TEST(Digest, OneOfAnEarlierDefinitionIsPassedOver) {
+  const test::TemporaryFolder folder;
+  test::store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 3, 60), 3, 2));
+  const auto path = folder.path() / "manifest.json";
+  std::ostringstream read;
+  read << std::ifstream(path).rdbuf();
+  std::string text = read.str();
+  ASSERT_TRUE(read_manifest(folder.path()).value().digest);
+  const std::string now = "\"digest2\"", before = "\"digest\"";
+  for (auto at = text.find(now); at != std::string::npos; at = text.find(now)) text.replace(at, now.size(), before);
+  std::ofstream(path, std::ios::trunc) << text;
+  const auto old = read_manifest(folder.path());
+  ASSERT_TRUE(old) << old.error().where;
+  EXPECT_FALSE(old.value().digest);
+  for (const auto& entry : old.value().tiles) EXPECT_FALSE(entry.digest) << entry.tile;
 }
 
 TEST(Digest, AddsWithCarry) {
