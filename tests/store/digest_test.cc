@@ -150,7 +150,7 @@ TEST(Digest, OneOfAnEarlierDefinitionIsPassedOver) {
   const auto old = read_manifest(folder.path());
   ASSERT_TRUE(old) << old.error().where;
   EXPECT_FALSE(old.value().digest);
-  for (const auto& entry : old.value().tiles) EXPECT_FALSE(entry.digest) << entry.tile;
+  for (const auto& entry : old.value().tiles) EXPECT_FALSE(entry.digest) << entry.tile.value;
 }
 
 TEST(Digest, AddsWithCarry) {
