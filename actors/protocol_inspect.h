@@ -12,118 +12,44 @@ template <class Inspector, class Tag, class Rep>
 typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
   return f(x.value);
 }
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Failure& x) {
-  return f(caf::meta::type_name("Failure"), x.code, x.text);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, ExchangeCounts& x) {
-  return f(caf::meta::type_name("ExchangeCounts"), x.received, x.inserted, x.refused, x.sent, x.kept);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Grant& x) {
-  return f(caf::meta::type_name("Grant"), x.work);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, MailNotice& x) {
-  return f(caf::meta::type_name("MailNotice"), x.tile, x.batches, x.points, x.bytes);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, WorkSpan& x) {
-  return f(caf::meta::type_name("WorkSpan"), x.tile, x.work, x.thread, x.begin_us, x.end_us);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileReport& x) {
-  return f(caf::meta::type_name("TileReport"), x.span, x.failure, x.memory, x.storing, x.waiting, x.sent, x.processed,
-           x.batches, x.hops, x.points);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileFailed& x) {
-  return f(caf::meta::type_name("TileFailed"), x.tile, x.failure);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileStored& x) {
-  return f(caf::meta::type_name("TileStored"), x.tile, x.failure, x.entry);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Parcel& x) {
-  return f(caf::meta::type_name("Parcel"), x.batches);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, OpenPart& x) {
-  return f(caf::meta::type_name("OpenPart"), x.job, x.node, x.spec, x.coordinator);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, BeginPart& x) {
-  return f(caf::meta::type_name("BeginPart"), x.parts, x.settled);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Probe& x) {
-  return f(caf::meta::type_name("Probe"), x.wave);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Settle&) {
-  return f(caf::meta::type_name("Settle"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Collect&) {
-  return f(caf::meta::type_name("Collect"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Suspend&) {
-  return f(caf::meta::type_name("Suspend"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Abort&) {
-  return f(caf::meta::type_name("Abort"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartOpened& x) {
-  return f(caf::meta::type_name("PartOpened"), x.node, x.failure, x.part, x.settled);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartBegun& x) {
-  return f(caf::meta::type_name("PartBegun"), x.node);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartIdle& x) {
-  return f(caf::meta::type_name("PartIdle"), x.node);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartTally& x) {
-  return f(caf::meta::type_name("PartTally"), x.node, x.wave, x.idle, x.sent, x.processed);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartSettled& x) {
-  return f(caf::meta::type_name("PartSettled"), x.node);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartProgress& x) {
-  return f(caf::meta::type_name("PartProgress"), x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep,
-           x.batches_sent, x.batches_processed, x.points_sent, x.memory_bytes, x.spans);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, TileDone& x) {
-  return f(caf::meta::type_name("TileDone"), x.entry, x.microseconds);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, PartEnded& x) {
-  return f(caf::meta::type_name("PartEnded"), x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.begin_us,
-           x.splay_us, x.collect_us);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, Cancel&) {
-  return f(caf::meta::type_name("Cancel"));
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, RunProgress& x) {
-  return f(caf::meta::type_name("RunProgress"), x.stage, x.sum);
-}
-template <class Inspector>
-typename Inspector::result_type inspect(Inspector& f, RunEnded& x) {
-  return f(caf::meta::type_name("RunEnded"), x.failure, x.again, x.waves, x.sum, x.triangulate_us, x.splay_us,
-           x.collect_us);
-}
+
+// A message, and its members by the name x.
+#define TESSERA_MESSAGE(Type, ...)                                                  \
+  template <class Inspector>                                                        \
+  typename Inspector::result_type inspect(Inspector& f, [[maybe_unused]] Type& x) { \
+    return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
+  }
+TESSERA_MESSAGE(Failure, x.code, x.text)
+TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
+TESSERA_MESSAGE(Grant, x.work)
+TESSERA_MESSAGE(MailNotice, x.tile, x.batches, x.points, x.bytes)
+TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
+TESSERA_MESSAGE(TileReport, x.span, x.failure, x.memory, x.storing, x.waiting, x.sent, x.processed, x.batches, x.hops,
+                x.points)
+TESSERA_MESSAGE(TileFailed, x.tile, x.failure)
+TESSERA_MESSAGE(TileStored, x.tile, x.failure, x.entry)
+TESSERA_MESSAGE(Parcel, x.batches)
+TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator)
+TESSERA_MESSAGE(BeginPart, x.parts, x.settled)
+TESSERA_MESSAGE(Probe, x.wave)
+TESSERA_MESSAGE(Settle)
+TESSERA_MESSAGE(Collect)
+TESSERA_MESSAGE(Suspend)
+TESSERA_MESSAGE(Abort)
+TESSERA_MESSAGE(PartOpened, x.node, x.failure, x.part, x.settled)
+TESSERA_MESSAGE(PartBegun, x.node)
+TESSERA_MESSAGE(PartIdle, x.node)
+TESSERA_MESSAGE(PartTally, x.node, x.wave, x.idle, x.sent, x.processed)
+TESSERA_MESSAGE(PartSettled, x.node)
+TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.batches_sent,
+                x.batches_processed, x.points_sent, x.memory_bytes, x.spans)
+TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
+TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.begin_us, x.splay_us,
+                x.collect_us)
+TESSERA_MESSAGE(Cancel)
+TESSERA_MESSAGE(RunProgress, x.stage, x.sum)
+TESSERA_MESSAGE(RunEnded, x.failure, x.again, x.waves, x.sum, x.triangulate_us, x.splay_us, x.collect_us)
+#undef TESSERA_MESSAGE
 
 // Entries of a store: their digest may be missing.
 inline caf::error inspect(caf::serializer& f, TileEntry& x) {

@@ -1,11 +1,9 @@
 #include "tests/engine/engine_run.h"
 
-#include <cstdlib>
 #include <stop_token>
 #include <utility>
 #include <vector>
 
-#include "src/base/check.h"
 #include "src/io/cloud/cloud.h"
 #include "src/run/duplicates.h"
 
@@ -56,17 +54,6 @@ Result<EngineRun> run_engine(const fs::path& input, const fs::path& out, const E
   BOOST_OUTCOME_TRYV(finish_store(out, manifest, duplicates));
   fs::remove_all(run_folder);
   return run;
-}
-
-ScratchFolder::ScratchFolder() {
-  std::string name = (fs::temp_directory_path() / "tessera-engine-XXXXXX").string();
-  check(mkdtemp(name.data()) != nullptr, "no temporary folder");
-  path_ = name;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code left;  // nobody to tell
-  fs::remove_all(path_, left);
 }
 
 }  // namespace tessera::testing

@@ -33,17 +33,4 @@ struct EngineRun {
 Result<EngineRun> run_engine(const std::filesystem::path& input, const std::filesystem::path& out,
                              const EngineOptions& options);
 
-// A folder of its own under the system's temporary one, removed with all that is in it.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 }  // namespace tessera::testing

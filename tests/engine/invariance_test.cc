@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "src/files/temporary.h"
 #include "src/harness/clouds.h"
 #include "src/harness/reference.h"
 #include "tests/engine/engine_run.h"
@@ -93,7 +94,7 @@ class Invariance : public ::testing::TestWithParam<Case> {
   }
 
  private:
-  ScratchFolder scratch_;
+  TemporaryFolder scratch_ = TemporaryFolder::make().value();
 };
 
 TEST_P(Invariance, PermutedInputGivesTheSameCells) {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/files/temporary.h"
 #include "tests/engine/checks.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"
@@ -68,7 +69,7 @@ std::string wrong_with_refusal(const Result<EngineRun>& run, const fs::path& inp
 }
 
 std::string wrong_case(const fs::path& input, const Expected& expected, const EngineOptions& options) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch = TemporaryFolder::make().value();
   const fs::path out = scratch.path() / "out";
   const auto run = run_engine(input, out, options);
   if (expected.cells.empty() || (expected.invalid > 0 && !options.skip_invalid)) {
@@ -118,7 +119,7 @@ struct Choice {
 };
 
 void run_set(Product& product, const CloudSet& set, int dimension, Choice choice) {
-  const ScratchFolder scratch;
+  const TemporaryFolder scratch = TemporaryFolder::make().value();
   const auto input = readable_file(set, scratch.path());
   if (!input) return product.fail(set, input.error());
   auto points = read_points(set, dimension);

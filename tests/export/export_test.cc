@@ -13,15 +13,10 @@
 #include "src/export/crs.h"
 #include "tests/store/sample_result.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
-using test::store_sample;
-using test::TemporaryFolder;
 
 const char* const flat_formats[] = {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv"};
 
@@ -191,4 +186,4 @@ TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

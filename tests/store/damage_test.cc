@@ -13,13 +13,10 @@
 #include "src/store/vtk_xml.h"
 #include "tests/store/sample_result.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
 
 // A tile of a triangulation in two tiles, with attributes, and its file.
 class DamagedTile : public testing::TestWithParam<int> {
@@ -55,7 +52,7 @@ class DamagedTile : public testing::TestWithParam<int> {
     write(std::as_bytes(std::span(text)));
   }
 
-  test::TemporaryFolder folder_;
+  TemporaryFolder folder_;
   StoreOptions options_;
   TileMesh mesh_;
   std::vector<std::byte> good_;
@@ -166,4 +163,4 @@ TEST_P(DamagedTile, IsCorruptUnderAnotherNumber) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

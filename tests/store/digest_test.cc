@@ -15,12 +15,8 @@
 
 #include "tests/store/sample_result.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
-
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
 
 class DigestOf : public testing::TestWithParam<int> {
  protected:
@@ -170,4 +166,4 @@ TEST(Digest, ReadsBackFromItsTextAndFromNoOther) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

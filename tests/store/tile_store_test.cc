@@ -15,15 +15,10 @@
 #include "src/store/manifest.h"
 #include "tests/store/sample_result.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
-using test::store_sample;
-using test::TemporaryFolder;
 
 void expect_equal(const TileMesh& a, const TileMesh& b) {
   EXPECT_EQ(a.dimension, b.dimension);
@@ -343,4 +338,4 @@ TEST(TileStore, AWriteThatTheSystemRefusesIsAnIoErrorAndLeavesNoTemporaryFile) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

@@ -8,19 +8,8 @@
 
 #include "tests/verify/verify_testing.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
-
-using test::corners;
-using test::expect_wrong;
-using test::ids_of;
-using test::Meshes;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
-using test::TemporaryFolder;
-using test::verify_meshes;
-using test::vertex;
 
 // Takes a cell away from every tile, or from the given one alone; its neighbours then have the outside there.
 void remove_cell(Meshes& meshes, const std::set<PointId>& ids, int only_tile = -1) {
@@ -250,4 +239,4 @@ TEST_P(DamagedNeighbours, EveryWrongEntryIsFound) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

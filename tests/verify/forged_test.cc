@@ -13,16 +13,10 @@
 #include "src/store/vtk_xml.h"
 #include "tests/verify/verify_testing.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
-using test::store_sample;
-using test::TemporaryFolder;
-using Pairs = std::vector<DuplicatePair>;
 
 TEST(Verify, AFlippedByteIsACorruptFileWhereverItIs) {
   const TemporaryFolder folder;
@@ -270,4 +264,4 @@ TEST(Verify, OfAResultWithoutDigestsSaysNothingAboutThem) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

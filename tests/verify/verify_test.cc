@@ -8,18 +8,10 @@
 
 #include "tests/verify/verify_testing.h"
 
-namespace tessera {
+namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::expect_wrong;
-using test::ids_of;
-using test::sample_points;
-using test::sample_tiles;
-using test::Shape;
-using test::store_sample;
-using test::TemporaryFolder;
-using test::verify_meshes;
 
 using Parameters = std::tuple<int, Shape, std::uint32_t, bool>;
 class SoundResult : public testing::TestWithParam<Parameters> {};
@@ -154,4 +146,4 @@ TEST(Verify, AResultOfFormat1IsStillProven) {
 }
 
 }  // namespace
-}  // namespace tessera
+}  // namespace tessera::test

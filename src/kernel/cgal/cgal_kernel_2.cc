@@ -13,20 +13,8 @@ namespace {
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-template <class Gt, class Base = CGAL::Triangulation_face_base_2<Gt>>
-class IndexedFace : public Base {
- public:
-  using Base::Base;
-  template <class Tds>
-  struct Rebind_TDS {
-    using Other = IndexedFace<Gt, typename Base::template Rebind_TDS<Tds>::Other>;
-  };
-  std::uint8_t mark = 0;
-  std::uint32_t number = 0;
-};
-
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<Vertex, K>;
-using Tds = CGAL::Triangulation_data_structure_2<VertexBase, IndexedFace<K>>;
+using Tds = CGAL::Triangulation_data_structure_2<VertexBase, Indexed<CGAL::Triangulation_face_base_2<K>>>;
 
 struct Traits2 {
   using Triangulation = CGAL::Delaunay_triangulation_2<K, Tds>;

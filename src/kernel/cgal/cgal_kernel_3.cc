@@ -14,21 +14,9 @@ namespace {
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-// Number and mark fit into the padding behind CGAL's conflict mark: a cell stays at 72 bytes.
-template <class Gt, class Base = CGAL::Delaunay_triangulation_cell_base_3<Gt>>
-class IndexedCell : public Base {
- public:
-  using Base::Base;
-  template <class Tds>
-  struct Rebind_TDS {
-    using Other = IndexedCell<Gt, typename Base::template Rebind_TDS<Tds>::Other>;
-  };
-  std::uint8_t mark = 0;
-  std::uint32_t number = 0;
-};
-
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<Vertex, K>;
-using Tds = CGAL::Triangulation_data_structure_3<VertexBase, IndexedCell<K>>;
+using Tds = CGAL::Triangulation_data_structure_3<VertexBase, Indexed<CGAL::Delaunay_triangulation_cell_base_3<K>>>;
+// Number and mark fit into the padding behind CGAL's conflict mark.
 static_assert(sizeof(Tds::Cell) == 72 && sizeof(Tds::Vertex) == 48);
 
 struct Traits3 {

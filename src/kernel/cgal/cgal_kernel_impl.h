@@ -20,6 +20,19 @@
 
 namespace tessera {
 
+// A cell of CGAL's with a place for a mark and a number.
+template <class Base>
+class Indexed : public Base {
+ public:
+  using Base::Base;
+  template <class Tds>
+  struct Rebind_TDS {
+    using Other = Indexed<typename Base::template Rebind_TDS<Tds>::Other>;
+  };
+  std::uint8_t mark = 0;
+  std::uint32_t number = 0;
+};
+
 template <class Traits>
 class CgalKernel final : public Kernel {
  public:
