@@ -15,6 +15,7 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "src/files/descriptor.h"
 #include "src/files/lock_owner.h"
@@ -97,9 +98,24 @@ struct FolderLock::Impl {
     }
   }
 
+  // What processes that are dead were making when they were killed.
+  void remove_remains() const {
+    const std::string prefix = new_lock_folder("", "").string();
+    std::error_code ignored;  // the next owner tries again
+    std::vector<fs::path> remains;
+    for (fs::directory_iterator entry(out, ignored); !ignored && entry != fs::directory_iterator();
+         entry.increment(ignored)) {
+      const std::string name = entry->path().filename().string();
+      if (!name.starts_with(prefix)) continue;
+      const auto maker = LockOwner::from_name(name.substr(prefix.size()));
+      if (maker && maker->under_this_kernel() && !maker->may_be_alive()) remains.push_back(entry->path());
+    }
+    for (const fs::path& folder : remains) fs::remove_all(folder, ignored);
+  }
+
   // A new lock folder, with its owner in it from the start. False when there is one.
   Result<bool> make(nanoseconds& now) {
-    BOOST_OUTCOME_TRY(made, TemporaryFolder::make(new_lock_folder(out, owner.token)));
+    BOOST_OUTCOME_TRY(made, TemporaryFolder::make(new_lock_folder(out, owner.name())));
     const auto path = made.path() / owner.name();
     BOOST_OUTCOME_TRY(created, open_handle(path, O_WRONLY | O_CREAT | O_EXCL));
     struct stat status {};
@@ -160,6 +176,7 @@ Result<FolderLock> FolderLock::take(const fs::path& out, const LockOptions& opti
   impl->heartbeat = options.heartbeat;
   impl->file = lock_folder(out) / impl->owner.name();
   BOOST_OUTCOME_TRYV(impl->take(options));
+  impl->remove_remains();
   impl->thread = std::jthread([held = impl.get()](const std::stop_token& stop) { held->beat(stop); });
   return FolderLock(std::move(impl));
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <random>
 #include <string>
 #include <system_error>
@@ -33,6 +34,12 @@ fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
   char name[32];
   std::snprintf(name, sizeof name, "%06u%s", tile.value, ending);
   return folder / name;
+}
+
+std::string without_temporary_ending(const fs::path& file) {
+  std::string name = file.filename().string();
+  if (const auto at = name.find(temporary_ending); at != std::string::npos) name.resize(at);
+  return name;
 }
 
 const char* folder_name(ScratchKind kind) {
@@ -71,9 +78,9 @@ fs::path done_file(const fs::path& out, TileId tile) { return numbered(tiles_fol
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
-fs::path new_lock_folder(const fs::path& out, const std::string& token) {
+fs::path new_lock_folder(const fs::path& out, const std::string& owner) {
   fs::path name = temporary_name(lock_folder(out));
-  name += "-" + token;
+  name += "-" + owner;
   return name;
 }
 fs::path run_folder(const fs::path& out) { return out / ".run"; }
@@ -106,8 +113,7 @@ fs::path temporary_name_of_process(const fs::path& final_name) {
 }
 
 bool is_result_name(const fs::path& file) {
-  std::string name = file.filename().string();
-  if (const auto at = name.find(temporary_ending); at != std::string::npos) name.resize(at);
+  const auto name = without_temporary_ending(file);
   return name == manifest_file("") || name == master_file("") || name == master_file("", 1) ||
          name == duplicates_file("") || name == report_file("");
 }
@@ -115,6 +121,14 @@ bool is_result_name(const fs::path& file) {
 bool is_tile_name(const fs::path& file) {
   const auto name = file.filename().string();
   return name.size() > 7 && std::all_of(name.begin(), name.begin() + 6, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_run_name(const fs::path& file) {
+  const auto name = without_temporary_ending(file);
+  return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
+         name == split_points_file("") || name == split_attributes_file("") || name == settled_marker("") ||
+         std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),
+                     [&](ScratchKind kind) { return name == scratch_folder("", kind); });
 }
 
 bool is_done_name(const fs::path& file) { return file.extension() == done_ending; }

@@ -37,7 +37,7 @@ std::filesystem::path done_file(const std::filesystem::path& out, TileId tile);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);
-std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& token);
+std::filesystem::path new_lock_folder(const std::filesystem::path& out, const std::string& owner);
 std::filesystem::path run_folder(const std::filesystem::path& out);
 std::filesystem::path new_run_folder(const std::filesystem::path& out);
 
@@ -74,6 +74,8 @@ std::filesystem::path temporary_name_of_process(const std::filesystem::path& fin
 // included: what may be deleted with the result.
 bool is_result_name(const std::filesystem::path& file);
 bool is_tile_name(const std::filesystem::path& file);
+// What stands directly in a run folder.
+bool is_run_name(const std::filesystem::path& file);
 // The same that only an unfinished run needs.
 bool is_done_name(const std::filesystem::path& file);
 bool is_temporary_name(const std::filesystem::path& file);

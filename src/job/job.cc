@@ -105,27 +105,28 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   auto summary = summary_of(options, folder.path(), manifest, tiles);
   DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
   BOOST_OUTCOME_TRYV(gather_duplicates(run, tiles.tiles, duplicates));
-  summary.seconds = {{"routing", routed_s - began_s},
-                     {"triangulating", tiles.wall.triangulating},
-                     {"splaying", tiles.wall.splaying},
-                     {"collecting", tiles.wall.collecting}};
-  summary.peak_memory_bytes = peak_memory();
-  add_figures(summary, manifest);
+  // A result that has its manifest is complete: all that people read comes before.
+  const auto report = [&]() -> Status {
+    summary.duplicates = manifest.duplicates;
+    summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
+    summary.seconds = {{"routing", routed_s - began_s},
+                       {"triangulating", tiles.wall.triangulating},
+                       {"splaying", tiles.wall.splaying},
+                       {"collecting", tiles.wall.collecting},
+                       {"finishing", elapsed_s() - ran_s}};
+    summary.total_s = elapsed_s();
+    summary.peak_memory_bytes = peak_memory();
+    add_figures(summary, manifest);
+    auto spans = with_threads_from_0(progress.spans());
+    spans.push_back({Phase::routing, {}, 0, began_s, routed_s});
+    spans.push_back({Phase::finishing, {}, 0, ran_s, elapsed_s()});
+    BOOST_OUTCOME_TRYV(
+        write_html_report(report_file(folder.path()), report_of(summary, manifest, tiles, std::move(spans))));
+    return folder.check_claim();
+  };
   BOOST_OUTCOME_TRYV(folder.check_claim());
-  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates));
-
-  summary.duplicates = manifest.duplicates;
-  summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
-  summary.seconds.emplace_back("finishing", elapsed_s() - ran_s);
-  summary.total_s = elapsed_s();
-  summary.peak_memory_bytes = peak_memory();
-  auto spans = with_threads_from_0(progress.spans());
-  spans.push_back({Phase::routing, {}, 0, began_s, routed_s});
-  spans.push_back({Phase::finishing, {}, 0, ran_s, elapsed_s()});
-  // The run folder goes first: the report is small, and may find the space that it frees.
+  BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, duplicates, report));
   BOOST_OUTCOME_TRYV(folder.finish());
-  BOOST_OUTCOME_TRYV(
-      write_html_report(report_file(folder.path()), report_of(summary, manifest, tiles, std::move(spans))));
   progress.phase = Phase::done;
   return summary;
 }
@@ -141,7 +142,9 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
   options.cloud.spool_folder = std::filesystem::is_directory(place, ignored) ? place : place.parent_path();
   BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
+  BOOST_OUTCOME_TRYV(folder.discard_runs());
   if (folder.resuming() && folder.state() == FolderState::finished) {
+    remove_side_files(folder.path());
     if (!folder.has_run()) {
       BOOST_OUTCOME_TRYV(check_finished(cloud, folder));
       BOOST_OUTCOME_TRYV(folder.finish());  // what is left of a run folder that was being removed
@@ -153,7 +156,6 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
     BOOST_OUTCOME_TRYV(folder.finish());
     return std::nullopt;
   }
-  BOOST_OUTCOME_TRYV(folder.discard_runs());
   options.lock_file = folder.lock_file();
   auto summary = make_result(engine, options, std::move(cloud), folder, progress, stop);
   if (summary) return std::move(summary).value();

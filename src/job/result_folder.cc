@@ -11,6 +11,7 @@
 #include "src/base/option.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
+#include "src/files/whole_file.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
@@ -20,6 +21,21 @@ namespace {
 bool is_run(const fs::path& folder) {
   std::error_code ec;
   return fs::is_regular_file(plan_file(folder), ec);
+}
+
+template <class Ours>
+bool holds_only(const fs::path& folder, Ours ours) {
+  std::error_code ec;
+  fs::directory_iterator entry(folder, ec);
+  for (; !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    if (!ours(entry->path())) return false;
+  }
+  return !ec;
+}
+
+// Other programs have folders named .run.
+bool is_part_of_run(const fs::path& entry) {
+  return is_new_run_name(entry) || (entry.filename() == run_folder("") && holds_only(entry, is_run_name));
 }
 
 Error refused_by_system(const fs::path& path, const std::string& reason) {
@@ -41,12 +57,13 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   }
   if (!fs::is_directory(status)) return refused_by_system(out, "is not a folder");
 
-  bool anything = false;
+  bool anything = false, part_of_run = false;
   fs::directory_iterator entries(out, ec);
   if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
   for (; entries != fs::directory_iterator(); entries.increment(ec)) {
     if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
     anything = anything || (!is_new_run_name(entries->path()) && !is_lock_name(entries->path()));
+    part_of_run = part_of_run || is_part_of_run(entries->path());
   }
   const bool manifest = fs::exists(manifest_file(out), ec);
   if (manifest) {
@@ -66,6 +83,13 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
                                     " continues it, " + option("overwrite", "true") + " starts again");
     }
     return ResultFolder(std::move(out), FolderState::unfinished, resume);
+  }
+  if (anything && part_of_run) {
+    if (!resume && !overwrite) {
+      return error(Errc::usage, out.string() + ": holds what is left of a run that cannot go on; " +
+                                    option("overwrite", "true") + " starts again");
+    }
+    return ResultFolder(std::move(out), FolderState::broken, false);
   }
   if (anything) {
     return error(Errc::usage, out.string() + ": is not empty and holds no result of ours; choose another folder");
@@ -95,11 +119,24 @@ Status ResultFolder::discard_runs() {
     if (is_new_run_name(entry->path())) old.push_back(entry->path());
   }
   if (ec) return refused_by_system(out_, "cannot be read: " + ec.message());
-  if (!resuming_) old.push_back(run());
   for (const fs::path& folder : old) {
     fs::remove_all(folder, ec);
     if (ec) return refused_by_system(folder, "cannot be removed: " + ec.message());
   }
+  if (resuming_) return success();
+  return remove_run();
+}
+
+// At any moment what is left is known to be ours: a run that lacks something has no plan, and its folder is the last to
+// go.
+Status ResultFolder::remove_run() const {
+  BOOST_OUTCOME_TRYV(remove_file(plan_file(run())));
+  if (!old_result_stands_ && !complete_) {
+    BOOST_OUTCOME_TRYV(remove_result());
+  }
+  std::error_code ec;
+  fs::remove_all(run(), ec);
+  if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
   return success();
 }
 
@@ -139,10 +176,7 @@ Status ResultFolder::accept_new_run() {
 Status ResultFolder::finish() {
   BOOST_OUTCOME_TRYV(check_claim());
   complete_ = true;
-  std::error_code ec;
-  fs::remove_all(run(), ec);
-  if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
-  return success();
+  return remove_run();
 }
 
 void ResultFolder::abandon() {
@@ -151,10 +185,7 @@ void ResultFolder::abandon() {
   if (complete_ || !lock_ || !check_claim()) return;
   fs::remove_all(new_run(), ignored);
   if (resuming_) return;
-  if (!old_result_stands_) {
-    if (has_run()) fs::remove_all(run(), ignored);
-    if (const auto removed = remove_result(); !removed) return;
-  }
+  if (!old_result_stands_ && !remove_run()) return;
   if (!created_) return;
   lock_.reset();              // it is in the folder
   fs::remove(out_, ignored);  // only when empty

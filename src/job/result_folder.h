@@ -4,6 +4,8 @@
 //   absent     | nothing, its parent exists            | always
 //   empty      | an empty folder, or a crashed routing | always
 //   unfinished | .run/plan.json                        | with --resume or --overwrite
+//   broken     | what else a run may have left at any moment
+//              |                                       | with --resume or --overwrite, which start again
 //   finished   | a manifest                            | with --overwrite; --resume has nothing to write
 //   foreign    | anything else                         | never
 //
@@ -21,7 +23,7 @@
 
 namespace tessera {
 
-enum class FolderState : std::uint8_t { absent, empty, unfinished, finished, foreign };
+enum class FolderState : std::uint8_t { absent, empty, unfinished, broken, finished };
 
 class ResultFolder {
  public:
@@ -48,7 +50,7 @@ class ResultFolder {
   Status check_claim() const { return check_held(lock_file()); }
   // Of the claim; none before it.
   std::filesystem::path lock_file() const { return lock_ ? lock_->file() : std::filesystem::path(); }
-  // Removes what a crashed routing left, and an unfinished run that is to be overwritten.
+  // Removes what a crashed routing left, and an unfinished run that is to be overwritten, with the tiles it has stored.
   Status discard_runs();
   // Removes the old result and makes the new run the run.
   Status accept_new_run();
@@ -64,6 +66,7 @@ class ResultFolder {
   ResultFolder(std::filesystem::path out, FolderState state, bool resuming)
       : out_(std::move(out)), state_(state), resuming_(resuming) {}
   Status remove_result() const;
+  Status remove_run() const;
 
   std::filesystem::path out_;
   FolderState state_;

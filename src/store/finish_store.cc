@@ -32,7 +32,8 @@ std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles) {
   return sum;
 }
 
-// Side files and temporary files of this folder's runs: worthless once the manifest is there.
+}  // namespace
+
 void remove_side_files(const fs::path& out) {
   std::error_code code;
   std::vector<fs::path> old;
@@ -41,9 +42,8 @@ void remove_side_files(const fs::path& out) {
   for (const auto& path : old) ::unlink(path.c_str());
 }
 
-}  // namespace
-
-Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& duplicates) {
+Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& duplicates,
+                    const std::function<Status()>& before_manifest) {
   static_assert(std::endian::native == std::endian::little);
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(out)));
   BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
@@ -61,6 +61,7 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   BOOST_OUTCOME_TRY(pairs, store::write_duplicates(out, duplicates));
   manifest.duplicates = pairs.count;
   manifest.duplicates_xxh3 = pairs.xxh3;
+  BOOST_OUTCOME_TRYV(before_manifest());
   BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(manifest)));
   remove_side_files(out);
   return success();

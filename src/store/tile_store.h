@@ -99,10 +99,14 @@ using DuplicateSort = ExternalSort<DuplicatePair>;
 
 // Writes triangulation.pvtu (which names the tiles), duplicates.bin when `duplicates` is not empty
 // and the manifest last. Sets the manifest's digest, checksums, number of duplicates, and the schema's names as they
-// are stored.
-Status finish_store(const std::filesystem::path& out, Manifest& manifest, DuplicateSort& duplicates);
+// are stored; then `before_manifest` may add to the manifest, and to the folder what shall be there when it is.
+Status finish_store(
+    const std::filesystem::path& out, Manifest& manifest, DuplicateSort& duplicates,
+    const std::function<Status()>& before_manifest = [] { return success(); });
 // The same with pairs in memory.
 Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::span<const DuplicatePair> duplicates);
+// Removes what the runs of a finished result may have left in it: the side files, files that were being written.
+void remove_side_files(const std::filesystem::path& out);
 // Error io when there is none, corrupt when it is damaged or from a future version.
 Result<Manifest> read_manifest(const std::filesystem::path& out);
 Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out);

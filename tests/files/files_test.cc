@@ -133,6 +133,9 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_TRUE(is_result_name(temporary_name(manifest_file("r"))));
   EXPECT_TRUE(is_result_name(master_file("r", 1)));
   EXPECT_FALSE(is_result_name("r/notes.txt"));
+  for (const auto kind : scratch_kinds) EXPECT_TRUE(is_run_name(scratch_folder("r", kind)));
+  EXPECT_TRUE(is_run_name(temporary_name(plan_file("r"))));
+  EXPECT_FALSE(is_run_name("r/tests.run.xml"));
   EXPECT_FALSE(is_tile_name("r/tiles/mine.vtu"));
 }
 

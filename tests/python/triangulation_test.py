@@ -16,6 +16,7 @@ import tessera
 import clouds
 
 IGN = pathlib.Path(os.environ["IGN"])
+FORMAT_1 = pathlib.Path(__file__).parents[1] / "data" / "format-1"
 
 
 class FolderTest(unittest.TestCase):
@@ -153,6 +154,25 @@ class Folders(FolderTest):
         for path in (out, str(out)):
             again = tessera.open(path)
             np.testing.assert_array_equal(again.simplices(), simplices)
+
+    def test_a_result_of_format_1_is_read_like_any_other(self):
+        t = tessera.open(FORMAT_1)
+        rows = np.loadtxt(FORMAT_1 / "points.csv", delimiter=",", skiprows=1)
+        self.assertEqual((t.dim, t.n_points, t.n_vertices, t.n_duplicates, len(t)), (3, 63, 60, 3, 3))
+        self.assertEqual((t.digest, t.crs), ("", ""))
+        for tile in t:
+            np.testing.assert_array_equal(tile.points, rows[tile.ids, :3])
+            np.testing.assert_array_equal(tile.attributes["intensity"], rows[tile.ids, 3])
+            self.assertEqual(tile.neighbors.shape, tile.cells.shape)
+            self.assertTrue((~tile.foreign[tile.cells]).any(axis=1).all())
+        self.assertEqual(sum((~tile.foreign).sum() for tile in t), 60)
+        vertices = ~np.isnan(t.points()).any(axis=1)
+        np.testing.assert_array_equal(t.points()[vertices], rows[vertices, :3])
+        whole = tessera.Delaunay(rows[:, :3])
+        self.assertEqual(len(t.simplices()), t.n_cells)
+        self.assertEqual(clouds.simplex_set(t.simplices()), clouds.simplex_set(whole.simplices))
+        t.export(self.folder / "mesh.ply")
+        self.assertTrue((self.folder / "mesh.ply").exists())
 
     def test_a_result_is_only_replaced_when_asked(self):
         out = self.folder / "out"

@@ -1,0 +1,86 @@
+"""A command that is killed before any of its steps on the disk: the same command goes on from there, or starts again."""
+import hashlib
+import os
+import shutil
+import signal
+import unittest
+
+from cli import CliTest
+
+
+class Steps(CliTest):
+    def setUp(self):
+        super().setUp()
+        points = self.xyz(n=60).read_text()
+        self.cloud = self.write("cloud.xyz", points + points[:points.index("\n") + 1])  # with a duplicate
+
+    def command(self, *more, tiles=2):
+        return ["triangulate", self.cloud, "-o", self.out, "--tiles", tiles, "--threads", "1", "--quiet", *more]
+
+    def contents(self):
+        """What must be the same for equal results; of what differs from run to run, that it is there."""
+        return {str(p.relative_to(self.out)): p.name in ("manifest.json", "report.html") or p.is_dir() or
+                hashlib.sha256(p.read_bytes()).hexdigest() for p in self.out.rglob("*")}
+
+    def killed_at(self, step, *more):
+        done = self.run_tessera(*self.command(*more), env={"LD_PRELOAD": os.environ["KILL_AT_CALL"],
+                                                           "KILL_AT": str(step)})
+        self.assertIn(done.returncode, (0, -signal.SIGKILL), done.stderr)
+        return done.returncode != 0
+
+    def check_each_step(self, begin, *first, least):
+        """From what begin() leaves in the result folder, the command with the options `first` is killed."""
+        self.ok(*self.command())
+        expected = self.contents()
+        shutil.rmtree(self.out)
+        begin()
+        before = self.contents() if self.out.exists() else None
+        step = 0
+        while True:
+            step += 1
+            shutil.rmtree(self.out, ignore_errors=True)
+            begin()
+            if not self.killed_at(step, *first):
+                break
+            left = self.folder / "left"
+            if self.out.exists():
+                shutil.copytree(self.out, left)
+            for option in ("--resume", "--overwrite"):
+                done = self.run_tessera(*self.command(option))
+                self.assertEqual(done.returncode, 0, f"{option} after step {step}: {done.stderr}")
+                old = option == "--resume" and self.contents() == before  # the old result still stood
+                if not old:
+                    self.assertEqual(self.contents(), expected, f"{option} after step {step}")
+                shutil.rmtree(self.out)
+                if left.exists():
+                    shutil.copytree(left, self.out)
+            shutil.rmtree(left, ignore_errors=True)
+        self.assertGreater(step, least)
+
+    def test_of_a_new_run(self):
+        self.check_each_step(lambda: None, least=50)
+
+    def test_of_a_run_that_replaces_a_result(self):
+        self.ok(*self.command(tiles=3))
+        result = shutil.copytree(self.out, self.folder / "result")
+        shutil.rmtree(self.out)
+        self.check_each_step(lambda: shutil.copytree(result, self.out), "--overwrite", least=60)
+
+    def unfinished(self):
+        """A run that has been killed when all but one tile were stored."""
+        for step in range(1, 1000):
+            shutil.rmtree(self.out, ignore_errors=True)
+            self.assertTrue(self.killed_at(step), "it ended before a tile was stored")
+            if list(self.out.glob("tiles/*.done")):
+                return shutil.copytree(self.out, self.folder / "unfinished")
+
+    def test_of_a_run_that_is_resumed_or_replaced(self):
+        run = self.unfinished()
+        for option in ("--resume", "--overwrite"):
+            shutil.rmtree(self.out)
+            self.check_each_step(lambda: shutil.copytree(run, self.out), option, least=30)
+            shutil.copytree(run, self.out, dirs_exist_ok=True)
+
+
+if __name__ == "__main__":
+    unittest.main()
