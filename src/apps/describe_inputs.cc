@@ -3,6 +3,7 @@
 
 #include "src/apps/info.h"
 #include "src/base/attribute.h"
+#include "src/crs/crs.h"
 #include "src/job/inputs.h"
 #include "src/job/plan.h"
 #include "src/report/human.h"
@@ -37,6 +38,8 @@ Json to_json(const FileInfo& file) {
           {"points", file.points ? Json(*file.points) : Json()},
           {"bounds", file.bounds ? to_json(*file.bounds) : Json()},
           {"crs", file.crs},
+          {"crs_name", crs_title(file.crs)},
+          {"crs_note", file.crs_note},
           {"attributes", names}};
 }
 
@@ -48,7 +51,8 @@ std::string to_text(const FileInfo& file) {
          (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
          (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " +
          (names.empty() ? "none" : names) + "\n" +
-         (file.crs.empty() ? "" : "  CRS         " + crs_name(file.crs) + "\n");
+         (file.crs.empty() ? "" : "  CRS         " + crs_title(file.crs) + "\n") +
+         (file.crs_note.empty() ? "" : "  note        " + file.crs_note + "\n");
 }
 
 std::string to_text(const budget::Phases& phases) {
@@ -100,6 +104,8 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
                 {"points", points},
                 {"sampled_bounds", to_json(planned.sampled)},
                 {"crs", cloud.crs()},
+                {"crs_name", crs_title(cloud.crs())},
+                {"warnings", cloud.warnings()},
                 {"dimension", options.cloud.dimension},
                 {"partition", name_of(options.partition)},
                 {"max_points_per_tile", planned.limit},
@@ -131,6 +137,7 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
           human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + " (" + to_text(cost.phases) +
           ")\n  disk        " + human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
           " while it works\n  time        " + human_seconds(cost.seconds) + "\n";
+  for (const auto& warning : cloud.warnings()) text += "warning: " + warning + "\n";
   return text;
 }
 

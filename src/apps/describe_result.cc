@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/apps/info.h"
+#include "src/crs/crs.h"
 #include "src/report/human.h"
 #include "src/store/tile_store.h"
 
@@ -31,6 +32,7 @@ std::string as_json(const std::string& folder, const Manifest& manifest) {
               {"inputs", inputs},
               {"dimension", manifest.dimension},
               {"crs", manifest.crs},
+              {"crs_name", crs_title(manifest.crs)},
               {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
               {"partition", manifest.partition_kind},
               {"points", manifest.points_read},
@@ -86,19 +88,13 @@ std::string as_text(const std::string& folder, const Manifest& manifest) {
   std::string names;
   for (const auto& attribute : manifest.schema) names += (names.empty() ? "" : ", ") + attribute.name;
   line("attributes", names.empty() ? "none" : names);
-  if (!manifest.crs.empty()) line("CRS", crs_name(manifest.crs));
+  if (!manifest.crs.empty()) line("CRS", crs_title(manifest.crs));
   for (const auto& [name, seconds] : manifest.seconds) line(name, human_seconds(seconds));
   for (const auto& [name, value] : manifest.figures) line(name, figure(name, value));
   return text;
 }
 
 }  // namespace
-
-std::string crs_name(const std::string& crs) {
-  const auto first = crs.find('"');
-  const auto second = first == std::string::npos ? first : crs.find('"', first + 1);
-  return second == std::string::npos ? crs : crs.substr(first + 1, second - first - 1);
-}
 
 Result<std::string> describe_result(const std::string& folder, bool json) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/apps/arguments.h"
+#include "src/apps/parse_crs.h"
 #include "src/job/machine.h"
 
 namespace tessera {
@@ -41,6 +42,8 @@ void add_cloud_options(Command& command) {
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
+  add_value(command, "crs", "CRS",
+            "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
   add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
@@ -85,6 +88,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.recursive = recursive;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
+  options.cloud.crs = crs.value_or("");
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
   options.cloud.attributes = attributes.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));

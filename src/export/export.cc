@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/export/crs.h"
+#include "src/crs/crs.h"
 #include "src/export/mesh_reader.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -221,7 +221,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   auto exported = !target.folder                                   ? export_file(source, target)
                   : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
                                                                    : export_tiles(source, target);
-  if (exported && target.format->corners) exported.value().note = exports::crs_note(manifest.crs);
+  if (exported && target.format->corners) exported.value().note = crs_note(manifest.crs);
   return exported;
 }
 

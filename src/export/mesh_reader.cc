@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/export/crs.h"
+#include "src/crs/crs.h"
 #include "src/export/vertex_numbers.h"
 
 namespace tessera::exports {

@@ -1,7 +1,7 @@
 // CSV with the triangles as WKT polygons, and OGR's VRT that makes layers of such tables: what the QGIS projects of the
 // paper's authors are made of (columns geom, tid: the tile, local: how many vertices are the tile's own, main). GDAL is
 // not needed to write it.
-#include "src/export/crs.h"
+#include "src/crs/crs.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 

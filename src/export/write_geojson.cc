@@ -4,7 +4,7 @@
 // which GDAL and QGIS read.
 #include <nlohmann/json.hpp>
 
-#include "src/export/crs.h"
+#include "src/crs/crs.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 

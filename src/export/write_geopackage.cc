@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "src/export/formats.h"
-#include "src/export/gdal_library.h"
+#include "src/crs/gdal_library.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"

@@ -24,6 +24,7 @@ struct FileInfo {
   std::uint64_t points_passed_over = 0;  // that it does not give, because of its hints
   std::optional<Bounds> bounds;          // when the header says; not to be trusted
   std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
+  std::string crs_note;                  // why it is unknown although the file says something
   std::vector<Attribute> attributes;     // what the file could give
   std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
   std::uint64_t parts = 1;               // text: the parts in which it can be read, see ReadHints

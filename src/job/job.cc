@@ -90,6 +90,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   };
   const double began_s = elapsed_s();
   BOOST_OUTCOME_TRY(run, routed_run(options, cloud, folder, progress, stop));
+  auto warnings = cloud.warnings();
   cloud = {};  // with what was unpacked for it: tiles need that disk
   const double routed_s = elapsed_s();
   if (options.log) {
@@ -103,6 +104,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   progress.phase = Phase::finishing;
   auto manifest = manifest_of(options, run, tiles);
   auto summary = summary_of(options, folder.path(), manifest, tiles);
+  summary.warnings = std::move(warnings);
   DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
   BOOST_OUTCOME_TRYV(gather_duplicates(run, tiles.tiles, duplicates));
   // A result that has its manifest is complete: all that people read comes before.

@@ -14,6 +14,7 @@ std::string options_key(const JobOptions& options) {
                              {"attributes", options.cloud.attributes},
                              {"z", options.cloud.heights},
                              {"neighbors", options.neighbors}};
+  if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {
     // As text: JSON has no infinity.

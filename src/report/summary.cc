@@ -19,8 +19,7 @@ std::string summary_text(const JobSummary& s) {
   line("vertices", grouped(s.vertices));
   line(s.dimension == 3 ? "tetrahedra" : "triangles", grouped(s.cells));
   line("tiles", grouped(s.tiles) + (e.sleeps > 0 ? " (put to sleep " + grouped(e.sleeps) + " times)" : ""));
-  line("messages",
-       grouped(e.batches) + " with " + grouped(e.points.sent) + " points, " + grouped(e.rounds) + " rounds equivalent");
+  line("messages", grouped(e.batches) + " between tiles, with " + grouped(e.points.sent) + " points");
   std::string phases;
   for (const auto& [name, seconds] : s.seconds)
     phases += (phases.empty() ? "" : ", ") + name + " " + human_seconds(seconds);
@@ -28,6 +27,7 @@ std::string summary_text(const JobSummary& s) {
   line("memory", human_bytes(s.peak_memory_bytes) + " at most, of " + human_bytes(s.memory_budget_bytes));
   line("result", s.out + " (" + human_bytes(s.result_bytes) + ")");
   if (!s.digest.empty()) line("digest", s.digest);
+  for (const auto& warning : s.warnings) line("warning", warning);
   return text;
 }
 
@@ -59,7 +59,8 @@ std::string summary_json(const JobSummary& s) {
                                     {"result_bytes", s.result_bytes},
                                     {"digest", s.digest},
                                     {"seconds", seconds},
-                                    {"total_s", s.total_s}};
+                                    {"total_s", s.total_s},
+                                    {"warnings", s.warnings}};
   return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

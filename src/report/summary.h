@@ -24,6 +24,7 @@ struct JobSummary {
   std::uint64_t memory_budget_bytes = 0;
   std::vector<std::pair<std::string, double>> seconds;  // by phase, in order
   double total_s = 0;
+  std::vector<std::string> warnings;  // sentences about the input
 };
 
 std::string summary_text(const JobSummary& summary);  // several lines, with the last line end

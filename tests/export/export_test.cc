@@ -10,7 +10,6 @@
 #include <string>
 
 #include "src/base/option.h"
-#include "src/export/crs.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {
@@ -145,14 +144,6 @@ TEST(Export, ACoordinateSystemThatGdalDoesNotUnderstandIsNamed) {
   EXPECT_TRUE(fs::is_empty(target.path()));
 }
 
-TEST(Crs, OnlyWktAndCodesReachGdalWhichWouldOpenFilesAndAddresses) {
-  for (const char* text : {"EPSG:2154", "PROJCS[\"x\"]", "GEOGCS(\"x\")", " BOUNDCRS\n[x"})
-    EXPECT_TRUE(exports::looks_like_crs(text)) << text;
-  for (const char* text :
-       {"", "EPSG:", "EPSG:2154 ", "http://127.0.0.1/[", "/etc/passwd", "./PROJCS[", "../x(", "[", "WGS84"})
-    EXPECT_FALSE(exports::looks_like_crs(text)) << text;
-}
-
 TEST(Crs, AnythingElseIsLeftOutWithANote) {
   const TemporaryFolder folder, target;
   auto manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 20), 2, 1));
@@ -168,21 +159,6 @@ TEST(Crs, AnythingElseIsLeftOutWithANote) {
   std::ifstream file(target.path() / "a.vrt");
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   EXPECT_EQ(text.find("lure"), std::string::npos);
-}
-
-TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {
-  using exports::crs_name_or_wkt;
-  EXPECT_EQ(crs_name_or_wkt("EPSG:2154").value(), "urn:ogc:def:crs:EPSG::2154");
-  EXPECT_EQ(crs_name_or_wkt("EPSG:5698").value(), "urn:ogc:def:crs:EPSG::2154") << "Lambert-93 with heights";
-  EXPECT_EQ(crs_name_or_wkt("").value(), exports::undefined_crs);
-  const std::string own =
-      R"(PROJCS["mine",GEOGCS["g",DATUM["d",SPHEROID["s",6378137,298.2]],PRIMEM["Greenwich",0],)"
-      R"(UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",12],)"
-      R"(PARAMETER["central_meridian",3],PARAMETER["scale_factor",0.99],PARAMETER["false_easting",5000],)"
-      R"(PARAMETER["false_northing",10],UNIT["metre",1]])";
-  EXPECT_TRUE(crs_name_or_wkt(own).value().starts_with("PROJCS[\"mine\""));
-  const std::string compound = "COMPD_CS[\"c\"," + own + R"(,VERT_CS["h",VERT_DATUM["v",2005],UNIT["metre",1]]])";
-  EXPECT_TRUE(crs_name_or_wkt(compound).value().starts_with("PROJCS[\"mine\""));
 }
 
 }  // namespace

@@ -121,8 +121,9 @@ TEST(LasReader, FindsTheCoordinateSystem) {
   EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "");
   file.records.push_back({"LASF_Projection", 34735, keys});
   EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "EPSG:2154");
-  put<std::uint16_t>(file.records[0].payload, 8 + 16 + 6, 32767);  // user-defined: the geographic code is left
-  EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "EPSG:4171");
+  put<std::uint16_t>(file.records[0].payload, 8 + 16 + 6, 32767);  // user-defined, without parameters
+  EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "") << "projected, so not longitude and latitude";
+  EXPECT_NE(read_bytes(file.bytes(), "a.las").value().info.crs_note, "");
   file.extended.push_back({"LASF_Projection", 2112, wkt});
   EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "PROJCS[\"x\"]");
   file.extended[0].payload[3] = std::byte{0xFF};  // not UTF-8: the manifest could not be written

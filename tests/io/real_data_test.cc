@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "src/crs/crs.h"
 #include "src/io/cloud/cloud.h"
 #include "tests/io/las_file.h"
 #include "tests/io/shared_data.h"
@@ -124,8 +125,12 @@ TEST(RealLas, CarriesItsCoordinateSystemAndAttributes) {
   REQUIRE_SHARED_DATA();
   const auto crs = [](const char* name) { return read_path(data / name).value().info.crs; };
   EXPECT_EQ(crs("ign_77050_627755.las").substr(0, 30), "PROJCS[\"RGF93 v1 / Lambert-93\"");
-  EXPECT_EQ(crs("bcts_1.las"), "EPSG:3005");
-  EXPECT_EQ(crs("lidr_megaplot.las"), "EPSG:26917");
+  EXPECT_EQ(crs_title(crs("bcts_1.las")), "NAD83 / BC Albers (EPSG:3005) + heights CGVD28 height (EPSG:5713)");
+  EXPECT_EQ(crs_title(crs("lidr_megaplot.las")), "NAD83 / UTM zone 17N (EPSG:26917) + heights unknown");
+  EXPECT_EQ(crs("lidr_topography.las"), "EPSG:2949");
+  EXPECT_EQ(crs("pdal_epsg_4326.las"), "EPSG:4326");
+  EXPECT_EQ(crs("lone_star.las").substr(0, 6), "GEOCCS") << "and not EPSG:4326, which its geographic key names";
+  EXPECT_NE(crs("pdal_mvk_thin.las").find("US survey foot"), std::string::npos) << "EPSG:26995 would be metres";
   EXPECT_EQ(crs("treels_pine_plot.las"), "");
   const std::vector<Attribute> schema{{"classification", AttributeType::u8}, {"OriginId", AttributeType::u32}};
   const auto lion = open_reader(data / "lion_takanawa.copc.las");

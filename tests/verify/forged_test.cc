@@ -17,6 +17,7 @@ namespace tessera::test {
 namespace {
 
 namespace fs = std::filesystem;
+using Pairs = std::vector<DuplicatePair>;
 
 TEST(Verify, AFlippedByteIsACorruptFileWhereverItIs) {
   const TemporaryFolder folder;

@@ -6,6 +6,7 @@
 
 #include "src/base/option.h"
 #include "src/io/bytes/spool.h"
+#include "src/io/cloud/cloud_crs.h"
 #include "src/io/cloud/in_order.h"
 #include "src/io/cloud/inputs.h"
 
@@ -119,6 +120,9 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
     schema.push_back(height);
   cloud.schema_ = std::move(schema);
+  BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
+  cloud.crs_ = std::move(settled.crs);
+  cloud.warnings_ = std::move(settled.warnings);
   cloud.options_ = std::move(options);
   return cloud;
 }
@@ -131,14 +135,9 @@ Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, Cloud
   cloud.files_.push_back(reader->info());
   cloud.spooled_.push_back(std::move(source));
   cloud.schema_ = std::move(schema);
+  cloud.crs_ = options.crs.empty() ? reader->info().crs : options.crs;
   cloud.options_ = std::move(options);
   return cloud;
-}
-
-std::string Cloud::crs() const {
-  for (const auto& file : files_)
-    if (!file.crs.empty()) return file.crs;
-  return "";
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,

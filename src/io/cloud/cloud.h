@@ -25,6 +25,7 @@ struct CloudOptions {
   std::vector<std::string> attributes = {};  // names to carry, or {"all"}
   double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
   std::uint32_t threads = 1;                 // that may open, read and unpack files at once
+  std::string crs = {};                      // WKT or "EPSG:n" of all files, whatever they say; empty: what they say
   std::string input_list = {};               // a file that names further inputs, see InputQuestion
   bool recursive = false;                    // folders with their subfolders
   // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
@@ -48,7 +49,7 @@ class Cloud {
   // Finds the files that `patterns` mean (see InputQuestion), opens every file's header, unpacks compressed files and
   // reads standard input to its end, and settles schema and dimension. Errors: those of find_inputs, Spool and the
   // readers, of the first such file in order; a file without z for a 3D cloud or without classes to choose from; an
-  // attribute that no file has. `stop` ends it soon, with Errc::interrupted.
+  // attribute that no file has; files in different coordinate systems. `stop` ends it soon, with Errc::interrupted.
   static Result<Cloud> open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop = {});
 
   // A cloud of one input that is not a file. Errors as above.
@@ -57,7 +58,8 @@ class Cloud {
   const std::vector<FileInfo>& files() const { return files_; }
   const std::vector<Attribute>& schema() const { return schema_; }
   const CloudOptions& options() const { return options_; }
-  std::string crs() const;  // of the first file that has one
+  const std::string& crs() const { return crs_; }  // see settle_crs()
+  const std::vector<std::string>& warnings() const { return warnings_; }
 
   // Every point in order, in batches; `visit`, which is called on the calling thread, may stop by returning an error.
   // Coordinates have no -0. With several threads, small files and parts of text are read ahead, each by one thread;
@@ -77,6 +79,8 @@ class Cloud {
   std::vector<FileInfo> files_;
   std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again
   std::vector<Attribute> schema_;
+  std::string crs_;
+  std::vector<std::string> warnings_;
   CloudOptions options_;
 };
 

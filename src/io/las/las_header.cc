@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/crs/geotiff.h"
 #include "src/io/bytes/fields.h"
 
 namespace tessera {
@@ -18,7 +19,8 @@ constexpr std::uint64_t payload_bytes_max = 1 << 20;
 constexpr std::array<std::uint16_t, 11> record_bytes_of_format{20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
 struct Projection {
-  std::string wkt, geo_tiff, other_wkt;
+  std::string wkt, other_wkt;
+  std::vector<std::byte> directory, doubles, ascii;  // GeoTIFF keys
 };
 
 std::string_view text_of(std::span<const std::byte> bytes) {
@@ -35,21 +37,6 @@ Bounds declared_bounds(const std::byte* header) {
       return {};
   }
   return bounds;
-}
-
-// ProjectedCSTypeGeoKey (3072), else GeographicTypeGeoKey (2048), of a GeoTIFF key directory; "" if neither has a code.
-std::string epsg_of(std::span<const std::byte> keys) {
-  std::uint16_t projected = 0, geographic = 0;
-  for (std::size_t at = 8; at + 8 <= keys.size(); at += 8) {
-    const auto key = load<std::uint16_t>(keys.data() + at);
-    const auto location = load<std::uint16_t>(keys.data() + at + 2);
-    const auto value = load<std::uint16_t>(keys.data() + at + 6);
-    if (location != 0 || value == 0 || value == 32767) continue;  // 32767: user-defined
-    if (key == 3072) projected = value;
-    if (key == 2048) geographic = value;
-  }
-  const auto code = projected != 0 ? projected : geographic;
-  return code != 0 ? "EPSG:" + std::to_string(code) : "";
 }
 
 // The standard fields of a point format. Flags, wave packets and the scanner channel are not carried.
@@ -145,7 +132,7 @@ class RecordWalk {
 
  private:
   Status take(std::string_view user, std::uint16_t id, std::uint64_t at, std::uint64_t length) {
-    const bool projection = user == "LASF_Projection" && (id == 2112 || id == 34735);
+    const bool projection = user == "LASF_Projection" && (id == 2112 || (id >= 34735 && id <= 34737));
     const bool other_wkt = user == "liblas" && id == 2112;
     const bool extra = user == "LASF_Spec" && id == 4;
     const bool laszip = user == "laszip encoded" && id == 22204;
@@ -157,7 +144,9 @@ class RecordWalk {
       extra_seen_ = true;
       add_extra_fields(bytes, header_);
     }
-    if (projection && id == 34735) projection_.geo_tiff = epsg_of(bytes);
+    if (projection && id == 34735) projection_.directory = bytes;
+    if (projection && id == 34736) projection_.doubles = bytes;
+    if (projection && id == 34737) projection_.ascii = bytes;
     if (projection && id == 2112) projection_.wkt = printable(text_of(bytes));
     if (other_wkt) projection_.other_wkt = printable(text_of(bytes));
     if (laszip)
@@ -172,6 +161,20 @@ class RecordWalk {
   Projection& projection_;
   bool extra_seen_ = false;
 };
+
+// Well-known text is exact where GeoTIFF keys may be vague; a few writers gave it a name of their own.
+void settle_crs(const Projection& projection, LasHeader& header) {
+  header.crs = projection.wkt;
+  if (header.crs.empty() && !projection.directory.empty()) {
+    auto crs = crs_of({projection.directory, projection.doubles, projection.ascii});
+    if (crs) {
+      header.crs = printable(crs.value());
+    } else {
+      header.crs_note = "its GeoTIFF keys are not understood: " + printable(crs.error().where);
+    }
+  }
+  if (header.crs.empty()) header.crs = projection.other_wkt;
+}
 
 }  // namespace
 
@@ -245,9 +248,7 @@ Result<LasHeader> read_las_header(const ByteSource& source) {
       BOOST_OUTCOME_TRYV(walk.walk(evlr_at, source.size(), evlr_count, true));
     }
   }
-  header.crs = !projection.wkt.empty()        ? projection.wkt
-               : !projection.geo_tiff.empty() ? projection.geo_tiff
-                                              : projection.other_wkt;
+  settle_crs(projection, header);
   return header;
 }
 

@@ -34,7 +34,8 @@ struct LasHeader {
   std::uint64_t points = 0;
   std::array<double, 3> scale{}, offset{};
   Bounds bounds;    // as declared; empty if that is no box
-  std::string crs;  // WKT or "EPSG:n", or empty
+  std::string crs;       // WKT or "EPSG:n", or empty
+  std::string crs_note;  // why there is none although the file has GeoTIFF keys
   std::vector<LasField> fields;
   bool compressed = false;        // LAZ
   std::vector<std::byte> laszip;  // payload of the LASzip record; empty if there is none

@@ -132,6 +132,7 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
   info.points = header.points;
   if (!header.bounds.empty()) info.bounds = header.bounds;
   info.crs = header.crs;
+  info.crs_note = header.crs_note;
   info.levels = header.compressed && !header.copc.empty();
   for (const auto& field : header.fields) info.attributes.push_back(field.attribute);
 

@@ -5,6 +5,7 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <gdal.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
@@ -13,23 +14,21 @@
 
 #include "src/base/result.h"
 
-namespace tessera::exports {
+namespace tessera {
 
-#define TESSERA_GDAL_FUNCTIONS(F)                                                                                   \
-  F(GDALAllRegister)                                                                                                \
-  F(GDALGetDriverByName)                                                                                            \
-  F(GDALCreate)                                                                                                     \
-  F(GDALClose)                                                                                                      \
-  F(GDALDatasetCreateLayer)                                                                                         \
-  F(GDALDatasetStartTransaction)                                                                                    \
-  F(GDALDatasetCommitTransaction)                                                                                   \
-  F(OGR_L_CreateField) F(OGR_L_CreateFeature) F(OGR_L_GetLayerDefn) F(OGR_Fld_Create) F(OGR_Fld_Destroy)            \
-      F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly)      \
-          F(OGR_G_CreateFromWkb) F(OSRNewSpatialReference) F(OSRDestroySpatialReference) F(OSRSetFromUserInput)     \
-              F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRIsCompound)   \
-                  F(OSRStripVertical) F(OSRExportToWkt) F(OSRSetAxisMappingStrategy) F(CPLPushErrorHandler)         \
-                      F(CPLPopErrorHandler) F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLSetThreadLocalConfigOption) \
-                          F(VSIFree)
+// clang-format off
+#define TESSERA_GDAL_FUNCTIONS(F) \
+  F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
+  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALDatasetCommitTransaction) \
+  F(GDALDatasetCreateLayer) F(GDALDatasetStartTransaction) F(GDALGetDriverByName) F(GDALGetProjectionRef) \
+  F(GDALOpenEx) F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldInteger64) \
+  F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_G_CreateFromWkb) \
+  F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OSRDestroySpatialReference) \
+  F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) F(OSRGetAuthorityCode) \
+  F(OSRGetAuthorityName) F(OSRGetName) F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsLocal) F(OSRIsSameEx) \
+  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRStripVertical) \
+  F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
+// clang-format on
 
 struct GdalLibrary {
 #define TESSERA_GDAL_MEMBER(name) decltype(&::name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
@@ -74,4 +73,10 @@ class SpatialReference {
   OGRSpatialReferenceH handle_;
 };
 
-}  // namespace tessera::exports
+// The code of a system that carries one of EPSG's; else empty.
+std::string epsg_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference);
+
+// Whether two systems mean the same, whatever names and order of axes they give.
+bool equivalent(const GdalLibrary& gdal, OGRSpatialReferenceH a, OGRSpatialReferenceH b);
+
+}  // namespace tessera

@@ -1,10 +1,10 @@
-#include "src/export/gdal_library.h"
+#include "src/crs/gdal_library.h"
 
 #include <dlfcn.h>
 
-#include "src/export/crs.h"
+#include "src/crs/crs.h"
 
-namespace tessera::exports {
+namespace tessera {
 
 namespace {
 
@@ -12,7 +12,7 @@ Result<GdalLibrary> load() {
   // Never closed again: GDAL keeps threads and caches.
   void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr)
-    return error(Errc::io, std::string("this format needs GDAL (Debian's package libgdal32): ") + ::dlerror());
+    return error(Errc::io, std::string("coordinate systems need GDAL (Debian's package libgdal32): ") + ::dlerror());
   GdalLibrary gdal;
   const char* missing = nullptr;
   const auto find = [&]<class Function>(Function& function, const char* name) {
@@ -52,10 +52,22 @@ Result<SpatialReference> SpatialReference::parse(const GdalLibrary& gdal, const 
   const GdalQuiet quiet(gdal);
   SpatialReference reference(gdal, gdal.OSRNewSpatialReference(nullptr));
   if (gdal.OSRSetFromUserInput(reference.get(), text.empty() ? undefined_crs : text.c_str()) != OGRERR_NONE)
-    return error(Errc::bad_input, "the coordinate system of the result is not understood: " + quiet.message());
+    return error(Errc::bad_input, "the coordinate system is not understood: " + quiet.message());
   // Coordinates are x, y as they were read, whatever order an authority gives the axes.
   gdal.OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
   return reference;
 }
 
-}  // namespace tessera::exports
+std::string epsg_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
+  const char* authority = gdal.OSRGetAuthorityName(reference, nullptr);
+  const char* code = gdal.OSRGetAuthorityCode(reference, nullptr);
+  return authority != nullptr && code != nullptr && std::string(authority) == "EPSG" ? code : "";
+}
+
+bool equivalent(const GdalLibrary& gdal, OGRSpatialReferenceH a, OGRSpatialReferenceH b) {
+  const char* const options[] = {"CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
+                                 "IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", nullptr};
+  return gdal.OSRIsSameEx(a, b, options) != 0;
+}
+
+}  // namespace tessera

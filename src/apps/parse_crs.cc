@@ -1,0 +1,37 @@
+#include "src/apps/parse_crs.h"
+
+#include <filesystem>
+#include <string_view>
+
+#include "src/crs/crs.h"
+#include "src/files/whole_file.h"
+
+namespace tessera {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view blank = " \t\r\n";
+  const auto first = text.find_first_not_of(blank);
+  if (first == std::string_view::npos) return "";
+  return std::string(text.substr(first, text.find_last_not_of(blank) - first + 1));
+}
+
+}  // namespace
+
+Result<std::string> parse_crs(const std::string& text) {
+  std::string crs = text;
+  std::error_code ignored;
+  if (!looks_like_crs(crs) && std::filesystem::exists(crs, ignored)) {
+    BOOST_OUTCOME_TRY(content, read_whole(crs));
+    crs = trimmed(as_text(content));
+    if (!looks_like_crs(crs))
+      return error(Errc::usage, "'" + text + "' is a file, but what it holds is neither WKT nor EPSG:n");
+  }
+  if (!looks_like_crs(crs))
+    return error(Errc::usage, "'" + text + "' is neither EPSG:n, nor WKT, nor a file with one of them");
+  if (const auto understood = check_crs(crs); !understood)
+    return error(Errc::usage, "'" + text + "': " + understood.error().where);
+  return crs;
+}
+
+}  // namespace tessera

@@ -1,0 +1,39 @@
+// Coordinate systems, as inputs and manifests have them: WKT, "EPSG:n", or nothing. What they mean is asked of GDAL.
+#pragma once
+
+#include <string>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+// What GDAL and QGIS take for "nobody knows": without it GeoJSON would count as longitude and latitude.
+inline constexpr const char* undefined_crs = "LOCAL_CS[\"Undefined Cartesian SRS\"]";
+
+// Whether a text is "EPSG:n", or WKT by its looks. Input files may say anything, and other texts GDAL takes for names
+// of files or addresses on the net, which it opens: here, and in programs that open our files.
+bool looks_like_crs(const std::string& text);
+
+// "urn:ogc:def:crs:EPSG::n" when the horizontal system, or one that is surely the same, has a code; else WKT. Errors:
+// no GDAL (io), a text that it does not understand (bad_input).
+Result<std::string> crs_name_or_wkt(const std::string& crs);
+
+// A sentence when there is none, or none that looks like one; else empty.
+std::string crs_note(const std::string& crs);
+
+// For people: "RGF93 v1 / Lambert-93 (EPSG:2154) + heights NGF-IGN69 height (EPSG:5720)", the name alone where no code
+// is surely the same, "unnamed, geocentric" where there is no name. What GDAL does not understand (or all of it,
+// without GDAL) is named as it names itself.
+std::string crs_title(const std::string& crs);
+
+// Whether points of both may stand in one cloud: the same horizontal (or geocentric) system, and the same vertical one
+// if both have one. Texts are compared when one of them is not understood, or there is no GDAL.
+bool same_crs(const std::string& a, const std::string& b);
+
+// Whether it says what the heights mean.
+bool has_heights(const std::string& crs);
+
+// Error bad_input when GDAL does not understand it; success when it does, or when there is no GDAL to ask.
+Status check_crs(const std::string& crs);
+
+}  // namespace tessera

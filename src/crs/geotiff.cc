@@ -1,0 +1,145 @@
+#include "src/crs/geotiff.h"
+
+#include <atomic>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include "src/crs/gdal_library.h"
+
+namespace tessera {
+namespace {
+
+// A TIFF of one pixel with these keys: there are many ways to say the same system in them, and GDAL knows them all.
+class TinyTiff {
+ public:
+  explicit TinyTiff(const GeoTiffKeys& keys) {
+    const std::uint16_t count = static_cast<std::uint16_t>(10 + !keys.doubles.empty() + !keys.ascii.empty());
+    values_at_ = 8 + 2 + 12 * std::size_t{count} + 4;
+    put(std::uint16_t{0x4949});  // little endian
+    put(std::uint16_t{42});
+    put(std::uint32_t{8});  // where the directory stands
+    put(count);
+    number(256, 1);  // width
+    number(257, 1);  // height
+    number(258, 8);  // bits a sample
+    number(259, 1);  // not compressed
+    number(262, 1);  // black is zero
+    number(273, 8);  // the pixel: any byte
+    number(277, 1);  // samples a pixel
+    number(278, 1);  // rows a strip
+    number(279, 1);  // bytes a strip
+    field(34735, 3, 2, keys.directory);
+    if (!keys.doubles.empty()) field(34736, 12, 8, keys.doubles);
+    if (!keys.ascii.empty()) field(34737, 2, 1, keys.ascii);
+    put(std::uint32_t{0});  // no other directory
+    bytes_.insert(bytes_.end(), values_.begin(), values_.end());
+  }
+
+  std::vector<unsigned char>& bytes() { return bytes_; }
+
+ private:
+  template <class T>
+  void put(T value) {
+    const auto* at = reinterpret_cast<const unsigned char*>(&value);
+    bytes_.insert(bytes_.end(), at, at + sizeof value);
+  }
+  void number(std::uint16_t tag, std::uint16_t value) {
+    constexpr std::uint16_t short_type = 3;
+    put(tag);
+    put(short_type);
+    put(std::uint32_t{1});
+    put(std::uint32_t{value});
+  }
+  void field(std::uint16_t tag, std::uint16_t type, std::size_t size, std::span<const std::byte> value) {
+    const std::size_t count = value.size() / size;
+    put(tag);
+    put(type);
+    put(static_cast<std::uint32_t>(count));
+    if (count * size <= 4) {
+      std::uint32_t inside = 0;
+      std::memcpy(&inside, value.data(), count * size);
+      return put(inside);
+    }
+    put(static_cast<std::uint32_t>(values_at_ + values_.size()));
+    const auto* at = reinterpret_cast<const unsigned char*>(value.data());
+    values_.insert(values_.end(), at, at + count * size);
+    values_.resize((values_.size() + 7) / 8 * 8);
+  }
+
+  std::size_t values_at_ = 0;
+  std::vector<unsigned char> bytes_, values_;
+};
+
+// A file in memory, of this name for its life.
+class MemoryFile {
+ public:
+  MemoryFile(const GdalLibrary& gdal, std::vector<unsigned char>& bytes) : gdal_(gdal) {
+    static std::atomic<std::uint64_t> next{0};
+    name_ = "/vsimem/tessera-" + std::to_string(next++) + ".tif";
+    VSILFILE* file = gdal_.VSIFileFromMemBuffer(name_.c_str(), bytes.data(), bytes.size(), FALSE);
+    if (file != nullptr) gdal_.VSIFCloseL(file);
+  }
+  ~MemoryFile() { gdal_.VSIUnlink(name_.c_str()); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  const std::string& name() const { return name_; }
+
+ private:
+  const GdalLibrary& gdal_;
+  std::string name_;
+};
+
+// `source`: "GEOKEYS" for the keys' own parameters, none for GDAL's choice: it takes a code's name for whatever the
+// keys say.
+Result<std::string> read_keys(const GdalLibrary& gdal, std::vector<unsigned char>& bytes, const char* source) {
+  gdal.CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
+  gdal.CPLSetThreadLocalConfigOption("GTIFF_SRS_SOURCE", source);
+  const MemoryFile file(gdal, bytes);
+  const GDALDatasetH tiff = gdal.GDALOpenEx(file.name().c_str(), GDAL_OF_RASTER, nullptr, nullptr, nullptr);
+  std::string wkt;
+  if (tiff != nullptr) {
+    const char* text = gdal.GDALGetProjectionRef(tiff);
+    wkt = text != nullptr ? text : "";
+    gdal.GDALClose(tiff);
+  }
+  gdal.CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", nullptr);
+  gdal.CPLSetThreadLocalConfigOption("GTIFF_SRS_SOURCE", nullptr);
+  if (wkt.empty()) return error(Errc::bad_input, "GDAL makes no coordinate system of them");
+  return wkt;
+}
+
+// Whether a system is what its code says, or has none.
+bool says_its_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
+  const std::string code = epsg_code(gdal, reference);
+  if (code.empty()) return true;
+  const auto meant = SpatialReference::parse(gdal, "EPSG:" + code);
+  return meant && equivalent(gdal, reference, meant.value().get());
+}
+
+}  // namespace
+
+Result<std::string> crs_of(const GeoTiffKeys& keys) {
+  if (keys.directory.size() < 8 || keys.directory.size() > 8 * std::size_t{0xFFFF}) {
+    return error(Errc::bad_input, "there is no key directory");
+  }
+  BOOST_OUTCOME_TRY(gdal, gdal_library());
+  const GdalQuiet quiet(*gdal);
+  static const bool registered = (gdal->GDALAllRegister(), true);
+  static_cast<void>(registered);
+  TinyTiff tiff(keys);
+  BOOST_OUTCOME_TRY(wkt, read_keys(*gdal, tiff.bytes(), nullptr));
+  BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, wkt));
+  if (gdal->OSRIsLocal(reference.get()) != 0) return error(Errc::bad_input, "they name no system");
+  if (gdal->OSRIsCompound(reference.get()) != 0) {
+    BOOST_OUTCOME_TRY(horizontal, SpatialReference::parse(*gdal, wkt));
+    gdal->OSRStripVertical(horizontal.get());
+    if (says_its_code(*gdal, horizontal.get())) return wkt;
+  } else if (says_its_code(*gdal, reference.get())) {
+    const std::string code = epsg_code(*gdal, reference.get());
+    return code.empty() ? wkt : "EPSG:" + code;
+  }
+  return read_keys(*gdal, tiff.bytes(), "GEOKEYS");
+}
+
+}  // namespace tessera
