@@ -2,8 +2,8 @@
 #include <array>
 #include <cstring>
 
-#include "src/export/formats.h"
 #include "src/crs/gdal_library.h"
+#include "src/export/formats.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"

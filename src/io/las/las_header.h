@@ -33,7 +33,7 @@ struct LasHeader {
   std::uint64_t points_at = 0;     // offset of the first record
   std::uint64_t points = 0;
   std::array<double, 3> scale{}, offset{};
-  Bounds bounds;    // as declared; empty if that is no box
+  Bounds bounds;         // as declared; empty if that is no box
   std::string crs;       // WKT or "EPSG:n", or empty
   std::string crs_note;  // why there is none although the file has GeoTIFF keys
   std::vector<LasField> fields;
