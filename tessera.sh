@@ -14,13 +14,13 @@ usage() {
 ./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy             clang-tidy over the sources
 ./tessera.sh format           clang-format over the sources
-./tessera.sh deps             install what is missing (Debian 12)
+./tessera.sh deps [PARTS]     install what is missing (Debian 12): build, test, demo, clang
 TEXT
 }
 
 # Builds these targets.
 build() {
-  deploy/install-deps.sh
+  deploy/install-deps.sh build
   local launcher=()
   command -v ccache >/dev/null && launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_C_COMPILER_LAUNCHER=ccache)
   [[ -f $build_folder/build.ninja ]] || cmake --preset release "${launcher[@]}"
@@ -28,6 +28,7 @@ build() {
 }
 
 demo() {
+  deploy/install-deps.sh build demo
   build tessera_command
   local out=demo-out
   mkdir -p $out
@@ -42,7 +43,7 @@ sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'be
 
 # CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
 tidy() {
-  deploy/install-deps.sh --clang
+  deploy/install-deps.sh build test clang
   build all
   sources | grep -v -E '^(tests|bench)/' | xargs grep -L -E 'caf/|boost/asio|actors/' |
     xargs -P "$jobs" -n 4 clang-tidy -p $build_folder --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
@@ -51,11 +52,11 @@ tidy() {
 case "${1:-help}" in
   build) build all ;;
   demo) demo ;;
-  test) shift; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
+  test) shift; deploy/install-deps.sh; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
   nightly) build engine_product; cmake --build $build_folder --target nightly ;;
   tidy) tidy ;;
-  format) deploy/install-deps.sh --clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
-  deps) deploy/install-deps.sh ;;
+  format) deploy/install-deps.sh clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;
+  deps) shift; deploy/install-deps.sh "$@" ;;
   help|-h|--help) usage ;;
   *) usage >&2; exit 2 ;;
 esac

@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
-# Installs what building, testing and the demo need on Debian 12. Quick and silent when nothing is missing.
+# Installs what is missing on Debian 12, and never removes a package:
+#   install-deps.sh [build] [test] [demo] [clang]      default: build and test
+# build: the command, the libraries; test: what the tests compare with; demo: its picture; clang: `./tessera.sh tidy`.
+# Quick and silent when nothing is missing.
 set -euo pipefail
 
-packages=(
+build=(
   build-essential cmake ninja-build ccache mold pkg-config
   libcgal-dev libgmp-dev libmpfr-dev        # exact geometry
   libcaf-dev                                # actors
@@ -13,17 +16,32 @@ packages=(
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev
   libgtest-dev python3 python3-numpy
-  pybind11-dev python3-dev python3-scipy    # the Python package, and what it is compared with
-  gdal-bin python3-gdal python3-gmsh        # tests read exports back
-  python3-vtk9 xvfb xauth                   # the demo's picture
+  pybind11-dev python3-dev                  # the Python package
 )
-# `./tessera.sh tidy` and the fuzz preset ask for these with --clang.
-if [[ "${1:-}" == --clang ]]; then packages+=(clang clang-tidy clang-format libclang-rt-14-dev); fi
+test=(
+  python3-scipy                             # what the Python package is compared with
+  gdal-bin python3-gdal python3-gmsh        # read exports back
+)
+demo=(xvfb xauth)
+clang=(clang clang-tidy clang-format libclang-rt-14-dev)
+
+installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || true) == installed ]]; }
+
+# ParaView brings a VTK of its own, and Debian installs one of the two.
+installed python3-paraview || { test+=(python3-vtk9); demo+=(python3-vtk9); }
+
+[[ $# -gt 0 ]] || set -- build test
+packages=()
+for part in "$@"; do
+  case "$part" in
+    build | test | demo | clang) declare -n chosen=$part; packages+=("${chosen[@]}") ;;
+    *) echo "install-deps: '$part' is none of build, test, demo and clang" >&2; exit 2 ;;
+  esac
+done
 
 missing=()
 for package in "${packages[@]}"; do
-  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-  [[ $status == installed ]] || missing+=("$package")
+  installed "$package" || missing+=("$package")
 done
 [[ ${#missing[@]} -eq 0 ]] && exit 0
 
@@ -34,4 +52,4 @@ if [[ $(id -u) -ne 0 ]]; then
 fi
 echo "install-deps: installing ${missing[*]}"
 "${as_root[@]}" apt-get update -qq
-"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-remove --no-install-recommends "${missing[@]}"

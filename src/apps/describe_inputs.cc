@@ -1,9 +1,14 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/apps/describe_points.h"
 #include "src/apps/info.h"
+#include "src/apps/words.h"
 #include "src/base/attribute.h"
+#include "src/base/option.h"
 #include "src/crs/crs.h"
+#include "src/io/bytes/spool.h"
+#include "src/io/cloud/inputs.h"
 #include "src/job/inputs.h"
 #include "src/job/plan.h"
 #include "src/report/human.h"
@@ -90,10 +95,20 @@ Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t p
   return plan;
 }
 
-}  // namespace
+Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud) {
+  options.cloud.attributes = described_attributes(cloud);
+  BOOST_OUTCOME_TRY(counted, open_cloud(inputs, options));
+  return describe_points(counted);
+}
 
-Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobOptions options, bool json) {
+Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options, bool json,
+                                      bool statistics) {
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options));
+  DescribedPoints counted;
+  if (statistics) {
+    BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud));
+    counted = std::move(described);
+  }
   const auto points = expected_points(cloud.files());
   BOOST_OUTCOME_TRY(planned, plan(options, cloud, points));
   const auto& cost = planned.cost;
@@ -102,6 +117,7 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
     for (const auto& file : cloud.files()) files.push_back(to_json(file));
     return Json{{"files", files},
                 {"points", points},
+                {"statistics", counted.json},
                 {"sampled_bounds", to_json(planned.sampled)},
                 {"crs", cloud.crs()},
                 {"crs_name", crs_title(cloud.crs())},
@@ -129,6 +145,7 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
   }
   std::string text;
   for (const auto& file : cloud.files()) text += to_text(file);
+  if (!counted.text.empty()) text += "All points\n" + counted.text;
   text += "Triangulated in " + std::to_string(options.cloud.dimension) + "D on " + std::to_string(options.threads) +
           (options.threads == 1 ? " thread" : " threads") + " with " + human_bytes(options.memory_bytes) +
           " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " +
@@ -139,6 +156,51 @@ Result<std::string> describe_inputs(const std::vector<std::string>& inputs, JobO
           " while it works\n  time        " + human_seconds(cost.seconds) + "\n";
   for (const auto& warning : cloud.warnings()) text += "warning: " + warning + "\n";
   return text;
+}
+
+// What is wrong with some of many files shall not hide the others.
+Described describe_each(const std::vector<std::string>& inputs, const JobOptions& options, bool json,
+                        const Error& all) {
+  Spool spool("", {});
+  const InputQuestion question{
+      .patterns = inputs, .list = options.cloud.input_list, .recursive = options.cloud.recursive};
+  const auto names = find_inputs(question, spool);
+  if (!names || names.value().size() < 2) return {.error = all};
+  Described described;
+  Json files = Json::array();
+  std::size_t odd = 0;
+  for (const auto& name : names.value()) {
+    JobOptions alone = options;
+    alone.cloud.input_list.clear();
+    const auto cloud = name.standard_input ? Result<Cloud>(all) : open_cloud({name.path}, alone);
+    if (cloud) {
+      files.push_back(to_json(cloud.value().files().front()));
+      described.text += to_text(cloud.value().files().front());
+      continue;
+    }
+    ++odd;
+    const std::string sentence = render(name.explained(cloud.error()).where, flag_name);
+    files.push_back({{"path", name.path}, {"error", sentence}});
+    described.text += name.path + "\n  error       " + sentence + "\n";
+  }
+  if (json) described.text = Json{{"files", files}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (odd == 0) {
+    described.error = all;
+  } else {
+    described.error = error(all.code, std::to_string(odd) + " of " + std::to_string(names.value().size()) +
+                                          " files cannot be triangulated, the first: " + all.where);
+  }
+  return described;
+}
+
+}  // namespace
+
+Described describe_inputs(const std::vector<std::string>& inputs, JobOptions options, bool json, bool statistics) {
+  auto described = describe_together(inputs, options, json, statistics);
+  if (described) return {.text = std::move(described).value()};
+  const auto code = described.error().code;
+  if (code != Errc::bad_input && code != Errc::io) return {.error = described.error()};
+  return describe_each(inputs, options, json, described.error());
 }
 
 }  // namespace tessera

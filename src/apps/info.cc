@@ -24,9 +24,15 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   const bool folder = std::any_of(what.begin(), what.end(), [](const auto& path) { return is_result_folder(path); });
   if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
     return error(Errc::usage, "give one result folder, or input files, not both");
-  BOOST_OUTCOME_TRY(text,
-                    folder ? describe_result(what.front(), json) : describe_inputs(what, std::move(options), json));
-  std::fputs(text.c_str(), stdout);
+  if (folder) {
+    BOOST_OUTCOME_TRY(text, describe_result(what.front(), json));
+    std::fputs(text.c_str(), stdout);
+    return success();
+  }
+  BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
+  const auto described = describe_inputs(what, std::move(options), json, statistics);
+  std::fputs(described.text.c_str(), stdout);
+  if (described.error) return *described.error;
   return success();
 }
 
@@ -37,9 +43,10 @@ Command add_info(CLI::App& root) {
       new_command(root, "info", "Tells what is in input files or a result folder",
                   "  tessera info scan.las\n"
                   "  tessera info block/*.las --memory 4G --threads 8      (what triangulating them would take)\n"
-                  "  tessera info block/ --recursive\n"
+                  "  tessera info block/ --recursive --stats\n"
                   "  tessera info out/ --json");
   add_cloud_options(command);
+  add_switch(command, "stats", "read all points: their classes, returns, flags, box and density");
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
   command.app->add_option("what", *what, "input files, folders of them, - for standard input; or one result folder")

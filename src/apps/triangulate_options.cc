@@ -22,6 +22,23 @@ Result<KernelKind> parse_kernel(const std::string& text) {
   return error(Errc::usage, "'" + text + "' is no kernel; there are flat and cgal");
 }
 
+Result<Returns> parse_returns(const std::string& text) {
+  if (text == "all") return Returns::all;
+  if (text == "first") return Returns::first;
+  if (text == "last") return Returns::last;
+  if (text == "single") return Returns::single;
+  return error(Errc::usage, "'" + text + "' is none of all, first, last and single");
+}
+
+Result<std::vector<std::string>> parse_flags(const std::string& text) {
+  BOOST_OUTCOME_TRY(names, parse_names(text));
+  for (const auto& name : names) {
+    if (std::find(point_flags.begin(), point_flags.end(), name) == point_flags.end())
+      return error(Errc::usage, "'" + name + "' is none of withheld, synthetic, overlap and key_point");
+  }
+  return std::move(names);
+}
+
 }  // namespace
 
 void add_cloud_options(Command& command) {
@@ -42,6 +59,9 @@ void add_cloud_options(Command& command) {
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
+  add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
+  add_value(command, "without", "FLAGS",
+            "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
   add_value(command, "crs", "CRS",
             "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
@@ -88,6 +108,10 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.recursive = recursive;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(returns, settings.get("returns", parse_returns));
+  options.cloud.returns = returns.value_or(Returns::all);
+  BOOST_OUTCOME_TRY(without, settings.get("without", parse_flags));
+  options.cloud.without = without.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
   options.cloud.crs = crs.value_or("");
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));

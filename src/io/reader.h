@@ -20,6 +20,7 @@ struct FileInfo {
   std::string format;                    // "las", "laz", "ply", "xyz", "npy"
   std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
   int dimension = 3;                     // 2 when the file holds x and y alone
+  bool degrees = false;                  // x and y are longitude and latitude, by their names
   std::optional<std::uint64_t> points;   // that the reader gives, when the header says
   std::uint64_t points_passed_over = 0;  // that it does not give, because of its hints
   std::optional<Bounds> bounds;          // when the header says; not to be trusted

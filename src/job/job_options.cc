@@ -15,6 +15,8 @@ std::string options_key(const JobOptions& options) {
                              {"z", options.cloud.heights},
                              {"neighbors", options.neighbors}};
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
+  if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
+  if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {
     // As text: JSON has no infinity.

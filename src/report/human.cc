@@ -69,6 +69,13 @@ std::string grouped(std::uint64_t n) {
   return digits;
 }
 
+std::string plain_phase(std::string_view name) {
+  if (name == "routing") return "reading";
+  if (name == "splaying") return "joining tiles";
+  if (name == "collecting") return "writing";
+  return std::string(name);
+}
+
 std::string escape_html(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

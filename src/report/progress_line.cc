@@ -103,7 +103,7 @@ double points_per_second(const ProgressSnapshot& before, const ProgressSnapshot&
 
 std::vector<std::string> progress_panel(const ProgressSnapshot& before, const ProgressSnapshot& now, int columns) {
   constexpr int name_width = 13;  // "triangulating"
-  std::string name = name_of(now.phase);
+  std::string name = plain_phase(name_of(now.phase));
   name.resize(name_width, ' ');
   const double done = fraction_done(now);
   const auto percent = std::to_string(static_cast<int>(done * 100));
@@ -117,7 +117,7 @@ std::vector<std::string> progress_panel(const ProgressSnapshot& before, const Pr
 
 std::string progress_text(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   const auto details = figures(before, now);
-  return human_seconds(now.elapsed_s) + "   " + name_of(now.phase) + "   " +
+  return human_seconds(now.elapsed_s) + "   " + plain_phase(name_of(now.phase)) + "   " +
          std::to_string(static_cast<int>(fraction_done(now) * 100)) + " %" + (details.empty() ? "" : "   " + details);
 }
 

@@ -22,7 +22,7 @@ std::string summary_text(const JobSummary& s) {
   line("messages", grouped(e.batches) + " between tiles, with " + grouped(e.points.sent) + " points");
   std::string phases;
   for (const auto& [name, seconds] : s.seconds)
-    phases += (phases.empty() ? "" : ", ") + name + " " + human_seconds(seconds);
+    phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds);
   line("time", human_seconds(s.total_s) + " (" + phases + ")");
   line("memory", human_bytes(s.peak_memory_bytes) + " at most, of " + human_bytes(s.memory_budget_bytes));
   line("result", s.out + " (" + human_bytes(s.result_bytes) + ")");

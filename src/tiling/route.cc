@@ -1,6 +1,8 @@
 // From a cloud of any size to the files of a run folder, in bounded memory.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
+#include "src/io/cloud/point_filter.h"
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"
 #include "src/tiling/routed_run.h"
@@ -82,7 +85,7 @@ Result<Survey> survey_all(const Cloud& cloud, std::size_t wanted, const std::sto
 Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, const std::stop_token& stop) {
   const auto wanted = static_cast<std::size_t>(budget::sample_points(options.memory_bytes));
   Survey survey;
-  bool known = !cloud.options().crop && cloud.options().classes.empty();
+  bool known = !cloud.options().crop && filtered_by(cloud.options()).empty();
   for (const FileInfo& file : cloud.files()) {
     known = known && file.points.has_value();
     survey.total += file.points.value_or(0);
@@ -109,13 +112,30 @@ std::string name_of(const Cloud& cloud) {
   return "the " + std::to_string(cloud.files().size()) + " input files";
 }
 
+// Of what was filtered out, for whoever asked for what is not there.
+std::string what_there_is(const CloudCounts& counts) {
+  std::string text;
+  for (std::size_t c = 0; c < counts.other_classes.size(); ++c)
+    if (counts.other_classes[c]) text += (text.empty() ? "; there are the classes " : ", ") + std::to_string(c);
+  if (!counts.outside.empty()) {
+    const auto& [lo, hi] = counts.outside;
+    const auto side = [](const char* name, double a, double b) {
+      std::array<char, 80> text{};
+      std::snprintf(text.data(), text.size(), "%s from %.10g to %.10g", name, a, b);
+      return std::string(text.data());
+    };
+    text += "; points lie at " + side("x", lo.x, hi.x) + ", " + side("y", lo.y, hi.y) + ", " + side("z", lo.z, hi.z);
+  }
+  return text;
+}
+
 // Refuses a cloud that has no triangulation.
 Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, int rank) {
   const std::uint64_t points = counts.read - counts.invalid - counts.filtered;
   const auto refuse = [&](const std::string& reason) { return error(Errc::bad_input, name_of(cloud) + ": " + reason); };
   if (points == 0 && counts.read > 0) {
     return refuse("no points are left of " + std::to_string(counts.read) + ": " + std::to_string(counts.filtered) +
-                  " were filtered out, " + std::to_string(counts.invalid) + " were not finite");
+                  " were filtered out, " + std::to_string(counts.invalid) + " were not finite" + what_there_is(counts));
   }
   if (rank == dimension) return success();
   const bool plane = rank == 2 && points > 3;

@@ -7,7 +7,6 @@ import pty
 import random
 import resource
 import signal
-import struct
 import subprocess
 import time
 import unittest
@@ -36,51 +35,6 @@ class InputTest(CliTest):
 
     def infos(self, *args):
         return self.json_lines(self.ok("info", *args, "--json"))[0]
-
-
-class CoordinateSystems(InputTest):
-    def las(self, name, epsg):
-        """A LAS file of a hundred points, whose GeoTIFF key says EPSG:`epsg`; 0: nothing."""
-        keys = struct.pack("<8H", 1, 1, 0, 1, 3072, 0, 1, epsg) if epsg else b""
-        record = struct.pack("<H16sHH32s", 0, b"LASF_Projection", 34735, len(keys), b"") + keys if epsg else b""
-        rng = random.Random(epsg)
-        points = b"".join(struct.pack("<iiiHBBBBH", *(rng.randrange(10**6) for _ in range(3)), 0, 9, 2, 0, 0, 0)
-                          for _ in range(100))
-        head = struct.pack("<4sHHIHH8sBB32s32sHHHIIBHI5I", b"LASF", 0, 0, 0, 0, 0, b"", 1, 2, b"", b"", 1, 2020, 227,
-                           227 + len(record), bool(epsg), 0, 20, 100, *[0] * 5)
-        head += struct.pack("<12d", *[0.001] * 3, *[0.0] * 3, *[1000.0, 0.0] * 3)
-        (self.folder / name).write_bytes(head + record + points)
-        return self.folder / name
-
-    def test_different_systems_in_one_cloud_are_refused(self):
-        north, south = self.las("north.las", 2154), self.las("south.las", 32740)
-        self.refused(BAD_INPUT, "triangulate", north, south, "-o", self.out, says="Lambert-93 (EPSG:2154) and WGS 84 / UTM zone 40S")
-        self.assertFalse(self.out.exists())
-        self.refused(BAD_INPUT, "info", north, south, says="--crs")
-
-    def test_the_system_that_is_given_holds(self):
-        wkt = self.write("some.prj", "EPSG:3857\n")
-        for crs in ("EPSG:3857", wkt):
-            self.ok("triangulate", self.las("north.las", 2154), self.las("south.las", 32740), "-o", self.out, "--quiet",
-                    "--crs", crs, "--overwrite")
-            self.assertEqual(self.infos(self.out)["crs"], "EPSG:3857")
-            self.assertIn("Pseudo-Mercator", self.infos(self.out)["crs_name"])
-
-    def test_what_is_no_system_is_refused(self):
-        cloud, text = self.las("a.las", 2154), self.write("notes.txt", "hello\n")
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", "EPSG:99999", says="--crs")
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", "Lambert", says="neither EPSG:n, nor WKT, nor a file")
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", text, says="what it holds is neither WKT nor EPSG:n")
-
-    def test_files_without_a_system_beside_others_are_a_warning(self):
-        done = self.ok("triangulate", self.las("a.las", 2154), self.las("b.las", 0), "-o", self.out)
-        self.assertRegex(done, r"warning +1 of 2 files, .*b\.las the first")
-        self.assertEqual(self.infos(self.out)["crs_name"], "RGF93 v1 / Lambert-93 (EPSG:2154)")
-
-    def test_keys_that_name_no_system_are_said_to_be_so(self):
-        info = self.infos(self.las("vague.las", 65000))
-        self.assertEqual(info["crs"], "")
-        self.assertIn("not understood", info["files"][0]["crs_note"])
 
 
 class Compressed(InputTest):

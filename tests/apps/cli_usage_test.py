@@ -128,13 +128,13 @@ class Sources(CliTest):
         for line in shipped.read_text().splitlines():
             key = line.removeprefix("# ").split(" =")[0]
             shown = line.startswith("# ") and " = " in line.split("#")[1] and "-" + key in KEYS
-            lines.append(line[2:] if shown and key not in ("crop", "class", "crs", "attributes", "scratch", "format") else line)
+            lines.append(line[2:] if shown and key not in ("crop", "class", "crs", "without", "attributes", "scratch", "format") else line)
         self.ok("info", self.cloud, "--config", self.write("uncommented.toml", "\n".join(lines)))
 
 
-KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "crs",
+KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "crs", "returns", "without",
                               "attributes", "z", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
-                              "against-cgal", "scratch", "format", "seed"]}
+                              "against-cgal", "scratch", "stats", "format", "seed"]}
 
 if __name__ == "__main__":
     unittest.main()

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -141,6 +142,49 @@ TEST_F(CloudOfFiles, KeepsTheClassesAskedForWhetherOrNotTheClassIsCarried) {
   file("b.xyz", "1 2 3\n");
   EXPECT_EQ(sentence(collect({at("a.las"), at("b.xyz")}, {.classes = {2}})),
             at("b.xyz") + ": has no classification, so class cannot choose from it");
+}
+
+TEST_F(CloudOfFiles, KeepsTheReturnsAskedForAndDropsFlaggedPoints) {
+  LasFile las;
+  for (int i = 0; i < 256; ++i) las.points.push_back({i, 0, 0});  // bytes 14 and 15 of record i: i + 14, i + 15
+  folder_.write("a.las", las.bytes());
+  const auto kept = [&](CloudOptions options, const std::function<bool(int number, int of, int flags)>& expected) {
+    const auto all = collect({at("a.las")}, options);
+    ASSERT_EQ(sentence(all), "");
+    std::vector<std::uint64_t> ids, wanted;
+    for (const auto& p : all.value().points) ids.push_back(p.id.value);
+    for (int i = 0; i < 256; ++i)
+      if (expected((i + 14) & 7, (i + 14) >> 3 & 7, (i + 15) >> 5 & 7)) wanted.push_back(static_cast<std::uint64_t>(i));
+    EXPECT_EQ(ids, wanted);
+    EXPECT_FALSE(wanted.empty());
+    EXPECT_EQ(all.value().counts.filtered, 256 - wanted.size());
+  };
+  kept({.returns = Returns::first}, [](int number, int, int) { return number == 1; });
+  kept({.returns = Returns::last, .attributes = {"return_number"}},
+       [](int number, int of, int) { return number == of; });
+  kept({.returns = Returns::single}, [](int, int of, int) { return of == 1; });
+  kept({.without = {"withheld"}}, [](int, int, int flags) { return (flags & 4) == 0; });
+  kept({.returns = Returns::first, .without = {"synthetic", "key_point"}, .attributes = {"all"}},
+       [](int number, int, int flags) { return number == 1 && (flags & 3) == 0; });
+  EXPECT_EQ(sentence(collect({at("a.las")}, {.without = {"overlap"}})),
+            at("a.las") + ": has no overlap, so without cannot choose from it");
+}
+
+TEST_F(CloudOfFiles, TellsWhatWasFilteredOut) {
+  LasFile las;
+  for (int i = 0; i < 3; ++i) las.points.push_back({100 * i, 0, 700});  // of classes 15, 16 and 17
+  folder_.write("a.las", las.bytes());
+  const auto classes = collect({at("a.las")}, {.classes = {2}}).value().counts.other_classes;
+  EXPECT_EQ(classes.to_ulong(), 7ul << 15);
+  const auto outside = collect({at("a.las")}, {.crop = Box{{5, 5, 5}, {6, 6, 6}}}).value().counts.outside;
+  EXPECT_EQ(outside, (Bounds{{0, 0, 7}, {2, 0, 7}}));
+}
+
+TEST_F(CloudOfFiles, RefusesDegreesBesideHeights) {
+  file("a.csv", "lon,lat,height\n1,2,3\n4,5,6\n");
+  const auto refused = sentence(collect({at("a.csv")}));
+  EXPECT_NE(refused.find("a.csv: its header names longitude and latitude"), std::string::npos) << refused;
+  EXPECT_EQ(sentence(collect({at("a.csv")}, {.dimension = 2})), "");
 }
 
 TEST_F(CloudOfFiles, CarriesAttributesOfSeveralFilesInOneSchema) {

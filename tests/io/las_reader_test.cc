@@ -60,7 +60,11 @@ TEST_P(EveryFormat, GivesTheAttributesOfItsFormat) {
                                          {"classification", wide ? 17 : 16 & 31},
                                          {"scan_angle", wide ? u16_at(18) * 0.006 : 17},
                                          {"user_data", 18},
-                                         {"point_source_id", u16_at(wide ? 20 : 18)}};
+                                         {"point_source_id", u16_at(wide ? 20 : 18)},
+                                         {"synthetic", wide ? 16 & 1 : 16 >> 5 & 1},
+                                         {"key_point", wide ? 16 >> 1 & 1 : 16 >> 6 & 1},
+                                         {"withheld", wide ? 16 >> 2 & 1 : 16 >> 7 & 1}};
+  if (wide) expected["overlap"] = 16 >> 3 & 1;
   if (format != 0 && format != 2) {
     const std::size_t at = file.points_at() + file.record_bytes() + (wide ? 22 : 20);
     std::memcpy(&expected["gps_time"], file.bytes().data() + at, sizeof(double));
@@ -94,13 +98,48 @@ TEST(LasReader, NamesExtraBytesByTheirDescriptors) {
   auto reader = open_bytes(file.bytes(), "a.las");
   ASSERT_EQ(sentence(reader), "");
   const auto schema = reader.value()->info().attributes;
-  ASSERT_EQ(schema.size(), 8u + 3);
-  EXPECT_EQ(schema[8], (Attribute{"height_cm", AttributeType::u16}));
-  EXPECT_EQ(schema[9], (Attribute{"scaled", AttributeType::f64}));
-  EXPECT_EQ(schema[10], (Attribute{"intensity_2", AttributeType::f64}));
+  ASSERT_EQ(schema.size(), 12u + 3);
+  EXPECT_EQ(schema[12], (Attribute{"height_cm", AttributeType::u16}));
+  EXPECT_EQ(schema[13], (Attribute{"scaled", AttributeType::f64}));
+  EXPECT_EQ(schema[14], (Attribute{"intensity_2", AttributeType::f64}));
   const auto read = read_bytes(file.bytes(), "a.las", schema);
-  EXPECT_EQ(cell<std::uint16_t>(read.value(), schema, 0, 8), 30 | 31 << 8);
-  EXPECT_EQ(cell<double>(read.value(), schema, 0, 9), (35 | 36 << 8) * 0.5 - 100);
+  EXPECT_EQ(cell<std::uint16_t>(read.value(), schema, 0, 12), 30 | 31 << 8);
+  EXPECT_EQ(cell<double>(read.value(), schema, 0, 13), (35 | 36 << 8) * 0.5 - 100);
+}
+
+TEST(LasReader, ASecondRecordOfExtraBytesGoesOnWhereTheFirstOneEnds) {
+  auto file = small_file(4, 6, 3);
+  for (const char* name : {"first", "second"}) {
+    Bytes descriptor(192);
+    descriptor[2] = std::byte{name[0] == 'f' ? std::uint8_t{1} : std::uint8_t{3}};  // a byte, then a u16
+    std::memcpy(descriptor.data() + 4, name, std::strlen(name));
+    file.extended.push_back({"LASF_Spec", 4, descriptor});
+  }
+  const auto read = read_bytes(file.bytes(), "a.las", {{"first", AttributeType::u8}, {"second", AttributeType::u16}});
+  ASSERT_EQ(sentence(read), "");
+  const std::vector<Attribute> schema{{"first", AttributeType::u8}, {"second", AttributeType::u16}};
+  EXPECT_EQ(cell<std::uint8_t>(read.value(), schema, 0, 0), 30);
+  EXPECT_EQ(cell<std::uint16_t>(read.value(), schema, 0, 1), 31 | 32 << 8);
+}
+
+TEST(LasReader, ReadsTheFlagsOfAPoint) {
+  const std::vector<Attribute> schema{{"synthetic", AttributeType::u8},
+                                      {"key_point", AttributeType::u8},
+                                      {"withheld", AttributeType::u8},
+                                      {"overlap", AttributeType::u8}};
+  LasFile old;
+  for (int i = 0; i < 256; ++i) old.points.push_back({i, 0, 0});  // byte 15 of record i is i + 15
+  const auto read = read_bytes(old.bytes(), "a.las", schema).value();
+  LasFile wide = old;
+  wide.minor = 4;
+  wide.format = 6;
+  const auto wide_read = read_bytes(wide.bytes(), "a.las", schema).value();
+  for (std::size_t i = 0; i < 256; ++i) {
+    const auto flags = static_cast<std::uint8_t>(i + 15);
+    for (unsigned k = 0; k < 3; ++k) EXPECT_EQ(cell<std::uint8_t>(read, schema, i, k), flags >> (5 + k) & 1) << i;
+    EXPECT_EQ(cell<std::uint8_t>(read, schema, i, 3), 0) << "point formats below 6 have no such flag";
+    for (unsigned k = 0; k < 4; ++k) EXPECT_EQ(cell<std::uint8_t>(wide_read, schema, i, k), flags >> k & 1) << i;
+  }
 }
 
 TEST(LasReader, ConvertsAttributesToTheTypesAskedForAndFillsLackingOnesWithZero) {

@@ -51,6 +51,19 @@ TEST(TextReader, TakesLongitudeAndLatitudeForXAndY) {
   EXPECT_EQ(read.value().points, (std::vector<Point>{{1, 2.5, 0}, {4, 5, 0}}));
 }
 
+TEST(TextReader, KnowsCoordinatesByTheirUsualNames) {
+  for (const char* header : {"east,north,up", "Easting,Northing,Elevation", "E [m],N [m],Height [m]", "x_m,y_m,z_m",
+                             "easting_ft,northing_ft,elev_ft", "x,y,alt"}) {
+    const auto read = read_text(std::string(header) + "\n1,2.5,-3\n4,5,6\n", "a.csv");
+    ASSERT_EQ(sentence(read), "") << header;
+    EXPECT_EQ(read.value().points, two_points) << header;
+    EXPECT_EQ(read.value().info.dimension, 3) << header;
+    EXPECT_FALSE(read.value().info.degrees) << header;
+  }
+  EXPECT_EQ(read_text("up,north,east\n-3,2.5,1\n6,5,4\n", "a.csv").value().points, two_points);
+  EXPECT_TRUE(read_text("lon,lat,height\n1,2.5,-3\n", "a.csv").value().info.degrees);
+}
+
 TEST(TextReader, TakesTheFirstColumnsUnderAHeaderThatNamesNoCoordinates) {
   const auto read = read_text("p q r s\n1 2.5 -3 7\n4 5 6 8\n", "a.xyz");
   ASSERT_EQ(sentence(read), "");

@@ -9,6 +9,7 @@
 #include "src/io/cloud/cloud_crs.h"
 #include "src/io/cloud/in_order.h"
 #include "src/io/cloud/inputs.h"
+#include "src/io/cloud/point_filter.h"
 
 namespace tessera {
 namespace {
@@ -69,12 +70,22 @@ Status check_file(const FileInfo& file, const CloudOptions& options) {
   if (options.resolution > 0 && !file.levels)
     return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
                                   " to choose from");
-  if (options.classes.empty()) return success();
-  const auto is_class = [](const Attribute& a) { return a.name == "classification"; };
-  if (std::none_of(file.attributes.begin(), file.attributes.end(), is_class))
-    return error(Errc::usage,
-                 file.path.string() + ": has no classification, so " + option("class") + " cannot choose from it");
+  for (const auto& [name, key] : filtered_by(options)) {
+    if (std::none_of(file.attributes.begin(), file.attributes.end(), [&](auto& a) { return a.name == name; }))
+      return error(Errc::usage,
+                   file.path.string() + ": has no " + name + ", so " + option(key) + " cannot choose from it");
+  }
   return success();
+}
+
+// Degrees beside heights have no Delaunay triangulation that means anything: distances would mix them.
+Status check_units(const FileInfo& file) {
+  if (!file.degrees) return success();
+  return error(Errc::bad_input, file.path.string() +
+                                    ": its header names longitude and latitude, which are degrees, beside a height, "
+                                    "which is a length: convert them to a projected system, or triangulate the plane "
+                                    "of degrees with " +
+                                    option("dim", "2"));
 }
 
 }  // namespace
@@ -109,8 +120,9 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   if (options.dimension == 0) options.dimension = has_z ? 3 : 2;
   std::vector<Attribute> available;
   for (std::size_t i = 0; i < cloud.files_.size(); ++i) {
-    if (const auto status = check_file(cloud.files_[i], options); status.has_error())
-      return inputs[i].explained(status.error());
+    auto status = check_file(cloud.files_[i], options);
+    if (status && options.dimension == 3) status = check_units(cloud.files_[i]);
+    if (status.has_error()) return inputs[i].explained(status.error());
     add_available(cloud.files_[i], available);
   }
   const Attribute height{"z", AttributeType::f64};

@@ -1,6 +1,8 @@
 // Several files seen as one cloud, with the filters a user asked for.
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -8,12 +10,15 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/io/bytes/byte_source.h"
 #include "src/io/reader.h"
 
 namespace tessera {
+
+enum class Returns : std::uint8_t { all, first, last, single };
 
 struct CloudOptions {
   // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
@@ -22,6 +27,8 @@ struct CloudOptions {
   bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
   std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
   std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
+  Returns returns = Returns::all;            // keep these echoes of each pulse only
+  std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
   std::vector<std::string> attributes = {};  // names to carry, or {"all"}
   double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
   std::uint32_t threads = 1;                 // that may open, read and unpack files at once
@@ -31,6 +38,9 @@ struct CloudOptions {
   // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
   std::filesystem::path spool_folder = {};
 };
+
+// The point flags of LAS, as attributes are called.
+inline constexpr std::array<std::string_view, 4> point_flags{"withheld", "synthetic", "overlap", "key_point"};
 
 // Points with their source index (rank in the whole input, filtered and rejected points counted).
 struct CloudBatch {
@@ -42,6 +52,9 @@ struct CloudCounts {
   std::uint64_t read = 0;      // points in the files
   std::uint64_t invalid = 0;   // not finite, dropped by --skip-invalid
   std::uint64_t filtered = 0;  // outside the crop box, of another class, or of a level finer than the resolution
+  // Of points that were filtered one by one: where they are, and their classes, when a class was asked for.
+  Bounds outside = {};
+  std::bitset<256> other_classes = {};
 };
 
 class Cloud {

@@ -24,7 +24,7 @@ Result<CloudCrs> settle_crs(const std::vector<FileInfo>& files, const std::strin
   CloudCrs settled{given, {}};
   if (!given.empty()) return settled;
   std::map<std::string, const FileInfo*> first_with;  // the files of a survey say the same, word for word
-  const FileInfo *first = nullptr, *with_heights = nullptr, *without = nullptr;
+  const FileInfo *first = nullptr, *without = nullptr;
   std::size_t count_without = 0;
   for (const FileInfo& file : files) {
     if (!file.crs_note.empty()) settled.warnings.push_back(file.path.string() + ": " + file.crs_note);
@@ -32,13 +32,19 @@ Result<CloudCrs> settle_crs(const std::vector<FileInfo>& files, const std::strin
       if (count_without++ == 0) without = &file;
       continue;
     }
-    if (!first_with.emplace(file.crs, &file).second) continue;
+    first_with.emplace(file.crs, &file);
     if (first == nullptr) first = &file;
-    if (!same_crs(first->crs, file.crs)) return different(*first, file);
-    if (with_heights != nullptr && !same_crs(with_heights->crs, file.crs)) return different(*with_heights, file);
-    if (with_heights == nullptr && has_heights(file.crs)) with_heights = &file;
   }
   if (first == nullptr) return settled;
+  // One text needs not be understood: what understands it takes memory.
+  const FileInfo* with_heights = nullptr;
+  if (first_with.size() > 1) {
+    for (const auto& [crs, file] : first_with) {
+      if (!same_crs(first->crs, crs)) return different(*first, *file);
+      if (with_heights != nullptr && !same_crs(with_heights->crs, crs)) return different(*with_heights, *file);
+      if (with_heights == nullptr && has_heights(crs)) with_heights = file;
+    }
+  }
   const FileInfo& chosen = with_heights != nullptr ? *with_heights : *first;
   settled.crs = chosen.crs;
   if (without != nullptr) {

@@ -107,6 +107,8 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
     counts.read += more.read;
     counts.invalid += more.invalid;
     counts.filtered += more.filtered;
+    counts.outside.add(more.outside);
+    counts.other_classes |= more.other_classes;
   };
   const auto read_unit = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
     ReadUnit made;

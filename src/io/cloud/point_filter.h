@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "src/io/cloud/cloud.h"
@@ -12,12 +14,15 @@
 
 namespace tessera {
 
+// The attributes that the options filter by, and the keys of these options.
+std::vector<std::pair<std::string, const char*>> filtered_by(const CloudOptions& options);
+
 class PointFilter {
  public:
   // `schema` is the cloud's.
   PointFilter(const CloudOptions& options, const std::vector<Attribute>& schema);
 
-  // What the file's reader must give: the schema, and the classification behind it if it is needed but not in it.
+  // What the file's reader must give: the schema, and behind it what else the options filter by.
   const std::vector<Attribute>& reader_schema() const { return reader_schema_; }
 
   // Appends the points of `batch` that are kept to `to`, with ids first_id, first_id + 1, ... given to kept and dropped
@@ -27,15 +32,22 @@ class PointFilter {
 
  private:
   bool is_valid(const Point& p) const;
-  bool is_wanted(const Point& p, const std::byte* row) const;
+  bool is_in_box(const Point& p) const;
+  bool is_wanted(const std::byte* row, CloudCounts& counts) const;
+  // Of an attribute of the reader's row.
+  struct Column {
+    std::size_t at = 0;
+    AttributeType type = AttributeType::u8;
+    double value(const std::byte* row) const;
+  };
+  Column column(const std::string& name);
 
   CloudOptions options_;
   std::vector<Attribute> reader_schema_;
   std::size_t row_bytes_, reader_row_bytes_;
   std::optional<std::size_t> z_at_;  // where a row of the cloud carries z
-  std::size_t class_at_ = 0;         // where a row of the reader has the classification
-  AttributeType class_type_ = AttributeType::u8;
-  bool keep_all_;
+  Column class_, number_, of_;       // classification, number of the return, returns of the pulse
+  std::vector<Column> flags_;
 };
 
 }  // namespace tessera

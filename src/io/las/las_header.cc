@@ -39,7 +39,7 @@ Bounds declared_bounds(const std::byte* header) {
   return bounds;
 }
 
-// The standard fields of a point format. Flags, wave packets and the scanner channel are not carried.
+// The standard fields of a point format. Wave packets, scan direction and the scanner channel are not carried.
 std::vector<LasField> standard_fields(int format) {
   using enum AttributeType;
   std::vector<LasField> fields;
@@ -54,6 +54,11 @@ std::vector<LasField> standard_fields(int format) {
   bits("return_number", 14, 0, wide ? 0x0F : 0x07);
   bits("number_of_returns", 14, wide ? 4 : 3, wide ? 0x0F : 0x07);
   bits("classification", wide ? 16 : 15, 0, wide ? 0xFF : 0x1F);
+  const unsigned flags = wide ? 0 : 5;
+  bits("synthetic", 15, flags, 1);
+  bits("key_point", 15, flags + 1, 1);
+  bits("withheld", 15, flags + 2, 1);
+  if (wide) bits("overlap", 15, 3, 1);
   // Degrees: whole ones in formats 0-5, steps of 0.006 from 6 on.
   fields.push_back({.attribute = {"scan_angle", f32},
                     .offset = wide ? std::size_t{18} : 16,
@@ -75,13 +80,13 @@ std::vector<LasField> standard_fields(int format) {
   return fields;
 }
 
-// Extra bytes: descriptors of 192 bytes, in the order of the bytes they describe.
-void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header) {
+// Extra bytes: descriptors of 192 bytes, in the order of the bytes they describe. `offset`: of the first of them;
+// becomes that of what follows.
+void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header, std::size_t& offset) {
   using enum AttributeType;
   constexpr std::array types{u8, i8, u16, i16, u32, i32, u64, i64, f32, f64};
   AttributeNames names;
   for (auto& field : header.fields) names.make(field.attribute.name);
-  std::size_t offset = record_bytes_of_format[static_cast<std::size_t>(header.point_format)];
   for (std::size_t at = 0; at + 192 <= descriptors.size(); at += 192) {
     const auto d = descriptors.subspan(at, 192);
     const unsigned kind = load<std::uint8_t>(d.data() + 2), options = load<std::uint8_t>(d.data() + 3);
@@ -106,7 +111,10 @@ void add_extra_fields(std::span<const std::byte> descriptors, LasHeader& header)
 class RecordWalk {
  public:
   RecordWalk(const ByteSource& source, LasHeader& header, Projection& projection)
-      : source_(source), header_(header), projection_(projection) {}
+      : source_(source),
+        header_(header),
+        projection_(projection),
+        extra_at_(record_bytes_of_format[static_cast<std::size_t>(header.point_format)]) {}
 
   Status walk(std::uint64_t at, std::uint64_t end, std::uint64_t count, bool extended) {
     const std::size_t head_bytes = extended ? 60 : 54;
@@ -140,10 +148,7 @@ class RecordWalk {
     if (!(projection || other_wkt || extra || laszip || copc) || length > payload_bytes_max) return success();
     std::vector<std::byte> bytes(static_cast<std::size_t>(length));
     BOOST_OUTCOME_TRYV(source_.read(at, bytes));
-    if (extra && !extra_seen_) {
-      extra_seen_ = true;
-      add_extra_fields(bytes, header_);
-    }
+    if (extra) add_extra_fields(bytes, header_, extra_at_);  // a second record goes on where the first one ended
     if (projection && id == 34735) projection_.directory = bytes;
     if (projection && id == 34736) projection_.doubles = bytes;
     if (projection && id == 34737) projection_.ascii = bytes;
@@ -159,7 +164,7 @@ class RecordWalk {
   const ByteSource& source_;
   LasHeader& header_;
   Projection& projection_;
-  bool extra_seen_ = false;
+  std::size_t extra_at_;
 };
 
 // Well-known text is exact where GeoTIFF keys may be vague; a few writers gave it a name of their own.

@@ -33,28 +33,42 @@ std::string lower(std::string_view text) {
   return result;
 }
 
-// Which columns are x, y and z by their names; the first family that has both x and y wins.
-std::vector<std::size_t> coordinates_by_name(const std::vector<std::string_view>& names) {
+// "Easting [m]" and "easting_m" are called easting.
+std::string bare(std::string_view name) {
+  std::string text = lower(name);
+  for (const std::string_view unit : {"[m]", "(m)", "_m", "[ft]", "(ft)", "_ft", "[deg]", "(deg)"}) {
+    if (text.size() > unit.size() && text.ends_with(unit)) text.resize(text.size() - unit.size());
+  }
+  return std::string(trimmed(text));
+}
+
+// Sets the columns that are x, y and z by their names; the first family that has both x and y wins.
+void coordinates_by_name(const std::vector<std::string_view>& names, TextColumns& columns) {
+  using Names = std::array<std::string_view, 8>;
   struct Family {
-    std::array<std::string_view, 3> x, y, z;
+    Names x, y;
+    bool degrees;
   };
-  constexpr std::array<Family, 3> families{
-      Family{{"x", "x_m", "x[m]"}, {"y", "y_m", "y[m]"}, {"z", "z_m", "z[m]"}},
-      Family{{"easting", "e", "east"}, {"northing", "n", "north"}, {"z", "elevation", "height"}},
-      Family{{"lon", "longitude", "lng"}, {"lat", "latitude", "latitude"}, {"z", "elevation", "height"}}};
-  const auto find = [&](const std::array<std::string_view, 3>& wanted) -> std::optional<std::size_t> {
-    for (std::size_t i = 0; i < names.size(); ++i)
-      if (std::find(wanted.begin(), wanted.end(), lower(names[i])) != wanted.end()) return i;
+  constexpr std::array<Family, 3> families{Family{{"x"}, {"y"}, false},
+                                           Family{{"easting", "e", "east"}, {"northing", "n", "north"}, false},
+                                           Family{{"lon", "longitude", "lng", "long"}, {"lat", "latitude"}, true}};
+  constexpr Names heights{"z", "elevation", "height", "up", "elev", "altitude", "alt", "h"};
+  const auto find = [&](const Names& wanted) -> std::optional<std::size_t> {
+    for (const auto name : wanted) {
+      if (name.empty()) break;
+      for (std::size_t i = 0; i < names.size(); ++i)
+        if (bare(names[i]) == name) return i;
+    }
     return std::nullopt;
   };
   for (const auto& family : families) {
-    const auto x = find(family.x), y = find(family.y), z = find(family.z);
+    const auto x = find(family.x), y = find(family.y), z = find(heights);
     if (!x || !y) continue;
-    std::vector<std::size_t> columns{*x, *y};
-    if (z) columns.push_back(*z);
-    return columns;
+    columns.coordinates = {*x, *y};
+    if (z) columns.coordinates.push_back(*z);
+    columns.degrees = family.degrees;
+    return;
   }
-  return {};
 }
 
 }  // namespace
@@ -123,7 +137,7 @@ std::string settle_columns(std::string_view header, std::string_view numbers, Te
   if (values.size() > columns_max || names.size() > columns_max)
     return "has more than " + std::to_string(columns_max) + " columns";
 
-  columns.coordinates = coordinates_by_name(names);
+  coordinates_by_name(names, columns);
   if (columns.coordinates.empty()) {
     const auto is_number = [&](std::size_t i) { return i < values.size() && parse_number(values[i]).has_value(); };
     columns.coordinates = {0, 1};

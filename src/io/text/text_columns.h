@@ -24,6 +24,7 @@ struct TextColumns {
   Delimiter delimiter = Delimiter::blanks;
   bool has_header = false;
   std::vector<std::size_t> coordinates;  // 2 or 3 columns: x, y and perhaps z
+  bool degrees = false;                  // the header calls x and y longitude and latitude
   struct Extra {
     Attribute attribute;
     std::size_t column;

@@ -193,6 +193,7 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   }
 
   info.dimension = static_cast<int>(columns.coordinates.size());
+  info.degrees = columns.degrees;
   const char* parted = columns.delimiter == Delimiter::comma       ? "commas"
                        : columns.delimiter == Delimiter::semicolon ? "semicolons"
                        : columns.delimiter == Delimiter::tab       ? "tabs"
