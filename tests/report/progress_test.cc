@@ -84,7 +84,7 @@ std::string shown(ProgressStyle style) {
 TEST(Progress, DisplaysShowAChangeOfPhaseInTheirStyle) {
   EXPECT_EQ(shown(ProgressStyle::none), "");
   EXPECT_NE(shown(ProgressStyle::lines).find("reading"), std::string::npos);
-  EXPECT_EQ(nlohmann::json::parse(shown(ProgressStyle::json))["phase"], "reading");
+  EXPECT_EQ(nlohmann::json::parse(shown(ProgressStyle::json))["phase"], "routing");
   const auto panel = shown(ProgressStyle::terminal);
   EXPECT_NE(panel.find("reading"), std::string::npos);
   EXPECT_TRUE(panel.ends_with("\033[J"));  // taken away at the end
