@@ -3,7 +3,7 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <deque>
+#include <array>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -15,27 +15,26 @@ constexpr std::size_t page = 4096;
 
 std::size_t rounded(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
-// What has been given back, the oldest first.
+// What has been given back, the oldest first. Taking it back needs no memory: it is given back when there is none.
 class Pool {
  public:
   bool take(std::size_t bytes, Mapping& out) {
     const std::lock_guard lock(mutex_);
-    auto best = kept_.end();
-    for (auto i = kept_.begin(); i != kept_.end(); ++i) {
+    std::size_t best = count_;
+    for (std::size_t i = 0; i < count_; ++i) {
       // Not one far too large: a small array would hold the pages of a large one.
-      if (i->reserved < bytes || i->touched / 4 > bytes) continue;
-      if (best == kept_.end() || i->reserved < best->reserved) best = i;
+      if (kept_[i].reserved < bytes || kept_[i].touched / 4 > bytes) continue;
+      if (best == count_ || kept_[i].reserved < kept_[best].reserved) best = i;
     }
-    if (best == kept_.end()) return false;
-    out = *best;
-    held_ -= out.touched;
-    kept_.erase(best);
+    if (best == count_) return false;
+    out = remove(best);
     return true;
   }
 
   void give(const Mapping& mapping) {
     const std::lock_guard lock(mutex_);
-    kept_.push_back(mapping);
+    if (count_ == kept_.size()) unmap_oldest();
+    kept_[count_++] = mapping;
     held_ += mapping.touched;
     trim();
   }
@@ -57,16 +56,26 @@ class Pool {
  private:
   void trim() {
     const std::size_t limit = shares_ > 0 ? asked_ : unasked;
-    while (held_ > limit || kept_.size() > mappings_max) {
-      munmap(kept_.front().at, kept_.front().reserved);
-      held_ -= kept_.front().touched;
-      kept_.pop_front();
-    }
+    while (held_ > limit) unmap_oldest();
+  }
+
+  void unmap_oldest() {
+    const Mapping oldest = remove(0);
+    munmap(oldest.at, oldest.reserved);
+  }
+
+  Mapping remove(std::size_t i) {
+    const Mapping removed = kept_[i];
+    std::copy(kept_.begin() + i + 1, kept_.begin() + count_, kept_.begin() + i);
+    --count_;
+    held_ -= removed.touched;
+    return removed;
   }
 
   static constexpr std::size_t mappings_max = 64;
   std::mutex mutex_;
-  std::deque<Mapping> kept_;
+  std::array<Mapping, mappings_max> kept_;
+  std::size_t count_ = 0;
   static constexpr std::size_t unasked = std::size_t{256} << 20;
   std::size_t held_ = 0, shares_ = 0, asked_ = 0;
 };

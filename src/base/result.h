@@ -6,6 +6,7 @@
 #include <boost/outcome/policy/terminate.hpp>
 #include <boost/outcome/try.hpp>
 #include <cstdint>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -35,6 +36,17 @@ using Status = Result<void>;
 
 inline auto success() { return boost::outcome_v2::success(); }
 inline Error error(Errc code, std::string where) { return Error{code, std::move(where)}; }
+
+// The error that `make()` gives, or a short one that needs no memory when there is none for its sentence. For handlers
+// of exceptions that must not throw themselves.
+template <class Make>
+Error worded(Make&& make) noexcept {
+  try {
+    return make();
+  } catch (const std::bad_alloc&) {
+    return error(Errc::memory, "out of memory");
+  }
+}
 
 }  // namespace tessera
 

@@ -3,6 +3,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <new>
+
 namespace tessera {
 namespace {
 
@@ -51,10 +53,13 @@ void ProgressDisplay::run(const std::stop_token& stop) {
       wake_.wait_for(lock, stop, tick, [] { return false; });
     }
     if (stop.stop_requested()) break;
-    const auto now = look(progress_, elapsed_s());
-    if (style_ == ProgressStyle::terminal || now.phase != shown_phase_ ||
-        now.elapsed_s - shown_s_ >= interval_s(style_)) {
-      show(now);
+    try {
+      const auto now = look(progress_, elapsed_s());
+      if (style_ == ProgressStyle::terminal || now.phase != shown_phase_ ||
+          now.elapsed_s - shown_s_ >= interval_s(style_)) {
+        show(now);
+      }
+    } catch (const std::bad_alloc&) {  // the job will tell
     }
   }
   erase_panel();

@@ -77,7 +77,7 @@ Status read_file_ahead(PointReader& reader, const PointFilter& filter, std::uint
         return error(Errc::interrupted, "nobody wants the batches any more");
       });
     } catch (const std::bad_alloc&) {
-      return error(Errc::memory, "no memory is left to read " + reader.info().path.string());
+      return worded([&] { return error(Errc::memory, "no memory is left to read " + reader.info().path.string()); });
     }
   };
   const std::jthread thread([&] { queue.finish(read()); });

@@ -52,7 +52,7 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
         try {
           return make(i);
         } catch (const std::bad_alloc&) {
-          return error(Errc::memory, "no memory is left to read the input files");
+          return worded([] { return error(Errc::memory, "no memory is left to read the input files"); });
         }
       }();
       lock.lock();

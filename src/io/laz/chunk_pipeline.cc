@@ -27,10 +27,17 @@ Error chunk_error(const ByteSource& source, const Chunk& chunk, const Error& rea
 ChunkPipeline::ChunkPipeline(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan,
                              std::span<const Chunk> chunks, unsigned threads)
     : source_(source), layout_(layout), plan_(plan), chunks_(chunks), slots_(threads + 1) {
-  for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  try {
+    for (unsigned i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+  } catch (...) {
+    stop();  // those that were started
+    throw;
+  }
 }
 
-ChunkPipeline::~ChunkPipeline() {
+ChunkPipeline::~ChunkPipeline() { stop(); }
+
+void ChunkPipeline::stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;
@@ -80,7 +87,8 @@ Status ChunkPipeline::decode(std::size_t index) try {
   }
   return decoder->check_end();
 } catch (const std::bad_alloc&) {
-  return error(Errc::memory, source_.path().string() + ": no memory is left to decompress it");
+  return worded(
+      [this] { return error(Errc::memory, source_.path().string() + ": no memory is left to decompress it"); });
 }
 
 Status ChunkPipeline::next(RecordBlock& block) {

@@ -50,6 +50,7 @@ class ChunkPipeline {
   };
 
   void work();
+  void stop();
   Status decode(std::size_t chunk);
   Slot& slot(std::size_t chunk) { return slots_[chunk % slots_.size()]; }
 
