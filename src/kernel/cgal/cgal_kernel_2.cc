@@ -61,6 +61,7 @@ struct Traits2 {
     t.get_conflicts(p, std::back_inserter(zone.cells), c);
     return {};
   }
+  static void make_room(Triangulation&) {}
   static Vertex_h insert_into(Triangulation& t, const K::Point_2& p, const Zone& zone) {
     return t.insert(p, zone.cells.front());
   }

@@ -3,6 +3,8 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
+#include <array>
+#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -64,6 +66,18 @@ struct Traits3 {
     if (type == Triangulation::VERTEX) return c->vertex(i);
     t.find_conflicts(p, c, std::back_inserter(zone.boundary), std::back_inserter(zone.cells));
     return {};
+  }
+  // CGAL 5.5 fills a small hole through a table that belongs to the thread. An exception leaves the hole's edges in it,
+  // and the next triangulation in this thread takes them for its own: while there is such a table no cell may want
+  // memory.
+  static void make_room(Triangulation& t) {
+    constexpr std::size_t small_hole_cells = 128;
+    auto& tds = t.tds();
+    assert(tds.is_small_hole(small_hole_cells) && !tds.is_small_hole(small_hole_cells + 1));
+    if (tds.cells().capacity() - tds.cells().size() >= small_hole_cells) return;
+    std::array<Cell, small_hole_cells> made;
+    for (Cell& cell : made) cell = tds.create_cell();
+    for (auto cell = made.rbegin(); cell != made.rend(); ++cell) tds.delete_cell(*cell);
   }
   // As CGAL's own insertion: a small hole is filled through a table of its edges, a large one by turning around them.
   static Vertex_h insert_into(Triangulation& t, const K::Point_3& p, const Zone& zone) {

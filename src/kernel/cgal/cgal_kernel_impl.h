@@ -4,6 +4,7 @@
 //   for_each_cell(t, f), for_each_incident_cell(t, v, f), for_each_neighbour(t, v, f)
 //   Zone: the conflict zone of a point, with member `cells` and clear()
 //   conflicts(t, p, start, zone): locates p and collects its conflict zone; the vertex there, or null
+//   make_room(t): what an insertion must not fail to get in its midst; to be called before each
 //   insert_into(t, p, zone): inserts p
 //   create_cell(t, vertices), set_neighbours(cell, neighbours)
 #pragma once
@@ -57,6 +58,7 @@ class CgalKernel final : public Kernel {
     local_[0] = 0;
     Cell hint{};
     for_each_in_brio_order(points.size(), [&](std::size_t i) {
+      Traits::make_room(t_);
       const Handle v = t_.insert(Traits::to_cgal(points[i]), hint);
       hint = Traits::cell_of(v);
       v->info() = static_cast<Vertex>(i + 1);
@@ -82,6 +84,7 @@ class CgalKernel final : public Kernel {
         return {0, false};
       }
     }
+    Traits::make_room(t_);
     return {label(Traits::insert_into(t_, q, zone_), local), true};
   }
 
