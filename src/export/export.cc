@@ -11,6 +11,7 @@
 #include "src/base/option.h"
 #include "src/crs/crs.h"
 #include "src/export/mesh_reader.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"
@@ -100,10 +101,10 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
 
 // Error usage when `folder` has files of an older export that those named will not replace.
 Status check_leftovers(const fs::path& folder, const Format& format, const std::set<std::string>& names) {
-  std::error_code code;
-  for (const auto& entry : fs::directory_iterator(folder, code))
-    if (entry.path().extension() == format.ending && !names.contains(entry.path().filename()))
-      return error(Errc::usage, entry.path().string() + ": would stay among the new files; remove it first");
+  FolderReader reader(folder);
+  while (const char* name = reader.next())
+    if (fs::path(name).extension() == format.ending && !names.contains(name))
+      return error(Errc::usage, (folder / name).string() + ": would stay among the new files; remove it first");
   return success();
 }
 
@@ -122,10 +123,10 @@ class NewFolder {
     if (!fs::exists(target_, code)) {
       fs::rename(path(), target_, code);
     } else {
-      std::vector<fs::path> files;
-      for (const auto& entry : fs::directory_iterator(path(), code)) files.push_back(entry.path());
-      for (const auto& file : files)
-        if (!code) fs::rename(file, target_ / file.filename(), code);
+      FolderReader reader(path());
+      const char* name = nullptr;
+      while (!code && (name = reader.next()) != nullptr) fs::rename(path() / name, target_ / name, code);
+      if (!code) code = reader.error();
     }
     if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
     return sync_folder(target_);
@@ -198,9 +199,9 @@ Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
   BOOST_OUTCOME_TRYV(read_merged(source, *writer));
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   exported.bytes = bytes;
-  std::error_code code;
   std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder.path(), code)) names.insert(entry.path().filename());
+  FolderReader reader(folder.path());
+  while (const char* name = reader.next()) names.insert(name);
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, names));
   exported.files = names.size();
   BOOST_OUTCOME_TRYV(folder.publish());

@@ -22,7 +22,8 @@ constexpr std::size_t piece_bytes = std::size_t{1} << 30;  // Linux moves at mos
 }  // namespace
 
 Error io_error(const fs::path& path, const std::string& what, int number) {
-  return error(Errc::io, path.string() + ": " + what + ": " + std::generic_category().message(number));
+  return error(number == ENOMEM ? Errc::memory : Errc::io,
+               path.string() + ": " + what + ": " + std::generic_category().message(number));
 }
 
 FileHandle& FileHandle::operator=(FileHandle&& other) noexcept {

@@ -11,7 +11,7 @@
 
 namespace tessera {
 
-// Error io: "path: what failed: the system's reason".
+// Error io, or memory when there is none: "path: what failed: the system's reason".
 Error io_error(const std::filesystem::path& path, const std::string& what, int number);
 
 // Closed when it goes.

@@ -15,9 +15,9 @@
 #include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "src/files/descriptor.h"
+#include "src/files/folder.h"
 #include "src/files/lock_owner.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -43,11 +43,11 @@ std::optional<nanoseconds> last_change(const fs::path& path) {
 
 // The file in the lock folder. Empty when there is none.
 Result<std::string> owner_name(const fs::path& lock) {
-  std::error_code code;
-  fs::directory_iterator entry(lock, code);
-  if (code == std::errc::no_such_file_or_directory) return std::string();
-  if (code) return io_error(lock, "cannot be read", code.value());
-  return entry == fs::directory_iterator() ? std::string() : entry->path().filename().string();
+  FolderReader reader(lock);
+  if (const char* name = reader.next()) return std::string(name);
+  const auto failed = reader.error();
+  if (failed && failed != std::errc::no_such_file_or_directory) return io_error(lock, "cannot be read", failed.value());
+  return std::string();
 }
 
 Error locked(const fs::path& out, const std::string& name) {
@@ -71,7 +71,7 @@ Flock try_flock(const FileHandle& folder, bool use_flock) {
 }  // namespace
 
 struct FolderLock::Impl {
-  fs::path out;
+  fs::path out, lock;
   FileHandle folder;  // with flock(), where it works
   LockOwner owner;
   fs::path file;
@@ -87,12 +87,12 @@ struct FolderLock::Impl {
     }
     if (file.empty()) return;
     ::unlink(file.c_str());
-    ::rmdir(lock_folder(out).c_str());  // unless another has made it its own meanwhile
+    ::rmdir(lock.c_str());  // unless another has made it its own meanwhile
   }
 
   void beat(const std::stop_token& stop) {
-    std::unique_lock lock(mutex);
-    while (!woken.wait_for(lock, stop, heartbeat, [&] { return stop.stop_requested(); })) {
+    std::unique_lock guard(mutex);
+    while (!woken.wait_for(guard, stop, heartbeat, [&] { return stop.stop_requested(); })) {
       // Errors pass: a server that does not answer for a while. Whether the lock is lost, check_held() finds out.
       ::utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
     }
@@ -101,16 +101,14 @@ struct FolderLock::Impl {
   // What processes that are dead were making when they were killed.
   void remove_remains() const {
     const std::string prefix = new_lock_folder("", "").string();
-    std::error_code ignored;  // the next owner tries again
-    std::vector<fs::path> remains;
-    for (fs::directory_iterator entry(out, ignored); !ignored && entry != fs::directory_iterator();
-         entry.increment(ignored)) {
-      const std::string name = entry->path().filename().string();
+    FolderReader reader(out);
+    while (const char* entry = reader.next()) {
+      const std::string name = entry;
       if (!name.starts_with(prefix)) continue;
       const auto maker = LockOwner::from_name(name.substr(prefix.size()));
-      if (maker && maker->under_this_kernel() && !maker->may_be_alive()) remains.push_back(entry->path());
+      // What cannot be removed the next owner tries again.
+      if (maker && maker->under_this_kernel() && !maker->may_be_alive()) remove_tree(out / name);
     }
-    for (const fs::path& folder : remains) fs::remove_all(folder, ignored);
   }
 
   // A new lock folder, with its owner in it from the start. False when there is one.
@@ -121,7 +119,7 @@ struct FolderLock::Impl {
     struct stat status {};
     if (::fstat(created.get(), &status) != 0) return io_error(path, "cannot be examined", errno);
     now = last_change(status);
-    if (std::rename(made.path().c_str(), lock_folder(out).c_str()) == 0) {
+    if (std::rename(made.path().c_str(), lock.c_str()) == 0) {
       made.keep();
       return true;
     }
@@ -129,11 +127,10 @@ struct FolderLock::Impl {
     // A network file system may have done it and lost its answer.
     const int reason = errno;
     if (fs::exists(file)) return true;
-    return io_error(lock_folder(out), "cannot be made", reason);
+    return io_error(lock, "cannot be made", reason);
   }
 
   Status take(const LockOptions& options) {
-    const auto lock = lock_folder(out);
     BOOST_OUTCOME_TRY(opened, open_handle(out, O_RDONLY | O_DIRECTORY));
     folder = std::move(opened);
     const Flock flock = try_flock(folder, options.use_flock);
@@ -174,7 +171,8 @@ Result<FolderLock> FolderLock::take(const fs::path& out, const LockOptions& opti
   impl->out = out;
   impl->owner = LockOwner::this_process();
   impl->heartbeat = options.heartbeat;
-  impl->file = lock_folder(out) / impl->owner.name();
+  impl->lock = lock_folder(out);
+  impl->file = impl->lock / impl->owner.name();
   BOOST_OUTCOME_TRYV(impl->take(options));
   impl->remove_remains();
   impl->thread = std::jthread([held = impl.get()](const std::stop_token& stop) { held->beat(stop); });

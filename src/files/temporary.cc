@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "src/files/descriptor.h"
+#include "src/files/folder.h"
 
 namespace tessera {
 
@@ -33,9 +34,9 @@ Result<TemporaryFolder> TemporaryFolder::make(const fs::path& path) {
   return TemporaryFolder(path);
 }
 
+// What fails here nobody waits for, and a destructor cannot tell.
 TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;  // a destructor cannot tell, and nobody waits for it
-  if (!path_.empty()) fs::remove_all(path_, ignored);
+  if (!path_.empty()) remove_tree(path_);
 }
 
 }  // namespace tessera

@@ -3,13 +3,14 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include "src/base/option.h"
 #include "src/files/descriptor.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_store.h"
@@ -25,12 +26,11 @@ bool is_run(const fs::path& folder) {
 
 template <class Ours>
 bool holds_only(const fs::path& folder, Ours ours) {
-  std::error_code ec;
-  fs::directory_iterator entry(folder, ec);
-  for (; !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
-    if (!ours(entry->path())) return false;
+  FolderReader reader(folder);
+  while (const char* name = reader.next()) {
+    if (!ours(name)) return false;
   }
-  return !ec;
+  return !reader.error();
 }
 
 // Other programs have folders named .run.
@@ -40,6 +40,11 @@ bool is_part_of_run(const fs::path& entry) {
 
 Error refused_by_system(const fs::path& path, const std::string& reason) {
   return error(Errc::io, path.string() + ": " + reason);
+}
+
+Status remove_folder(const fs::path& folder) {
+  if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
+  return success();
 }
 
 }  // namespace
@@ -58,13 +63,12 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   if (!fs::is_directory(status)) return refused_by_system(out, "is not a folder");
 
   bool anything = false, part_of_run = false;
-  fs::directory_iterator entries(out, ec);
-  if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
-  for (; entries != fs::directory_iterator(); entries.increment(ec)) {
-    if (ec) return refused_by_system(out, "cannot be read: " + ec.message());
-    anything = anything || (!is_new_run_name(entries->path()) && !is_lock_name(entries->path()));
-    part_of_run = part_of_run || is_part_of_run(entries->path());
+  FolderReader reader(out);
+  while (const char* name = reader.next()) {
+    anything = anything || (!is_new_run_name(name) && !is_lock_name(name));
+    part_of_run = part_of_run || is_part_of_run(out / name);
   }
+  if (reader.error()) return refused_by_system(out, "cannot be read: " + reader.error().message());
   const bool manifest = fs::exists(manifest_file(out), ec);
   if (manifest) {
     // A damaged or newer manifest is nothing to build on, nor to delete: its owner decides.
@@ -113,16 +117,12 @@ Status ResultFolder::claim() {
 }
 
 Status ResultFolder::discard_runs() {
-  std::error_code ec;
-  std::vector<fs::path> old;
-  for (fs::directory_iterator entry(out_, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
-    if (is_new_run_name(entry->path())) old.push_back(entry->path());
+  FolderReader reader(out_);
+  while (const char* name = reader.next()) {
+    if (!is_new_run_name(name)) continue;
+    BOOST_OUTCOME_TRYV(remove_folder(out_ / name));
   }
-  if (ec) return refused_by_system(out_, "cannot be read: " + ec.message());
-  for (const fs::path& folder : old) {
-    fs::remove_all(folder, ec);
-    if (ec) return refused_by_system(folder, "cannot be removed: " + ec.message());
-  }
+  if (reader.error()) return refused_by_system(out_, "cannot be read: " + reader.error().message());
   if (resuming_) return success();
   return remove_run();
 }
@@ -134,10 +134,7 @@ Status ResultFolder::remove_run() const {
   if (!old_result_stands_ && !complete_) {
     BOOST_OUTCOME_TRYV(remove_result());
   }
-  std::error_code ec;
-  fs::remove_all(run(), ec);
-  if (ec) return refused_by_system(run(), "cannot be removed: " + ec.message());
-  return success();
+  return remove_folder(run());
 }
 
 Status ResultFolder::remove_result() const {
@@ -147,13 +144,12 @@ Status ResultFolder::remove_result() const {
   if (ec) return refused_by_system(manifest_file(out_), "cannot be removed: " + ec.message());
   const auto remove_from = [&](const fs::path& folder, bool (*ours)(const fs::path&)) -> Status {
     if (!fs::is_directory(fs::symlink_status(folder, ec))) return success();
-    std::vector<fs::path> files;
-    for (fs::directory_iterator it(folder, ec); !ec && it != fs::directory_iterator(); it.increment(ec)) {
-      if (!fs::is_directory(it->symlink_status(ec)) && ours(it->path())) files.push_back(it->path());
+    FolderReader reader(folder);
+    while (const char* name = reader.next()) {
+      const auto file = folder / name;
+      if (!ec && !fs::is_directory(fs::symlink_status(file, ec)) && ours(file)) fs::remove(file, ec);
     }
-    for (const auto& file : files) {
-      if (!ec) fs::remove(file, ec);
-    }
+    if (reader.error()) ec = reader.error();
     if (ec) return refused_by_system(folder, "cannot be cleared: " + ec.message());
     return success();
   };
@@ -179,11 +175,19 @@ Status ResultFolder::finish() {
   return remove_run();
 }
 
-void ResultFolder::abandon() {
+void ResultFolder::abandon() noexcept {
+  try {
+    remove_unfinished();
+  } catch (const std::bad_alloc&) {  // see the header
+  }
+}
+
+void ResultFolder::remove_unfinished() {
   std::error_code ignored;  // see the header
   // Without the lock another process may be at work.
-  if (complete_ || !lock_ || !check_claim()) return;
-  fs::remove_all(new_run(), ignored);
+  if (!lock_ && created_) fs::remove(out_, ignored);  // only when empty
+  if (complete_ || !lock_ || !check_held(lock_->file())) return;
+  remove_tree(new_run());
   if (resuming_) return;
   if (!old_result_stands_ && !remove_run()) return;
   if (!created_) return;

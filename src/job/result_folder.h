@@ -58,13 +58,14 @@ class ResultFolder {
   Status finish();
   // Removes everything this job has made; the folder too when it was absent. Keeps an old result that still stands, and
   // a run that this job resumed. Never fails: the error that led here is the one to tell.
-  void abandon();
+  void abandon() noexcept;
   // After an interruption: true when the run can be resumed; else as abandon().
   bool interrupted();
 
  private:
   ResultFolder(std::filesystem::path out, FolderState state, bool resuming)
       : out_(std::move(out)), state_(state), resuming_(resuming) {}
+  void remove_unfinished();
   Status remove_result() const;
   Status remove_run() const;
 

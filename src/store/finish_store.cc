@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "src/files/checksum.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/store/duplicates.h"
@@ -35,11 +35,12 @@ std::optional<Digest> sum_of_digests(const std::vector<TileEntry>& tiles) {
 }  // namespace
 
 void remove_side_files(const fs::path& out) {
-  std::error_code code;
-  std::vector<fs::path> old;
-  for (fs::directory_iterator file(tiles_folder(out), code), end; !code && file != end; file.increment(code))
-    if (is_done_name(file->path()) || is_temporary_name(file->path())) old.push_back(file->path());
-  for (const auto& path : old) ::unlink(path.c_str());
+  const auto folder = tiles_folder(out);
+  FolderReader reader(folder);
+  while (const char* name = reader.next()) {
+    const auto file = folder / name;
+    if (is_done_name(file) || is_temporary_name(file)) ::unlink(file.c_str());
+  }
 }
 
 Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& duplicates,

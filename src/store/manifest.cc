@@ -1,15 +1,11 @@
 #include "src/store/manifest.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "src/files/checksum.h"
-#include "src/files/disk_file.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_layout.h"
@@ -170,14 +166,6 @@ Manifest to_manifest(const json& value) {
 
 }  // namespace
 
-Status write_done(const fs::path& out, const TileEntry& entry) {
-  const std::string text = entry_to_json(entry).dump();
-  const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
-  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, entry.tile), DiskFile::Mode::replace));
-  BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
-  return file.close();
-}
-
 std::string manifest_to_text(const Manifest& manifest) {
   ordered_json value;
   value["format"] = "tessera";
@@ -251,47 +239,6 @@ Result<Manifest> read_manifest(const fs::path& out) {
   } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell
     return corrupt(std::string("is damaged: ") + wrong.what());
   }
-}
-
-namespace {
-
-// Nothing when the line is not what write_done() wrote.
-std::optional<TileEntry> read_done(std::string_view line) {
-  constexpr std::size_t sum_bytes = 18;  // a space, the checksum, the end of the line
-  if (line.size() < sum_bytes) return std::nullopt;
-  const auto text = line.substr(0, line.size() - sum_bytes);
-  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n")
-    return std::nullopt;
-  try {
-    return store::to_entry(json::parse(text));
-  } catch (const json::exception&) {
-    return std::nullopt;  // of another version
-  }
-}
-
-// Whether the file is the one that was stored. One that is missing, unreadable or damaged is made again.
-bool is_whole(const fs::path& tile, const TileEntry& entry) {
-  std::error_code missing;
-  if (fs::file_size(tile, missing) != entry.bytes || missing) return false;
-  const auto sum = checksum_file(tile);
-  return sum && sum.value() == entry.xxh3;
-}
-
-}  // namespace
-
-Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
-  std::vector<TileEntry> entries;
-  std::error_code code;
-  for (fs::directory_iterator file(tiles_folder(out), code), end; !code && file != end; file.increment(code)) {
-    if (!is_done_name(file->path())) continue;
-    const TileId tile{static_cast<std::uint32_t>(std::strtoul(file->path().filename().c_str(), nullptr, 10))};
-    if (done_file(out, tile) != file->path() || (wanted && !wanted(tile))) continue;
-    BOOST_OUTCOME_TRY(bytes, read_whole(file->path()));
-    const auto entry = read_done(as_text(bytes));
-    if (entry && entry->tile == tile && is_whole(tile_file(out, tile), *entry)) entries.push_back(*entry);
-  }
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
-  return entries;
 }
 
 }  // namespace tessera

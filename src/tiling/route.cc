@@ -10,6 +10,7 @@
 #include "src/base/option.h"
 #include "src/budget/budget.h"
 #include "src/files/descriptor.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/io/cloud/point_filter.h"
@@ -25,21 +26,20 @@ namespace {
 // Makes the folders, without what an unfinished run has left there; removes what was made unless it is kept.
 class RunFolder {
  public:
-  explicit RunFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit RunFolder(const std::filesystem::path& path)
+      : path_(path),
+        parts_{plan_file(path), temporary_name(plan_file(path)), points_folder(path), attributes_folder(path)} {}
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
   ~RunFolder() {
     if (keep_) return;
     // Already failing: what cannot be removed is removed by the next run, and the first error is the one to tell.
-    std::error_code ignored;
-    for (const auto& path : parts()) std::filesystem::remove_all(path, ignored);
+    for (const auto& path : parts_) remove_tree(path);
   }
 
   Status prepare(bool with_rows) {
-    std::error_code failed;
-    for (const auto& path : parts()) {
-      std::filesystem::remove_all(path, failed);
-      if (failed) return io_error(path, "cannot remove", failed.value());
+    for (const auto& path : parts_) {
+      if (const auto failed = remove_tree(path)) return io_error(path, "cannot remove", failed.value());
     }
     BOOST_OUTCOME_TRYV(make_directories(points_folder(path_)));
     if (with_rows) return make_directories(attributes_folder(path_));
@@ -48,11 +48,8 @@ class RunFolder {
   void keep() { keep_ = true; }
 
  private:
-  std::vector<std::filesystem::path> parts() const {
-    return {plan_file(path_), temporary_name(plan_file(path_)), points_folder(path_), attributes_folder(path_)};
-  }
-
   std::filesystem::path path_;
+  std::array<std::filesystem::path, 4> parts_;
   bool keep_ = false;
 };
 

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "src/files/checksum.h"
+#include "src/files/descriptor.h"
+#include "src/files/folder.h"
 #include "src/store/manifest.h"
 #include "src/store/vtk_xml.h"
 
@@ -40,15 +42,14 @@ Status check_listed(const fs::path& out, const Manifest& manifest) {
   for (const auto& entry : manifest.tiles) {
     names.insert(tile_file(out, entry.tile, manifest.format_version).filename());
   }
-  std::error_code code;
-  for (fs::directory_iterator file(folder, code), end; !code && file != end; file.increment(code)) {
-    const auto name = file->path().filename();
+  FolderReader reader(folder);
+  while (const char* entry = reader.next()) {
+    const fs::path name(entry);
     if (name.extension() == tile_file(out, TileId{0}, manifest.format_version).extension() && !names.contains(name))
-      return corrupt(file->path(), "is no tile of the manifest");
+      return corrupt(folder / name, "is no tile of the manifest");
   }
   // A result without tiles may be without the folder.
-  if (code && !manifest.tiles.empty())
-    return error(Errc::io, folder.string() + ": cannot be listed: " + code.message());
+  if (reader.error() && !manifest.tiles.empty()) return io_error(folder, "cannot be listed", reader.error().value());
   return success();
 }
 

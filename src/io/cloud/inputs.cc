@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/io/bytes/line_reader.h"
 #include "src/io/format.h"
@@ -39,23 +40,22 @@ Result<std::vector<std::string>> expand_pattern(const std::string& pattern) {
 
 // Adds the point files in `folder` and, when asked for, in its subfolders.
 Status add_folder(const fs::path& folder, bool recursive, std::vector<std::string>& files, bool& subfolders) {
-  std::error_code failed;
-  fs::directory_iterator entries(folder, failed);
-  for (; !failed && entries != fs::directory_iterator(); entries.increment(failed)) {
-    const fs::path path = entries->path();
-    if (path.filename().string().starts_with('.')) continue;
+  FolderReader reader(folder);
+  while (const char* name = reader.next()) {
+    const fs::path path = folder / name;
+    if (name[0] == '.') continue;
     std::error_code gone;  // or a link to nothing: the file then says so when it is opened
-    if (entries->is_directory(gone)) {
+    if (fs::is_directory(path, gone)) {
       subfolders = true;
       // Links between folders may go round in a circle.
-      if (recursive && !entries->is_symlink(gone) && !is_result_folder(path)) {
+      if (recursive && !fs::is_symlink(path, gone) && !is_result_folder(path)) {
         BOOST_OUTCOME_TRYV(add_folder(path, recursive, files, subfolders));
       }
     } else if (has_point_file_name(path)) {
       files.push_back(path.string());
     }
   }
-  if (failed) return error(Errc::io, folder.string() + ": cannot be read: " + failed.message());
+  if (reader.error()) return error(Errc::io, folder.string() + ": cannot be read: " + reader.error().message());
   return success();
 }
 

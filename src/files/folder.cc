@@ -1,0 +1,72 @@
+#include "src/files/folder.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <string_view>
+
+namespace tessera {
+namespace {
+
+bool is_entry(const ::dirent& entry) {
+  const std::string_view name = entry.d_name;
+  return name != "." && name != "..";
+}
+
+// 0 or why not.
+int remove_at(int folder, const char* name) noexcept {
+  if (::unlinkat(folder, name, 0) == 0 || errno == ENOENT || errno == ENOTDIR) return 0;
+  const int refused = errno;
+  if (refused != EISDIR && refused != EPERM) return refused;
+  const int below = ::openat(folder, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (below < 0) return errno == ENOENT ? 0 : errno == ENOTDIR ? refused : errno;
+  ::DIR* const entries = ::fdopendir(below);
+  if (entries == nullptr) {
+    const int failed = errno;
+    ::close(below);
+    return failed;
+  }
+  int failed = 0;
+  while (failed == 0) {
+    errno = 0;
+    const ::dirent* entry = ::readdir(entries);
+    if (entry == nullptr) {
+      failed = errno;
+      break;
+    }
+    if (is_entry(*entry)) failed = remove_at(below, entry->d_name);
+  }
+  ::closedir(entries);
+  if (failed == 0 && ::unlinkat(folder, name, AT_REMOVEDIR) != 0 && errno != ENOENT) failed = errno;
+  return failed;
+}
+
+}  // namespace
+
+FolderReader::FolderReader(const std::filesystem::path& folder) noexcept : folder_(::opendir(folder.c_str())) {
+  if (folder_ == nullptr) error_.assign(errno, std::generic_category());
+}
+
+FolderReader::~FolderReader() {
+  if (folder_ != nullptr) ::closedir(folder_);
+}
+
+const char* FolderReader::next() noexcept {
+  while (folder_ != nullptr && !error_) {
+    errno = 0;
+    const ::dirent* entry = ::readdir(folder_);
+    if (entry == nullptr) {
+      error_.assign(errno, std::generic_category());
+      return nullptr;
+    }
+    if (is_entry(*entry)) return entry->d_name;
+  }
+  return nullptr;
+}
+
+std::error_code remove_tree(const std::filesystem::path& path) noexcept {
+  return {remove_at(AT_FDCWD, path.c_str()), std::generic_category()};
+}
+
+}  // namespace tessera

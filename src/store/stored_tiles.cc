@@ -1,0 +1,100 @@
+// The side files by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
+// destroy what it has read: they are written and read while tiles are at work, and memory may be short.
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <functional>
+#include <optional>
+#include <string>
+#include <system_error>
+
+#include "src/files/checksum.h"
+#include "src/files/disk_file.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
+#include "src/store/manifest.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* no_digest = "-";
+
+// Takes the next word off `rest`.
+std::string_view take_word(std::string_view& rest) {
+  const auto word = rest.substr(0, rest.find(' '));
+  rest.remove_prefix(std::min(word.size() + 1, rest.size()));
+  return word;
+}
+
+template <class Number>
+bool take_number(std::string_view& rest, Number& value, int base = 10) {
+  const auto word = take_word(rest);
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  return failed == std::errc() && end == word.data() + word.size();
+}
+
+// Nothing when the line is not what write_done() wrote.
+std::optional<TileEntry> read_done(std::string_view line) {
+  constexpr std::size_t sum_bytes = 18;  // a space, the checksum, the end of the line
+  if (line.size() < sum_bytes) return std::nullopt;
+  auto text = line.substr(0, line.size() - sum_bytes);
+  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n")
+    return std::nullopt;
+  TileEntry entry;
+  const bool read = take_number(text, entry.tile.value) && take_number(text, entry.points) &&
+                    take_number(text, entry.own_points) && take_number(text, entry.cells) &&
+                    take_number(text, entry.main_cells) && take_number(text, entry.bytes) &&
+                    take_number(text, entry.xxh3, 16);
+  const auto digest = take_word(text);
+  if (digest != no_digest) entry.digest = parse_digest(digest);
+  if (!read || !text.empty() || (digest != no_digest && !entry.digest)) return std::nullopt;  // of another version
+  return entry;
+}
+
+// Whether the file is the one that was stored. One that is missing, unreadable or damaged is made again.
+bool is_whole(const fs::path& tile, const TileEntry& entry) {
+  std::error_code missing;
+  if (fs::file_size(tile, missing) != entry.bytes || missing) return false;
+  const auto sum = checksum_file(tile);
+  return sum && sum.value() == entry.xxh3;
+}
+
+}  // namespace
+
+namespace store {
+
+Status write_done(const fs::path& out, const TileEntry& entry) {
+  std::string text;
+  for (const std::uint64_t number :
+       {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
+    text += std::to_string(number) + " ";
+  }
+  text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest);
+  const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, entry.tile), DiskFile::Mode::replace));
+  BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
+  return file.close();
+}
+
+}  // namespace store
+
+Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
+  std::vector<TileEntry> entries;
+  FolderReader reader(tiles_folder(out));
+  while (const char* name = reader.next()) {
+    const auto file = tiles_folder(out) / name;
+    const TileId tile{static_cast<std::uint32_t>(std::strtoul(name, nullptr, 10))};
+    if (done_file(out, tile) != file || (wanted && !wanted(tile))) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(file));
+    const auto entry = read_done(as_text(bytes));
+    if (entry && entry->tile == tile && is_whole(tile_file(out, tile), *entry)) entries.push_back(*entry);
+  }
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  return entries;
+}
+
+}  // namespace tessera
