@@ -14,19 +14,44 @@ std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
 
 }  // namespace
 
-Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, caf::actor owner,
+Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, RunOwner& owner,
                          std::vector<NodeHandle> nodes)
-    : CoordinatorHandle::base(config),
+    : SteadyActor(config),
       options_(std::move(options)),
-      owner_(std::move(owner)),
+      owner_(owner),
       detector_(static_cast<std::uint32_t>(nodes.size())) {
-  for (NodeHandle& node : nodes) parts_.push_back({std::move(node), {}, false, false, false, false, {}});
+  for (NodeHandle& node : nodes) parts_.emplace_back().node = std::move(node);
+}
+
+// All nodes are asked or none: what is opened must be told how it ends.
+void Coordinator::initialize() {
+  SteadyActor::initialize();
+  for (PartOf& p : parts_) p.open.say(p.node);
 }
 
 // Coordinator and parts know each other: one that has ended must not keep the others alive.
 void Coordinator::on_exit() {
+  if (!std::exchange(told_, true)) {
+    abort_parts();
+    RunEnded end;
+    end.failure = failure_ ? std::move(*failure_) : ended_unexpectedly();
+    owner_.ended(std::move(end));
+  }
+  for (const PartOf& p : parts_) demonitor(p.node.address());
   parts_.clear();
-  owner_ = nullptr;
+}
+
+void Coordinator::failed(const std::exception_ptr& exception) noexcept {
+  if (!failure_) failure_ = failure_of(exception, [] { return std::string("the coordinator"); });
+}
+
+template <class Step>
+void Coordinator::attempt(Step step) noexcept {
+  try {
+    step();
+  } catch (...) {
+    give_up(failure_of(std::current_exception(), [] { return std::string("the coordinator"); }));
+  }
 }
 
 template <class Message>
@@ -42,88 +67,65 @@ bool Coordinator::all(Done done) const {
 }
 
 Coordinator::behavior_type Coordinator::make_behavior() {
-  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { lost_actor(down); });
-  set_error_handler(
-      [this](caf::scheduled_actor*, caf::error& reason) { fail(lost("a message of the coordinator", reason)); });
-  set_exception_handler([this](std::exception_ptr& exception) -> caf::error {
-    tell_parts(Abort{});
-    RunEnded ended;
-    ended.failure = failure_of(exception, "the coordinator");
-    if (owner_) caf::anon_send(owner_, std::move(ended));
-    return caf::sec::runtime_error;
+  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { attempt([&] { lost_actor(down); }); });
+  set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
+    attempt([&] { fail(lost("a message of the coordinator", reason)); });
   });
-  monitor(owner_);
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     monitor(parts_[n].node);
-    send(parts_[n].node, OpenPart{options_.job, NodeId{static_cast<std::uint32_t>(n)}, to_bytes(options_.spec),
-                                  caf::actor_cast<caf::actor>(this)});
+    parts_[n].open.message() = {options_.job, NodeId{static_cast<std::uint32_t>(n)}, to_bytes(options_.spec),
+                                caf::actor_cast<caf::actor>(this)};
   }
   return {
-      [this](const PartOpened& message) { opened(message); },
+      [this](const PartOpened& message) { attempt([&] { opened(message); }); },
       [this](const PartBegun& message) {
         parts_.at(message.node.value).begun = true;
         if (!begun_ && all([](const PartOf& p) { return p.begun; })) begun_ = std::chrono::steady_clock::now();
       },
       [this](const PartIdle&) {
-        if (state_ == State::exchanging) act(detector_.notice());
+        attempt([&] {
+          if (state_ == State::exchanging) act(detector_.notice());
+        });
       },
       [this](const PartTally& tally) {
-        if (state_ != State::exchanging) return;
-        act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
+        attempt([&] {
+          if (state_ != State::exchanging) return;
+          act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
+        });
       },
       [this](const PartSettled& message) {
-        settled_.insert(message.node);
-        if (state_ == State::settling && settled_.size() == parts_.size()) collect();
+        attempt([&] {
+          settled_.insert(message.node);
+          if (state_ == State::settling && settled_.size() == parts_.size()) collect();
+        });
       },
-      [this](const PartProgress& message) {
-        parts_.at(message.node.value).progress = message;
-        RunProgress progress;
-        progress.stage = quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
-        for (const PartOf& p : parts_) {
-          progress.sum.tiles_begun += p.progress.tiles_begun;
-          progress.sum.points_begun += p.progress.points_begun;
-          progress.sum.tiles_stored += p.progress.tiles_stored;
-          progress.sum.tiles_asleep += p.progress.tiles_asleep;
-          progress.sum.batches_sent += p.progress.batches_sent;
-          progress.sum.batches_processed += p.progress.batches_processed;
-          progress.sum.points_sent += p.progress.points_sent;
-          progress.sum.memory_bytes += p.progress.memory_bytes;
-        }
-        progress.sum.spans = message.spans;
-        if (owner_) caf::anon_send(owner_, std::move(progress));
-      },
-      [this](const TileDone& done) {
-        if (owner_) caf::anon_send(owner_, done);
-      },
-      [this](const PartEnded& message) { ended(message.node, message); },
+      [this](PartProgress& message) { attempt([&] { show_progress(message); }); },
+      [this](const TileDone& done) { attempt([&] { owner_.stored(done); }); },
+      [this](PartEnded& message) { attempt([&] { ended(message); }); },
       [this](const Cancel&) {
-        if (state_ == State::ending) return;
-        fail(failure_of(error(Errc::interrupted, "interrupted")));
+        if (state_ != State::ending) attempt([&] { fail(failure_of(error(Errc::interrupted, "interrupted"))); });
       },
   };
 }
 
 void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
+  p.opened = true;
   if (message.failure) {
-    p.opened = p.ended = true;
+    p.ended = true;
     return fail(message.failure);
   }
-  p.opened = true;
   p.settled = message.settled;
   p.part = caf::actor_cast<PartHandle>(message.part);
+  if (state_ == State::ending) return abort_parts();  // the job was given up meanwhile
   monitor(p.part);
-  if (state_ == State::ending) {  // the job was given up meanwhile
-    send(p.part, Abort{});
-    return;
-  }
   if (all([](const PartOf& q) { return q.opened; })) begin();
 }
 
 void Coordinator::begin() {
   const bool settled = all([](const PartOf& p) { return p.settled; });
   if (!settled) {
-    if (const Status marked = options_.mark_settled(false); !marked) return fail(failure_of(marked.error()));
+    if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
   }
   started_ = std::chrono::steady_clock::now();
   state_ = settled ? State::collecting : State::exchanging;
@@ -150,29 +152,54 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
 
 // From here on no tile needs another one: what they know is on scratch.
 void Coordinator::collect() {
-  if (const Status marked = options_.mark_settled(true); !marked) return fail(failure_of(marked.error()));
+  if (Status marked = options_.mark_settled(true); !marked) return fail(failure_of(std::move(marked).error()));
   state_ = State::collecting;
   tell_parts(Collect{});
 }
 
-void Coordinator::fail(const Failure& failure) {
-  if (!failure_) failure_ = failure;
+void Coordinator::show_progress(PartProgress& message) {
+  RunProgress progress;
+  progress.sum.spans = std::move(message.spans);
+  parts_.at(message.node.value).progress = std::move(message);
+  progress.stage = quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
+  for (const PartOf& p : parts_) {
+    progress.sum.tiles_begun += p.progress.tiles_begun;
+    progress.sum.points_begun += p.progress.points_begun;
+    progress.sum.tiles_stored += p.progress.tiles_stored;
+    progress.sum.tiles_asleep += p.progress.tiles_asleep;
+    progress.sum.batches_sent += p.progress.batches_sent;
+    progress.sum.batches_processed += p.progress.batches_processed;
+    progress.sum.points_sent += p.progress.points_sent;
+    progress.sum.memory_bytes += p.progress.memory_bytes;
+  }
+  owner_.progressed(progress);
+}
+
+void Coordinator::fail(Failure failure) {
   if (state_ == State::collecting && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
     again_ = options_.mark_settled(false).has_value();  // if not, this failure is still the one to tell
   }
-  if (state_ != State::ending) {
-    state_ = State::ending;
-    if (failure.code == static_cast<std::uint8_t>(Errc::interrupted)) {
-      tell_parts(Suspend{});
-    } else {
-      tell_parts(Abort{});
-    }
-  }
+  const bool interrupted = failure.code == static_cast<std::uint8_t>(Errc::interrupted);
+  if (!interrupted || state_ == State::ending) return give_up(std::move(failure));
+  failure_ = std::move(failure);
+  state_ = State::ending;
+  tell_parts(Suspend{});
   finish_if_over();
 }
 
-void Coordinator::ended(NodeId node, const PartEnded& message) {
-  PartOf& p = parts_.at(node.value);
+void Coordinator::give_up(Failure failure) noexcept {
+  if (!failure_) failure_ = std::move(failure);
+  state_ = State::ending;
+  abort_parts();
+  finish_if_over();
+}
+
+void Coordinator::abort_parts() noexcept {
+  for (PartOf& p : parts_) p.abort.say(p.part);
+}
+
+void Coordinator::ended(PartEnded& message) {
+  PartOf& p = parts_.at(message.node.value);
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
   sum_.points += message.points;
@@ -182,20 +209,15 @@ void Coordinator::ended(NodeId node, const PartEnded& message) {
   sum_.begin_us += message.begin_us;
   sum_.splay_us += message.splay_us;
   sum_.collect_us += message.collect_us;
-  if (message.failure) return fail(message.failure);
+  if (message.failure) return fail(std::move(message.failure));
   finish_if_over();
 }
 
 void Coordinator::lost_actor(const caf::down_msg& down) {
-  if (owner_ && down.source == owner_.address()) {
-    owner_ = nullptr;
-    return fail(lost("whoever runs the job", down.reason));
-  }
   for (PartOf& p : parts_) {
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
-    if (!node && !part) continue;
-    if (p.ended) continue;
+    if ((!node && !part) || p.ended) continue;
     if (node && p.opened) continue;  // its part lives on, or will be missed by itself
     p.ended = true;
     p.part = nullptr;
@@ -203,22 +225,20 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
   }
 }
 
-void Coordinator::finish_if_over() {
+void Coordinator::finish_if_over() noexcept {
   // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
   if (told_ || !all([](const PartOf& p) { return p.ended; })) return;
   told_ = true;
-  if (owner_) {
-    const auto now = std::chrono::steady_clock::now();
-    RunEnded message;
-    if (failure_) message.failure = *failure_;
-    message.again = again_;
-    message.waves = detector_.wave();
-    message.sum = sum_;
-    message.triangulate_us = microseconds(begun_.value_or(now) - started_);
-    message.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));
-    message.collect_us = microseconds(now - quiet_.value_or(now));
-    caf::anon_send(owner_, std::move(message));
-  }
+  const auto now = std::chrono::steady_clock::now();
+  RunEnded end;
+  if (failure_) end.failure = std::move(*failure_);
+  end.again = again_;
+  end.waves = detector_.wave();
+  end.sum = std::move(sum_);
+  end.triangulate_us = microseconds(begun_.value_or(now) - started_);
+  end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));
+  end.collect_us = microseconds(now - quiet_.value_or(now));
+  owner_.ended(std::move(end));
   quit();
 }
 

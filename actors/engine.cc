@@ -11,6 +11,8 @@
 #include "actors/coordinator.h"
 #include "actors/failing.h"
 #include "actors/node_actor.h"
+#include "actors/prepared.h"
+#include "actors/scheduler.h"
 #include "src/run/disk_parts.h"
 
 namespace tessera {
@@ -20,8 +22,9 @@ class EngineConfig : public caf::actor_system_config {
  public:
   explicit EngineConfig(std::uint32_t threads) {
     add_message_types<caf::id_block::tessera>();
-    set("scheduler.max-threads", static_cast<std::size_t>(threads));
-    set("scheduler.policy", caf::atom("sharing"));
+    set("scheduler.max-threads", deciding_threads + threads);
+    module_factories.push_back(
+        [](caf::actor_system& system) -> caf::actor_system::module* { return new Scheduler(system); });
   }
 };
 
@@ -80,16 +83,38 @@ RunSummary summary_of(const RunEnded& ended, std::vector<TileDone> done) {
   return summary;
 }
 
+// The one who called Engine::run().
+class Caller final : public RunOwner {
+ public:
+  explicit Caller(Progress& progress) : progress_(progress) {}
+
+  void progressed(const RunProgress& now) override { show(now, opened_s_, progress_); }
+  void stored(const TileDone& tile) override { done_.push_back(tile); }
+  void ended(RunEnded end) noexcept override {
+    const auto told = end_;  // whoever waits may be gone before this returns
+    told->set_value(std::move(end));
+  }
+
+  RunEnded wait() { return end_->get_future().get(); }
+  std::vector<TileDone> take_done() { return std::move(done_); }
+
+ private:
+  Progress& progress_;
+  const double opened_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_.started).count();
+  std::vector<TileDone> done_;
+  std::shared_ptr<std::promise<RunEnded>> end_ = std::make_shared<std::promise<RunEnded>>();
+};
+
 }  // namespace
 
 struct Engine::Impl {
   Impl(std::uint32_t threads, std::uint64_t memory_bytes) : config(threads), system(config) {
     NodeOptions options;
     options.memory_bytes = memory_bytes;
-    node = system.spawn<NodeActor, caf::detached>(std::move(options), source);
+    node = system.spawn<NodeActor>(std::move(options), source);
   }
   ~Impl() {
-    caf::anon_send_exit(node, caf::exit_reason::user_shutdown);
+    leave.say(node);
     node = nullptr;
   }
 
@@ -99,6 +124,7 @@ struct Engine::Impl {
 
   EngineConfig config;
   std::shared_ptr<DiskParts> source = std::make_shared<DiskParts>();
+  Prepared<Leave> leave;
   caf::actor_system system;
   NodeHandle node;
   std::atomic<std::uint64_t> jobs{0};
@@ -112,39 +138,31 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
 
   // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
   const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below
+  auto gone = let_go->get_future();
   std::shared_ptr<const RoutedRun> lent(&run, [let_go](const RoutedRun*) { let_go->set_value(); });
-  source->offer(lent);
 
   CoordinatorOptions job;
   job.job = JobId{++jobs};
   job.spec = {options, run.folder.string(), out.string(), {}, {}};
   job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
 
-  std::vector<TileDone> done;
-  std::optional<RunEnded> ended;
-  {
-    caf::scoped_actor self(system);
-    const double opened_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count();
-    const auto coordinator = self->spawn<Coordinator, caf::detached + caf::monitored>(
-        std::move(job), caf::actor_cast<caf::actor>(self.ptr()), std::vector<NodeHandle>{node});
-    const std::stop_callback cancel(stop, [&coordinator] { caf::anon_send(coordinator, Cancel{}); });
-    bool running = true;
-    self->receive_while(running)([&](const RunProgress& now) { show(now, opened_s, progress); },
-                                 [&](TileDone& tile) { done.push_back(tile); },
-                                 [&](RunEnded& message) {
-                                   if (!ended) ended = std::move(message);
-                                 },
-                                 [&](const caf::down_msg& down) {  // its last message came before
-                                   if (!ended) ended.emplace().failure = lost("the coordinator", down.reason);
-                                   running = false;
-                                 });
+  Caller caller(progress);
+  Prepared<Cancel> prepared_cancel;
+  source->offer(std::move(lent));
+  RunEnded end;
+  try {
+    const auto coordinator = system.spawn<Coordinator>(std::move(job), caller, std::vector<NodeHandle>{node});
+    const std::stop_callback cancel(stop, [&] { prepared_cancel.say(coordinator); });
+    end = caller.wait();
+  } catch (...) {  // there is no coordinator
+    source->withdraw(run);
+    throw;
   }
   source->withdraw(run);
-  lent.reset();
-  let_go->get_future().wait();
-  again = ended->again;
-  if (ended->failure) return error_of(ended->failure);
-  return summary_of(*ended, std::move(done));
+  gone.wait();
+  again = end.again;
+  if (end.failure) return error_of(std::move(end.failure));
+  return summary_of(end, caller.take_done());
 }
 
 Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)

@@ -1,4 +1,4 @@
-// How an actor that ends by an exception says so.
+// How an actor that ends says so.
 #pragma once
 
 #include <exception>
@@ -7,25 +7,33 @@
 
 #include "actors/protocol.h"
 #include "src/base/option.h"
+#include "src/base/result.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {
 
-// What an exception means for the job. `who`: "tile 7", ...
-inline Failure failure_of(const std::exception_ptr& exception, const std::string& who) {
+// What an exception means for the job. `who()`: "tile 7", ... Needs no memory when there is none.
+template <class Who>
+Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   try {
     std::rethrow_exception(exception);
   } catch (const KernelFull&) {
-    return failure_of(error(Errc::memory, who + " has more points than a kernel can number: use smaller tiles"));
+    return failure_of(worded(
+        [&] { return error(Errc::memory, who() + " has more points than a kernel can number: use smaller tiles"); }));
   } catch (const std::bad_alloc&) {
-    return failure_of(error(Errc::memory, "out of memory while working on " + who +
-                                              ": use smaller tiles or a smaller " + option("memory")));
+    return failure_of(worded([&] {
+      return error(Errc::memory,
+                   "out of memory while working on " + who() + ": use smaller tiles or a smaller " + option("memory"));
+    }));
   } catch (const std::exception& e) {
-    return failure_of(error(Errc::internal, who + ": " + e.what()));
+    return failure_of(worded([&] { return error(Errc::internal, who() + ": " + e.what()); }));
   } catch (...) {
-    return failure_of(error(Errc::internal, who + ": an exception of unknown kind"));
+    return failure_of(worded([&] { return error(Errc::internal, who() + ": an exception of unknown kind"); }));
   }
 }
+
+// Of an actor that has said nothing else. Needs no memory.
+inline Failure ended_unexpectedly() noexcept { return failure_of(error(Errc::internal, "unexpected end")); }
 
 // Why an actor that was watched is gone without having said so.
 inline Failure lost(const std::string& who, const caf::error& reason) {

@@ -1,5 +1,6 @@
 #include "actors/node_actor.h"
 
+#include <new>
 #include <string>
 #include <utility>
 
@@ -9,30 +10,47 @@
 namespace tessera {
 
 NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source)
-    : NodeHandle::base(config), options_(std::move(options)), source_(std::move(source)) {}
+    : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {}
 
 NodeActor::behavior_type NodeActor::make_behavior() {
   // Whoever did not get the answer watches its own peers.
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     options_.hooks.tell([&] { return "node: a message came back: " + caf::to_string(reason); });
   });
-  return {[this](const OpenPart& wanted) {
-    const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
-    PartOpened answer;
-    try {
-      auto opened = open(wanted);
-      if (opened) {
-        answer = std::move(opened).value();
-      } else {
-        answer.failure = failure_of(opened.error());
-      }
-    } catch (...) {  // one job that cannot be opened is no reason to lose the others
-      answer = {};
-      answer.failure = failure_of(std::current_exception(), "opening a job");
-    }
-    answer.node = wanted.node;
-    send(coordinator, std::move(answer));
-  }};
+  return {
+      [this](const OpenPart& wanted) { answer(wanted); },
+      [this](const Leave&) { quit(); },
+  };
+}
+
+// One job that cannot be opened is no reason to lose the others, but a coordinator that is not answered waits for ever.
+// The first always is; for the answer to a later one there is memory again when another job ends, at the latest.
+void NodeActor::answer(const OpenPart& wanted) {
+  const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
+  while (answer_.said()) prepare_answer();
+  answer_.message() = open_or_say_why(wanted);
+  answer_.message().node = wanted.node;
+  answer_.say(coordinator);
+  prepare_answer();
+}
+
+void NodeActor::prepare_answer() noexcept {
+  try {
+    answer_ = {};
+  } catch (const std::bad_alloc&) {  // the old one is still said
+  }
+}
+
+PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
+  PartOpened answer;
+  try {
+    auto opened = open(wanted);
+    if (opened) return std::move(opened).value();
+    answer.failure = failure_of(std::move(opened).error());
+  } catch (...) {
+    answer.failure = failure_of(std::current_exception(), [] { return std::string("opening a job"); });
+  }
+  return answer;
 }
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
@@ -49,16 +67,12 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
     *used -= memory;
     delete last;
   });
-  const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
   PartOpened opened;
   opened.settled = part->settled;
-  const auto start = [&](auto tag) {
-    return this->spawn<PartActor, decltype(tag)::value>(wanted.node, std::move(spec), part, coordinator, options_.hooks,
-                                                        options_.progress_interval);
-  };
-  using Options = caf::spawn_options;
-  const PartHandle handle = options_.detached ? start(std::integral_constant<Options, caf::detached>{})
-                                              : start(std::integral_constant<Options, caf::no_spawn_options>{});
+  // Last: nothing must go wrong once it is there.
+  const PartHandle handle =
+      spawn<PartActor>(wanted.node, std::move(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
+                       options_.hooks, options_.progress_interval);
   opened.part = caf::actor_cast<caf::actor>(handle);
   return opened;
 }

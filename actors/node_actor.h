@@ -1,7 +1,8 @@
 // A node: what one process offers to jobs. Opens a part for each, within the memory it has.
 //
-// message  | effect                                                  | answer to the coordinator
-// OpenPart | read what the part needs to know, start its actor       | PartOpened
+// message  | effect                                            | answer to the coordinator
+// OpenPart | read what the part needs to know, start its actor | PartOpened, always
+// Leave    | end                                               | -
 //
 // What a part may use is free again when the part's actor and its tiles have let go of it.
 #pragma once
@@ -12,30 +13,36 @@
 #include <memory>
 
 #include "actors/office.h"
+#include "actors/prepared.h"
 #include "actors/protocol.h"
+#include "actors/steady_actor.h"
 #include "src/run/part.h"
 
 namespace tessera {
 
 struct NodeOptions {
   std::uint64_t memory_bytes = 0;  // for all jobs together
-  bool detached = true;            // parts get threads of their own; not under the deterministic scheduler
   std::chrono::milliseconds progress_interval{100};
   Hooks hooks;
 };
 
-class NodeActor : public NodeHandle::base {
+class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
  public:
   NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source);
   behavior_type make_behavior() override;
 
  private:
+  void failed(const std::exception_ptr&) noexcept override {}
+  void answer(const OpenPart& wanted);
+  void prepare_answer() noexcept;
+  PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
 
   NodeOptions options_;
   std::shared_ptr<PartSource> source_;
   std::shared_ptr<std::atomic<std::uint64_t>> used_ =
       std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
+  Prepared<PartOpened> answer_;                        // the next one
 };
 
 }  // namespace tessera

@@ -15,7 +15,7 @@ std::string name_of(NodeId node) { return "node " + std::to_string(node.value); 
 
 PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
                      CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval)
-    : PartHandle::base(config),
+    : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
       office_(std::make_shared<Office>()),
@@ -37,29 +37,29 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
 // Part, tiles and office know each other: each lets go of the office as it ends. The office stays as it is: a tile may
 // be reading it at this moment.
 void PartActor::on_exit() {
-  for (const TileHandle& tile : office_->tiles) {
-    if (tile) caf::anon_send_exit(tile, caf::exit_reason::user_shutdown);
-  }
+  if (!office_) return;
+  for (Hosted& hosted : hosted_) hosted.leave.say(office_->tiles[hosted.tile.value]);
+  if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
+  last_word_.message() = std::move(sum_);
+  last_word_.say(coordinator_);
   office_ = nullptr;
   part_ = nullptr;
   coordinator_ = nullptr;
 }
 
+void PartActor::failed(const std::exception_ptr& exception) noexcept {
+  sum_.failure = failure_ ? std::move(*failure_) : failure_of(exception, [&] { return name_of(self_); });
+}
+
 PartActor::behavior_type PartActor::make_behavior() {
   monitor(coordinator_);
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) {
-    take(down);
+    lost_coordinator(down);
     dispatch();
   });
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     stop(lost("a message of " + name_of(self_), reason));
     dispatch();
-  });
-  // The tiles end with it, see on_exit().
-  set_exception_handler([this](std::exception_ptr& exception) -> caf::error {
-    sum_.failure = failure_of(exception, name_of(self_));
-    send(coordinator_, sum_);
-    return caf::sec::runtime_error;
   });
   return {
       [this](const BeginPart& begin) {
@@ -96,15 +96,15 @@ PartActor::behavior_type PartActor::make_behavior() {
         schedule_.mail(notice.tile, {notice.batches, notice.points, notice.bytes});
         dispatch();
       },
-      [this](const TileReport& report) {
+      [this](TileReport& report) {
         take(report);
         dispatch();
       },
-      [this](const TileFailed& failed) {
-        abandon(failed.tile, failed.failure);
+      [this](TileFailed& failed) {
+        abandon(failed.tile, std::move(failed.failure));
         dispatch();
       },
-      [this](const TileStored& stored) {
+      [this](TileStored& stored) {
         take(stored);
         dispatch();
       },
@@ -118,10 +118,8 @@ void PartActor::open(const BeginPart& begin) {
   for (std::uint32_t t = 0; t < part_->points.size(); ++t) {
     if (part_->points[t] == 0) continue;
     const std::uint32_t incarnation = part_->context.incarnations.empty() ? 0 : part_->context.incarnations[t];
-    const auto tile = spawn<TileActor>(Peer{TileId{t}, incarnation}, part_, std::shared_ptr<const Office>(office_));
-    monitor(tile);
-    living_.emplace(tile.address(), TileId{t});
-    office_->tiles[t] = tile;
+    hosted_.push_back({TileId{t}, {}});  // first: what is there must be told to leave
+    office_->tiles[t] = spawn<TileActor>(Peer{TileId{t}, incarnation}, part_, std::shared_ptr<const Office>(office_));
   }
   opened_ = true;
   if (begin.settled) return schedule_.enter(Schedule::Stage::collecting);
@@ -146,7 +144,7 @@ void PartActor::deliver(Parcel& parcel) {
   }
 }
 
-void PartActor::take(const TileReport& report) {
+void PartActor::take(TileReport& report) {
   const WorkSpan& span = report.span;
   office_->hooks.tell([&] {
     return name_of(self_) + ": tile " + std::to_string(span.tile.value) + " has done " + tessera::name_of(span.work) +
@@ -167,7 +165,7 @@ void PartActor::take(const TileReport& report) {
   tile.microseconds += us;
   (span.work == Work::begin ? sum_.begin_us : span.work == Work::collect ? sum_.collect_us : sum_.splay_us) += us;
   progress_.spans.push_back(span);
-  if (report.failure) return abandon(span.tile, report.failure);
+  if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
                  {report.waiting.batches, report.waiting.points, report.waiting.bytes}, report.storing);
@@ -177,37 +175,30 @@ void PartActor::take(const TileReport& report) {
   }
 }
 
-void PartActor::take(const TileStored& stored) {
-  if (stored.failure) return abandon(stored.tile, stored.failure);
+void PartActor::take(TileStored& stored) {
+  if (stored.failure) return abandon(stored.tile, std::move(stored.failure));
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
   ++progress_.tiles_stored;
   send(coordinator_, TileDone{stored.entry, tiles_[stored.tile.value].microseconds});
 }
 
-void PartActor::take(const caf::down_msg& down) {
-  if (down.source == coordinator_.address()) {
-    coordinator_ = nullptr;  // nobody is left to be told
-    return stop(lost("the coordinator", down.reason));
-  }
-  const auto found = living_.find(down.source);
-  if (found == living_.end()) return;
-  const TileId tile = found->second;
-  living_.erase(found);
-  abandon(tile, lost("tile " + std::to_string(tile.value), down.reason));
+void PartActor::lost_coordinator(const caf::down_msg& down) {
+  coordinator_ = nullptr;  // nobody is left to be told
+  stop(lost("the coordinator", down.reason));
 }
 
-void PartActor::abandon(TileId tile, const Failure& failure) {
+void PartActor::abandon(TileId tile, Failure failure) {
   schedule_.abandon(tile);
-  stop(failure);
+  stop(std::move(failure));
 }
 
-void PartActor::stop(const Failure& failure) {
+void PartActor::stop(Failure failure) {
   if (failure_) return;
-  failure_ = failure;
   // Settled tiles need no image: what makes them independent is on scratch.
   const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->spec.resumable &&
                       schedule_.stage() < Schedule::Stage::collecting && coordinator_;
+  failure_ = std::move(failure);
   schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
 }
 
@@ -239,16 +230,13 @@ void PartActor::dispatch() {
 }
 
 void PartActor::end() {
-  ended_ = true;
-  if (!coordinator_) return quit();
-  sum_.sleeps = schedule_.sleeps();
-  if (failure_) {
-    sum_.failure = *failure_;
-  } else {  // what an earlier process has stored
+  if (!failure_) {  // what an earlier process has stored
     for (const TileEntry& entry : part_->stored) send(coordinator_, TileDone{entry, 0});
   }
   tell_progress(true);
-  send(coordinator_, sum_);
+  sum_.sleeps = schedule_.sleeps();
+  if (failure_) sum_.failure = std::move(*failure_);
+  ended_ = true;
   quit();
 }
 

@@ -11,8 +11,9 @@
 // collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
 // any        | Parcel        | hand its batches to the tiles
 // any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
-// any        | Abort, failed TileReport, TileFailed, a tile or the coordinator is gone
+// any        | Abort, failed TileReport, TileFailed, the coordinator is gone
 //                            | grant nothing more; PartEnded with the first failure once nothing is under way
+// any        | an exception  | PartEnded with it; the tiles go on with what they are at, and leave
 //
 // A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
 // the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
@@ -20,19 +21,20 @@
 
 #include <chrono>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
 
 #include "actors/office.h"
+#include "actors/prepared.h"
 #include "actors/protocol.h"
+#include "actors/steady_actor.h"
 #include "src/run/part.h"
 #include "src/run/schedule.h"
 
 namespace tessera {
 
-class PartActor : public PartHandle::base {
+class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator hears of progress.
   PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
@@ -41,13 +43,19 @@ class PartActor : public PartHandle::base {
   void on_exit() override;
 
  private:
+  struct Hosted {
+    TileId tile;
+    Prepared<Leave> leave;
+  };
+
+  void failed(const std::exception_ptr& exception) noexcept override;
   void open(const BeginPart& begin);
   void deliver(Parcel& parcel);
-  void take(const TileReport& report);
-  void take(const TileStored& stored);
-  void take(const caf::down_msg& down);
-  void abandon(TileId tile, const Failure& failure);
-  void stop(const Failure& failure);
+  void take(TileReport& report);
+  void take(TileStored& stored);
+  void lost_coordinator(const caf::down_msg& down);
+  void abandon(TileId tile, Failure failure);
+  void stop(Failure failure);
   void dispatch();
   void end();
   void tell_progress(bool now);
@@ -65,9 +73,10 @@ class PartActor : public PartHandle::base {
   CoordinatorHandle coordinator_;
   Schedule schedule_;
   std::vector<Figures> tiles_;
-  std::map<caf::actor_addr, TileId> living_;
+  std::vector<Hosted> hosted_;
   Totals totals_;  // sums over tiles
   PartEnded sum_;
+  Prepared<PartEnded> last_word_;
   PartProgress progress_;
   std::chrono::milliseconds progress_interval_;
   std::chrono::steady_clock::time_point progress_told_{};

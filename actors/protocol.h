@@ -5,6 +5,7 @@
 #include <caf/all.hpp>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/base/figures.h"
@@ -22,8 +23,8 @@ struct Failure {
   std::string text;
   explicit operator bool() const { return code != 0; }
 };
-inline Failure failure_of(const Error& e) { return {static_cast<std::uint8_t>(e.code), e.where}; }
-inline Error error_of(const Failure& f) { return error(static_cast<Errc>(f.code), f.text); }
+inline Failure failure_of(Error e) { return {static_cast<std::uint8_t>(e.code), std::move(e.where)}; }
+inline Error error_of(Failure f) { return error(static_cast<Errc>(f.code), std::move(f.text)); }
 
 // part -> tile: do this now; answered by a TileReport.
 struct Grant {
@@ -57,7 +58,7 @@ struct TileReport {
   ExchangeCounts points;
 };
 
-// tile -> part, at any time: the tile has come to an end by an exception outside of its work.
+// tile -> part, at any time: the tile has come to an end that nobody asked for.
 struct TileFailed {
   TileId tile;
   Failure failure;
@@ -125,7 +126,7 @@ struct PartProgress {
   std::uint64_t batches_sent = 0, batches_processed = 0, points_sent = 0, memory_bytes = 0;
   std::vector<WorkSpan> spans;  // since the last one
 };
-// part -> coordinator -> whoever runs the job: a tile is in the store.
+// part -> coordinator: a tile is in the store.
 struct TileDone {
   TileEntry entry;
   std::uint64_t microseconds = 0;  // worked on it
@@ -141,29 +142,17 @@ struct PartEnded {
 // whoever runs the job -> coordinator
 struct Cancel {};
 
-// coordinator -> whoever runs the job
-enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
-struct RunProgress {
-  RunStage stage = RunStage::triangulating;
-  PartProgress sum;
-};
-struct RunEnded {
-  Failure failure;
-  bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
-  std::uint64_t waves = 0;
-  PartEnded sum;
-  // Wall clock of the stages.
-  std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;
-};
+// part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
+struct Leave {};
 
-using TileHandle = caf::typed_actor<caf::reacts_to<Batch>, caf::reacts_to<Grant>>;
+using TileHandle = caf::typed_actor<caf::reacts_to<Batch>, caf::reacts_to<Grant>, caf::reacts_to<Leave>>;
 using PartHandle =
     caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
                      caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<MailNotice>,
                      caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>>;
 // What stands between tiles in the harness: a batch, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Batch>, caf::reacts_to<caf::tick_atom>>;
-using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<Leave>>;
 using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartBegun>, caf::reacts_to<PartIdle>,
                      caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>, caf::reacts_to<PartProgress>,

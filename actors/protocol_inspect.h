@@ -47,8 +47,7 @@ TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
 TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.begin_us, x.splay_us,
                 x.collect_us)
 TESSERA_MESSAGE(Cancel)
-TESSERA_MESSAGE(RunProgress, x.stage, x.sum)
-TESSERA_MESSAGE(RunEnded, x.failure, x.again, x.waves, x.sum, x.triangulate_us, x.splay_us, x.collect_us)
+TESSERA_MESSAGE(Leave)
 #undef TESSERA_MESSAGE
 
 // Entries of a store: their digest may be missing.
@@ -91,8 +90,7 @@ CAF_ADD_TYPE_ID(tessera, (tessera::BeginPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Cancel))
 CAF_ADD_TYPE_ID(tessera, (tessera::Collect))
 CAF_ADD_TYPE_ID(tessera, (tessera::Grant))
-CAF_ADD_TYPE_ID(tessera, (tessera::RunEnded))
-CAF_ADD_TYPE_ID(tessera, (tessera::RunProgress))
+CAF_ADD_TYPE_ID(tessera, (tessera::Leave))
 CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
 CAF_ADD_TYPE_ID(tessera, (tessera::OpenPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Parcel))

@@ -24,70 +24,80 @@ std::uint32_t thread_number() {
 
 std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); }
 
-// From a writer's thread, where nobody catches: an exception here would be the end of the process, silence that of the
-// job. What was set aside when the mesh was handed over pays for the one message that must not fail.
+// Told from a writer's thread, where nobody catches: an exception would be the end of the process, silence that of the
+// job. So the message is made before the mesh is handed over.
 class StoredNotice {
  public:
   StoredNotice(PartHandle part, TileId tile)
-      : part_(std::move(part)),
-        tile_(tile),
-        reserve_(std::make_shared<std::vector<std::byte>>(std::size_t{64} << 10)) {}
-  void operator()(const Result<TileEntry>& stored) const noexcept {
-    try {
-      caf::anon_send(
-          part_, stored ? TileStored{tile_, {}, stored.value()} : TileStored{tile_, failure_of(stored.error()), {}});
-    } catch (const std::exception&) {
-      *reserve_ = {};
-      caf::anon_send(part_, TileStored{tile_, {static_cast<std::uint8_t>(Errc::memory), "out of memory"}, {}});
+      : part_(std::move(part)), prepared_(std::make_shared<Prepared<TileStored>>()) {
+    prepared_->message().tile = tile;
+  }
+  void operator()(Result<TileEntry> stored) const noexcept {
+    TileStored& message = prepared_->message();
+    if (stored) {
+      message.entry = stored.value();
+    } else {
+      message.failure = failure_of(std::move(stored).error());
     }
+    prepared_->say(part_);
   }
 
  private:
   PartHandle part_;
-  TileId tile_;
-  std::shared_ptr<std::vector<std::byte>> reserve_;
+  std::shared_ptr<Prepared<TileStored>> prepared_;  // shared, for a function is copied
 };
 
 }  // namespace
 
 TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
                      std::shared_ptr<const Office> office)
-    : TileHandle::base(config),
+    : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
       office_(std::move(office)),
-      state_(self, part_->context) {}
+      state_(self, part_->context) {
+  last_word_.message().tile = self.tile;
+}
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
 void TileActor::on_exit() {
+  if (!left_) fail(ended_unexpectedly());
   state_.drop();
   mesh_.reset();
   office_ = nullptr;
   part_ = nullptr;
 }
 
+void TileActor::failed(const std::exception_ptr& exception) noexcept {
+  fail(failure_of(exception, [&] { return name_of(self_.tile); }));
+}
+
+void TileActor::fail(Failure failure) noexcept {
+  if (!std::exchange(left_, true)) {
+    last_word_.message().failure = std::move(failure);
+    last_word_.say(office_->part);
+  }
+  quit();
+}
+
 TileActor::behavior_type TileActor::make_behavior() {
   // Nobody answers a tile; an error that comes back all the same means that a message did not arrive.
-  set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
-    send(office_->part, TileFailed{self_.tile, lost("a message of " + name_of(self_.tile), reason)});
-  });
-  set_exception_handler([this](std::exception_ptr& exception) -> caf::error {
-    send(office_->part, TileFailed{self_.tile, failure_of(exception, name_of(self_.tile))});
-    return caf::sec::runtime_error;
-  });
+  set_error_handler(
+      [this](caf::scheduled_actor*, caf::error& reason) { fail(lost("a message of " + name_of(self_.tile), reason)); });
   return {
       [this](Batch& batch) {
         office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(batch); });
-        if (const Status kept = state_.receive(std::move(batch)); !kept) {
-          send(office_->part, TileFailed{self_.tile, failure_of(kept.error())});
-          return;
-        }
+        if (Status kept = state_.receive(std::move(batch)); !kept) return fail(failure_of(std::move(kept).error()));
         const std::uint64_t bytes = state_.mail_memory();
         if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes) return;
         bytes_told_ = bytes;
         send(office_->part, waiting());
       },
       [this](const Grant& grant) { work(grant.work); },
+      [this](const Leave&) {
+        left_ = true;
+        quit();
+      },
   };
 }
 
@@ -103,13 +113,14 @@ void TileActor::work(Work work) {
   TileReport report;
   report.span = {self_.tile, work, thread_number(), since_opened(), 0};
   try {
-    if (const Status done = perform(work); !done) report.failure = failure_of(done.error());
+    if (Status done = perform(work); !done) report.failure = failure_of(std::move(done).error());
     for (Batch& batch : state_.take_outgoing()) {
       office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(batch); });
       office_->post(this, std::move(batch));
     }
   } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
-    report.failure = failure_of(std::current_exception(), name_of(self_.tile) + ", at work on " + name_of(work));
+    report.failure =
+        failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
   if (part_->context.reduce) malloc_trim(0);  // what the work has left behind in pools, where nobody else finds it
   report.span.end_us = since_opened();

@@ -8,7 +8,8 @@
 // settle  | write down what makes the tile independent of the others    | TileReport
 // collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
 // drop    | free the state                                              | TileReport
-// An exception outside of granted work: TileFailed, and the tile ends.
+// Leave   | end                                                         | -
+// Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
 //
 // Grants come from the part alone, which keeps at most as many under way as it has threads.
 #pragma once
@@ -17,13 +18,15 @@
 #include <optional>
 
 #include "actors/office.h"
+#include "actors/prepared.h"
 #include "actors/protocol.h"
+#include "actors/steady_actor.h"
 #include "src/run/part.h"
 #include "src/run/tile_state.h"
 
 namespace tessera {
 
-class TileActor : public TileHandle::base {
+class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
   TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
             std::shared_ptr<const Office> office);
@@ -31,6 +34,8 @@ class TileActor : public TileHandle::base {
   void on_exit() override;
 
  private:
+  void failed(const std::exception_ptr& exception) noexcept override;
+  void fail(Failure failure) noexcept;
   void work(Work work);
   Status perform(Work work);
   void store();
@@ -40,9 +45,10 @@ class TileActor : public TileHandle::base {
   std::shared_ptr<const Part> part_;
   std::shared_ptr<const Office> office_;
   TileState state_;
+  Prepared<TileFailed> last_word_;
   std::optional<TileMesh> mesh_;  // made, not yet handed to the storage
   std::uint64_t bytes_told_ = 0;  // of waiting mail
-  bool told_ = false;
+  bool told_ = false, left_ = false;
 };
 
 }  // namespace tessera

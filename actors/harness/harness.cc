@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <caf/all.hpp>
-#include <caf/scheduler/test_coordinator.hpp>
 #include <map>
 #include <random>
 #include <utility>
@@ -10,6 +9,7 @@
 #include "actors/coordinator.h"
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/network.h"
+#include "actors/harness/seeded_scheduler.h"
 #include "actors/harness/setting.h"
 #include "actors/node_actor.h"
 #include "src/harness/reference.h"
@@ -23,23 +23,15 @@ class DeterministicConfig : public caf::actor_system_config {
  public:
   DeterministicConfig() {
     add_message_types<caf::id_block::tessera>();
-    set("scheduler.policy", caf::atom("testing"));
+    module_factories.push_back(
+        [](caf::actor_system& system) -> caf::actor_system::module* { return new SeededScheduler(system); });
   }
 };
-
-// Runs one message of a random ready actor.
-bool step(caf::scheduler::test_coordinator& scheduler, std::mt19937_64& rng) {
-  if (scheduler.jobs.empty()) return false;
-  const auto chosen = scheduler.jobs.begin() + static_cast<std::ptrdiff_t>(rng() % scheduler.jobs.size());
-  auto* job = *chosen;
-  scheduler.jobs.erase(chosen);
-  scheduler.jobs.push_front(job);
-  return scheduler.try_run_once();
-}
 
 // The truth about batches, beside what the tiles count.
 class Truth final : public ExchangeWatch {
  public:
+  explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
   void sent(Peer self, Totals now) override {
     ++under_way_;
     ++sent_;
@@ -56,11 +48,13 @@ class Truth final : public ExchangeWatch {
 
  private:
   void note(Peer self, Totals now) {
+    const Turn ours(memory_faults_, false);
     Totals& before = totals_[self];
     counted_ +=
         static_cast<std::int64_t>(now.sent - before.sent) - static_cast<std::int64_t>(now.processed - before.processed);
     before = now;
   }
+  MemoryFaults* memory_faults_;
   std::map<Peer, Totals> totals_;
   std::int64_t under_way_ = 0, counted_ = 0;
   std::uint64_t sent_ = 0;
@@ -72,6 +66,17 @@ struct Outcome {
   std::uint64_t steps = 0, batches = 0;
 };
 
+class Owner final : public RunOwner {
+ public:
+  void progressed(const RunProgress&) override {}
+  void stored(const TileDone&) override {}
+  void ended(RunEnded end) noexcept override { end_ = std::move(end); }
+  const std::optional<RunEnded>& end() const { return end_; }
+
+ private:
+  std::optional<RunEnded> end_;
+};
+
 // What ends a life early.
 enum class End : std::uint8_t { never, cancel, kill };
 
@@ -79,26 +84,26 @@ enum class End : std::uint8_t { never, cancel, kill };
 class Life {
  public:
   Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng)
-      : options_(options), setting_(setting), storage_(storage), rng_(rng) {}
+      : options_(options), setting_(setting), storage_(storage), rng_(rng), truth_(options.memory_faults) {}
 
   Outcome live(End end, std::uint64_t end_at) {
+    Owner owner;
     DeterministicConfig config;
     caf::actor_system system(config);
-    auto& scheduler = dynamic_cast<caf::scheduler::test_coordinator&>(system.scheduler());
-    caf::scoped_actor self(system, true);
+    auto& scheduler = dynamic_cast<SeededScheduler&>(system.scheduler());
     Outcome outcome;
-    NetworkState network_state;
-    const NetworkHandle network = self->spawn<Network>(network_state, options_.trace, rng_(), setting_.patience);
+    NetworkState network_state{0, options_.memory_faults};
+    const NetworkHandle network = system.spawn<Network>(network_state, options_.trace, rng_(), setting_.patience);
     const auto source = std::make_shared<MemoryParts>(setting_, storage_, truth_);
     std::vector<NodeHandle> nodes;
     for (std::uint32_t n = 0; n < setting_.nodes; ++n) {
       NodeOptions node;
       node.memory_bytes = ~std::uint64_t{0};
-      node.detached = false;
       node.progress_interval = std::chrono::hours(24);
       node.hooks = {options_.trace, network};
-      nodes.push_back(self->spawn<NodeActor>(std::move(node), source));
+      nodes.push_back(system.spawn<NodeActor>(std::move(node), source));
     }
+    scheduler.run_all();  // from here on nodes and network wait for messages
     CoordinatorOptions job;
     job.spec = setting_.spec;
     job.mark_settled = [this](bool settled) -> Status {
@@ -106,13 +111,14 @@ class Life {
       return success();
     };
     job.on_quiet = [&] {
+      const Turn ours(options_.memory_faults, false);
       tell("coordinator: quiet");
       if (network_state.held > 0 || truth_.under_way() != 0) {
         outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " batches not processed";
       }
     };
     storage_.take_reads();
-    const auto coordinator = self->spawn<Coordinator>(std::move(job), caf::actor_cast<caf::actor>(self.ptr()), nodes);
+    const auto coordinator = system.spawn<Coordinator>(std::move(job), owner, nodes);
     while (outcome.failure.empty() && outcome.steps < steps_max) {
       if (end != End::never && outcome.steps == end_at) {
         tell(end == End::kill ? "killed" : "cancelled");
@@ -121,20 +127,17 @@ class Life {
       }
       // A store may end at any moment, or when nothing else is left to happen.
       if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
-      if (!step(scheduler, rng_) && !storage_.store_one(rng_)) break;
+      if (!step(scheduler, outcome) && !storage_.store_one(rng_)) break;
       ++outcome.steps;
       if (!truth_.agrees()) outcome.failure = "the counters of the tiles do not tell what is under way";
     }
-    while (self->has_next_message()) {
-      self->receive([](const RunProgress&) {}, [](const TileDone&) {},
-                    [&](RunEnded& message) { outcome.ended = std::move(message); });
-    }
+    outcome.ended = owner.end();
     for (const NodeHandle& node : nodes) caf::anon_send_exit(node, caf::exit_reason::kill);
     caf::anon_send_exit(network, caf::exit_reason::kill);
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
     nodes.clear();
     do {
-      scheduler.run();
+      scheduler.run_all();
     } while (storage_.lose_pending());
     outcome.batches = truth_.sent();
     if (outcome.failure.empty() && end != End::kill && !outcome.ended) {
@@ -148,6 +151,18 @@ class Life {
   }
 
  private:
+  bool step(SeededScheduler& scheduler, Outcome& outcome) {
+    const Turn theirs(options_.memory_faults, true);
+    try {
+      return scheduler.step(rng_);
+    } catch (const std::exception& e) {
+      const Turn ours(options_.memory_faults, false);
+      outcome.failure = std::string("an exception would have ended the process: ") + e.what();
+      scheduler.system().await_actors_before_shutdown(false);  // the one that threw is neither dead nor alive
+      return true;
+    }
+  }
+
   void tell(const char* what) const {
     if (options_.trace) options_.trace(what);
   }
@@ -172,17 +187,22 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   const Setting setting = make_setting(options, seed, rng);
   MemoryStorage storage(options.dimension, setting.tiles);
   storage.late_stores = setting.late_stores;
+  storage.memory_faults = options.memory_faults;
   if (options.faults) storage.fault = draw_fault(rng);
   const auto fail = [&](const std::string& failure) {
     report.failed_seed = seed;
     report.failure = failure;
   };
+  const auto allocations_failed = [&] { return options.memory_faults ? options.memory_faults->failed() : 0; };
   // The last life is not ended by anybody, and meets no fault.
   const std::uint64_t ends = options.restarts ? 1 + rng() % 2 : 0;
-  std::uint64_t damages = 0, mended = 0;
+  std::uint64_t lives_max = ends + 3, damages = 0, mended = 0;
   for (std::uint64_t life = 0;; ++life) {
     const End end = life >= ends ? End::never : rng() % 2 == 0 ? End::cancel : End::kill;
+    const std::uint64_t failed_before = allocations_failed();
     const Outcome outcome = Life(options, setting, storage, rng).live(end, rng() % 1500);
+    const bool out_of_memory = allocations_failed() > failed_before;
+    if (out_of_memory) ++lives_max;
     report.steps += outcome.steps;
     report.batches += outcome.batches;
     if (!outcome.failure.empty()) return fail(outcome.failure);
@@ -190,13 +210,17 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
       report.waves += outcome.ended->waves;
       report.sleeps += outcome.ended->sum.sleeps;
       if (!outcome.ended->failure) break;
-      const bool cancelled =
-          end == End::cancel && outcome.ended->failure.code == static_cast<std::uint8_t>(Errc::interrupted);
-      if (outcome.ended->again && ++mended <= damages) continue;
-      if (!cancelled && (!options.faults || storage.fault)) return fail(outcome.ended->failure.text);
+      if (outcome.ended->again && ++mended <= damages) {
+        ++lives_max;
+        continue;
+      }
+      const auto code = static_cast<Errc>(outcome.ended->failure.code);
+      const bool cancelled = end == End::cancel && code == Errc::interrupted;
+      const bool faulty = (options.faults && !storage.fault) || (out_of_memory && code == Errc::memory);
+      if (!cancelled && !faulty) return fail(outcome.ended->failure.text);
       if (!cancelled) ++report.failures;
     }
-    if (life > ends + mended + 2) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
+    if (life >= lives_max) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
     ++report.restarts;
     if (storage.settled) ++report.settled_restarts;
     if (options.restarts && rng() % 4 == 0) {

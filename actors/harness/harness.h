@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "actors/harness/memory_faults.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -20,6 +21,7 @@ struct HarnessOptions {
   std::uint32_t nodes = 0;                        // 0: drawn, 1 to 3
   std::optional<std::uint64_t> mail_points_max;   // that a tile keeps in memory; else drawn
   bool faults = false;                            // the storage fails once, or memory runs out
+  MemoryFaults* memory_faults = nullptr;          // memory runs out when it says so; null: never
   bool restarts = false;                          // the processes end, once or twice, and the run is resumed
   std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
   std::function<void(const std::string&)> trace;  // hears of every step

@@ -18,18 +18,21 @@ Status MemoryStorage::maybe_fail(StorageFault::Call call) {
 }
 
 Result<LoadedTile> MemoryStorage::load_points(TileId tile) {
+  const Turn ours(memory_faults, false);
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::load));
   ++reads_[{tile, {}}];
   return order_points(points_[tile.value], dimension_);
 }
 
 Status MemoryStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  const Turn ours(memory_faults, false);
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::write));
   scratch_[{tile, what}] = {{{bytes.begin(), bytes.end()}}, false};
   return success();
 }
 
 Status MemoryStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
+  const Turn ours(memory_faults, false);
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::append));
   scratch_[{tile, what}].pieces.emplace_back(bytes.begin(), bytes.end());
   ++spills_;
@@ -37,6 +40,7 @@ Status MemoryStorage::append(TileId tile, ScratchKind what, std::span<const std:
 }
 
 Result<TileStorage::Pieces> MemoryStorage::read(TileId tile, ScratchKind what) {
+  const Turn ours(memory_faults, false);
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::read));
   const auto found = scratch_.find({tile, what});
   if (found == scratch_.end()) return Pieces{};
@@ -46,23 +50,27 @@ Result<TileStorage::Pieces> MemoryStorage::read(TileId tile, ScratchKind what) {
 }
 
 Status MemoryStorage::remove(TileId tile, ScratchKind what) {
+  const Turn ours(memory_faults, false);
   BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::remove));
   scratch_.erase({tile, what});
   return success();
 }
 
 Status MemoryStorage::clear(ScratchKind what) {
+  const Turn ours(memory_faults, false);
   std::erase_if(scratch_, [&](const auto& entry) { return entry.first.second == what; });
   return success();
 }
 
 void MemoryStorage::store(TileId tile, TileMesh mesh, Stored done) {
+  const Turn ours(memory_faults, false);
   Pending pending{tile, std::move(mesh), std::move(done)};
   if (!late_stores) return store_now(std::move(pending));
   pending_.push_back(std::move(pending));
 }
 
 void MemoryStorage::store_now(Pending pending) {
+  const Turn ours(memory_faults, false);
   // As a writer does: nothing that goes wrong is thrown at whoever waits.
   Status stored = success();
   try {
@@ -74,10 +82,14 @@ void MemoryStorage::store_now(Pending pending) {
   } catch (const std::exception& e) {
     stored = error(Errc::internal, e.what());
   }
-  if (!stored) return pending.done(stored.error());
-  TileEntry entry;
-  entry.tile = pending.tile;
-  pending.done(entry);
+  Result<TileEntry> entry = TileEntry{};
+  if (stored) {
+    entry.value().tile = pending.tile;
+  } else {
+    entry = stored.error();
+  }
+  const Turn theirs(memory_faults, true);
+  pending.done(std::move(entry));
 }
 
 bool MemoryStorage::store_one(std::mt19937_64& rng) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "actors/harness/memory_faults.h"
 #include "src/run/tile_storage.h"
 
 namespace tessera {
@@ -45,6 +46,7 @@ class MemoryStorage final : public TileStorage {
   void damage(std::mt19937_64& rng);
 
   std::optional<StorageFault> fault;
+  MemoryFaults* memory_faults = nullptr;
   bool settled = false;  // the marker of the run
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }

@@ -11,13 +11,16 @@ Network::Network(caf::actor_config& config, NetworkState& state, Trace trace, st
 void Network::on_exit() { held_.clear(); }
 
 Network::behavior_type Network::make_behavior() {
+  const Turn ours(state_.memory_faults, false);
   return {
       [this](caf::actor& part, Batch& batch) {
+        const Turn ours(state_.memory_faults, false);
         held_.emplace_back(part, std::move(batch));
         state_.held = held_.size();
         send(this, caf::tick_atom_v);
       },
       [this](caf::tick_atom) {
+        const Turn ours(state_.memory_faults, false);
         if (rng_() % (patience_ + 1) != 0) {
           send(this, caf::tick_atom_v);
           return;

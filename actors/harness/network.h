@@ -12,12 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "actors/harness/memory_faults.h"
 #include "actors/protocol.h"
 
 namespace tessera {
 
 struct NetworkState {
   std::uint64_t held = 0;
+  MemoryFaults* memory_faults = nullptr;
 };
 
 class Network : public NetworkHandle::base {

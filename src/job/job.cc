@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -133,10 +134,8 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   return summary;
 }
 
-}  // namespace
-
-Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
-                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
+Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const OpenCloud& open, ResultFolder& folder,
+                                      Progress& progress, const std::stop_token& stop) {
   // Where the result goes there is room for what has to be unpacked.
   std::error_code ignored;
   auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
@@ -163,6 +162,17 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
   if (summary) return std::move(summary).value();
   BOOST_OUTCOME_TRYV(folder.check_claim());  // what fails in a folder that is another's is no news
   return summary.error();
+}
+
+}  // namespace
+
+Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
+                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
+  try {
+    return run(engine, std::move(options), open, folder, progress, stop);
+  } catch (const std::bad_alloc&) {
+    return worded([] { return error(Errc::memory, "the system has no more memory to give"); });
+  }
 }
 
 }  // namespace tessera

@@ -51,9 +51,9 @@ void DiskParts::offer(std::shared_ptr<const RoutedRun> run) {
   offered_[std::move(folder)] = std::move(run);
 }
 
-void DiskParts::withdraw(const RoutedRun& run) {
+void DiskParts::withdraw(const RoutedRun& run) noexcept {
   const std::lock_guard lock(mutex_);
-  offered_.erase(run.folder.string());
+  std::erase_if(offered_, [&](const auto& entry) { return entry.second.get() == &run; });
 }
 
 Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self) {

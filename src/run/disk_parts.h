@@ -15,7 +15,7 @@ class DiskParts final : public PartSource {
  public:
   // A run that this process has in memory need not be read again. Until withdraw().
   void offer(std::shared_ptr<const RoutedRun> run);
-  void withdraw(const RoutedRun& run);
+  void withdraw(const RoutedRun& run) noexcept;
 
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 

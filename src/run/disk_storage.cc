@@ -1,6 +1,5 @@
 #include "src/run/disk_storage.h"
 
-#include <boost/asio/post.hpp>
 #include <cstring>
 #include <exception>
 #include <map>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 
@@ -31,8 +31,6 @@ Status make_folder_of(const std::filesystem::path& file) {
 DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
                          std::uint32_t writers)
     : run_(std::move(run)), out_(std::move(out)), options_(std::move(options)), writers_(writers) {}
-
-DiskStorage::~DiskStorage() { writers_.join(); }
 
 Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
 
@@ -82,9 +80,7 @@ Status DiskStorage::remove(TileId tile, ScratchKind what) {
 Status DiskStorage::clear(ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto folder = scratch_folder(run_->folder, what);
-  std::error_code failed;
-  std::filesystem::remove_all(folder, failed);
-  if (failed) return refused(folder, "remove it", failed);
+  if (const auto failed = remove_tree(folder)) return refused(folder, "remove it", failed);
   return success();
 }
 
@@ -107,8 +103,8 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   return rows;
 }
 
-Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) {
-  const auto name = "tile " + std::to_string(tile.value);
+Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) noexcept {
+  const auto name = [&] { return "tile " + std::to_string(tile.value); };
   try {
     BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
     BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
@@ -116,18 +112,20 @@ Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) {
     BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
     return std::move(entry);
   } catch (const std::bad_alloc&) {
-    return error(Errc::memory,
-                 "out of memory while storing " + name + ": use smaller tiles or a smaller " + option("memory"));
+    return worded([&] {
+      return error(Errc::memory,
+                   "out of memory while storing " + name() + ": use smaller tiles or a smaller " + option("memory"));
+    });
   } catch (const std::exception& e) {
-    return error(Errc::internal, name + " cannot be stored: " + e.what());
+    return worded([&] { return error(Errc::internal, name() + " cannot be stored: " + e.what()); });
   }
 }
 
 void DiskStorage::store(TileId tile, TileMesh mesh, Stored done) {
-  boost::asio::post(writers_, [this, tile, mesh = std::move(mesh), done = std::move(done)]() mutable {
-    const Result<TileEntry> entry = write_result(tile, mesh);
+  writers_.take([this, tile, mesh = std::move(mesh), done = std::move(done)]() mutable noexcept {
+    Result<TileEntry> entry = write_result(tile, mesh);
     mesh = {};  // before the node believes that it is gone
-    done(entry);
+    done(std::move(entry));
   });
 }
 

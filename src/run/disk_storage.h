@@ -1,12 +1,12 @@
 // A tile's bytes in a run folder, its result in the store.
 #pragma once
 
-#include <boost/asio/thread_pool.hpp>
 #include <filesystem>
 #include <memory>
 #include <vector>
 
 #include "src/run/tile_storage.h"
+#include "src/run/writers.h"
 
 namespace tessera {
 
@@ -14,12 +14,9 @@ class DiskStorage final : public TileStorage {
  public:
   // Scratch goes under run->folder, results to `out`; error io before anything is written or removed there when the
   // lock of the options is another's. As many meshes are stored at a time as there are `writers`, which wait for the
-  // disk while others work.
+  // disk while others work. What is being stored when this goes is waited for.
   DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
               std::uint32_t writers);
-  // Waits for what is being stored.
-  ~DiskStorage() override;
-
   Result<LoadedTile> load_points(TileId tile) override;
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
@@ -32,12 +29,12 @@ class DiskStorage final : public TileStorage {
 
  private:
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
-  Result<TileEntry> write_result(TileId tile, const TileMesh& mesh);
+  Result<TileEntry> write_result(TileId tile, const TileMesh& mesh) noexcept;
 
   std::shared_ptr<const RoutedRun> run_;
   std::filesystem::path out_;
   StoreOptions options_;
-  boost::asio::thread_pool writers_;
+  Writers writers_;  // last: they use all of the above
 };
 
 }  // namespace tessera

@@ -36,7 +36,8 @@ class TileStorage {
   virtual Status remove(TileId tile, ScratchKind what) = 0;
   virtual Status clear(ScratchKind what) = 0;  // of all tiles
 
-  // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw.
+  // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw, and is told
+  // whatever happens, unless this throws.
   using Stored = std::function<void(Result<TileEntry>)>;
   virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
 };

@@ -1,0 +1,53 @@
+#include "actors/harness/seeded_scheduler.h"
+
+#include "src/base/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t actors_max = 10'000;
+
+}  // namespace
+
+class SeededScheduler::Worker final : public caf::execution_unit {
+ public:
+  explicit Worker(SeededScheduler& scheduler) : execution_unit(&scheduler.system()), scheduler_(scheduler) {}
+  void exec_later(caf::resumable* job) override { scheduler_.enqueue(job); }
+
+ private:
+  SeededScheduler& scheduler_;
+};
+
+SeededScheduler::SeededScheduler(caf::actor_system& system) : test_coordinator(system) { ready_.reserve(actors_max); }
+
+void SeededScheduler::enqueue(caf::resumable* job) {
+  check(ready_.size() < actors_max, "a harness has few actors");
+  ready_.push_back(job);
+}
+
+bool SeededScheduler::step(std::mt19937_64& rng) {
+  if (ready_.empty()) return false;
+  resume(rng() % ready_.size());
+  return true;
+}
+
+void SeededScheduler::run_all() {
+  while (!ready_.empty()) resume(0);
+}
+
+void SeededScheduler::resume(std::size_t chosen) {
+  caf::resumable* const job = ready_[chosen];
+  ready_.erase(ready_.begin() + static_cast<std::ptrdiff_t>(chosen));
+  Worker worker(*this);
+  switch (job->resume(&worker, 1)) {
+    case caf::resumable::resume_later:
+      return enqueue(job);
+    case caf::resumable::done:
+    case caf::resumable::awaiting_message:
+      return caf::intrusive_ptr_release(job);
+    case caf::resumable::shutdown_execution_unit:
+      return;
+  }
+}
+
+}  // namespace tessera

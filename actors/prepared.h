@@ -1,0 +1,32 @@
+// A message made in advance: to say that there is no memory must not need any.
+#pragma once
+
+#include <caf/all.hpp>
+#include <utility>
+
+namespace tessera {
+
+template <class Message>
+class Prepared {
+ public:
+  Prepared()
+      : element_(caf::make_mailbox_element(nullptr, caf::make_message_id(), caf::no_stages, Message{})),
+        message_(&element_->content().template get_mutable_as<Message>(0)) {}
+
+  // What will be said. REQUIRES: it has not been said.
+  Message& message() { return *message_; }
+  bool said() const { return !element_; }
+  // Only once; and nothing to nobody.
+  template <class Handle>
+  void say(const Handle& to) noexcept {
+    using Words = caf::detail::type_list<Message>;
+    static_assert(caf::response_type_unbox<caf::signatures_of_t<Handle>, Words>::valid, "the receiver takes it");
+    if (element_ && to) caf::actor_cast<caf::abstract_actor*>(to)->enqueue(std::move(element_), nullptr);
+  }
+
+ private:
+  caf::mailbox_element_ptr element_;
+  Message* message_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// Whoever has a job run, as its coordinator sees it: in the same process, and told without messages, for whom to wait
+// is all that is left to do.
+#pragma once
+
+#include <cstdint>
+
+#include "actors/protocol.h"
+
+namespace tessera {
+
+enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
+struct RunProgress {
+  RunStage stage = RunStage::triangulating;
+  PartProgress sum;
+};
+
+struct RunEnded {
+  Failure failure;
+  bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
+  std::uint64_t waves = 0;
+  PartEnded sum;
+  // Wall clock of the stages.
+  std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;
+};
+
+// Called from the coordinator's thread. What is thrown at it ends the job.
+class RunOwner {
+ public:
+  virtual ~RunOwner() = default;
+  virtual void progressed(const RunProgress& now) = 0;
+  virtual void stored(const TileDone& tile) = 0;
+  // Always called in the end, once; the coordinator does not know its owner any more then.
+  virtual void ended(RunEnded end) noexcept = 0;
+};
+
+}  // namespace tessera
