@@ -1,7 +1,9 @@
 #include "src/job/job_report.h"
 
+#include <chrono>
 #include <utility>
 
+#include "src/crs/crs.h"
 #include "src/job/version.h"
 
 namespace tessera {
@@ -71,7 +73,8 @@ ReportData report_of(const JobSummary& summary, const Manifest& manifest, const 
   report.version = manifest.software_version;
   report.command = manifest.command;
   for (const auto& input : manifest.inputs) report.inputs.push_back(input.path);
-  report.crs = manifest.crs;
+  report.crs_title = crs_title(manifest.crs);
+  report.finished = std::chrono::system_clock::now();
   report.partition_kind = manifest.partition_kind;
   report.boxes_disjoint = manifest.partition_kind != name_of(PartitionKind::random);
   report.bounds = manifest.bounds;

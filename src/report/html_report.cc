@@ -1,58 +1,55 @@
 #include "src/report/html_report.h"
 
 #include <algorithm>
+#include <array>
+#include <ctime>
 
 #include "src/files/whole_file.h"
 #include "src/report/human.h"
+#include "src/report/report_style.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::size_t table_rows_max = 1000;
 
-constexpr const char* style = R"(<style>
-:root { color-scheme: light dark; --ink:#1d2430; --soft:#5d6878; --paper:#fbfbf9; --card:#ffffff; --line:#dfe3e8;
-  --routing:#8a94a6; --triangulating:#2f6db5; --splaying:#e08a2c; --collecting:#3d9a6a; --finishing:#8a63b0; }
-@media (prefers-color-scheme: dark) { :root { --ink:#e4e8ee; --soft:#98a3b3; --paper:#14181f; --card:#1c222b;
-  --line:#323a46; --routing:#7d8798; --triangulating:#5b9be0; --splaying:#f0a04b; --collecting:#58bd88; --finishing:#ab88d0; } }
-* { box-sizing:border-box }
-body { margin:0; background:var(--paper); color:var(--ink); font:15px/1.5 system-ui,sans-serif }
-main { max-width:1060px; margin:0 auto; padding:32px 24px 64px }
-h1 { font-size:26px; font-weight:650; margin:0 0 4px; letter-spacing:-.01em }
-h2 { font-size:17px; font-weight:650; margin:36px 0 10px }
-p { margin:0 0 8px } .soft { color:var(--soft) }
-code { font:13px/1.5 ui-monospace,monospace; overflow-wrap:anywhere }
-.cards { display:grid; grid-template-columns:repeat(auto-fill,minmax(158px,1fr)); gap:10px; margin:20px 0 }
-.card { background:var(--card); border:1px solid var(--line); border-radius:8px; padding:10px 14px }
-.card b { display:block; font-size:20px; font-weight:600; font-variant-numeric:tabular-nums }
-.card span { color:var(--soft); font-size:13px }
-.panel { background:var(--card); border:1px solid var(--line); border-radius:8px; padding:14px; overflow-x:auto }
-.phases { display:flex; height:26px; border-radius:6px; overflow:hidden; margin-bottom:8px }
-.phases div { min-width:1px }
-.key { display:flex; flex-wrap:wrap; gap:4px 18px; font-size:13px; color:var(--soft); margin-bottom:10px }
-.key i { display:inline-block; width:11px; height:11px; border-radius:3px; margin-right:6px }
-.pictures { display:grid; grid-template-columns:repeat(auto-fill,minmax(min(100%,420px),1fr)); gap:16px }
-.pictures figure { margin:0 }
-figcaption { font-size:13px; color:var(--soft); margin-bottom:8px }
-svg { display:block; width:100%; height:auto }
-svg text.axis { font:11px system-ui,sans-serif; fill:var(--soft) }
-svg .tick { stroke:var(--line); stroke-width:1 }
-svg.tiles rect { stroke:var(--card); stroke-width:1; fill-opacity:.86; vector-effect:non-scaling-stroke }
-svg.tiles rect.legend { stroke:none; fill-opacity:1 }
-svg rect:hover { fill-opacity:1; filter:brightness(1.15) }
-)";
+// Spaces in a number must not end a line.
+std::string number(const std::string& text) { return "<span class=\"number\">" + text + "</span>"; }
+std::string number(std::uint64_t n) { return number(grouped(n)); }
 
-const char* const phase_names[] = {"routing", "triangulating", "splaying", "collecting", "finishing"};
+// "2026-03-01 09:30 UTC"
+std::string minute(std::chrono::system_clock::time_point time) {
+  const std::time_t seconds = std::chrono::system_clock::to_time_t(time);
+  std::tm parts{};
+  gmtime_r(&seconds, &parts);
+  std::array<char, 64> buffer;
+  return std::string(buffer.data(), std::strftime(buffer.data(), buffer.size(), "%Y-%m-%d %H:%M UTC", &parts));
+}
 
-std::string phase_styles() {
-  std::string css;
-  for (const auto* name : phase_names) {
-    css += ".p-" + std::string(name) + " { fill:var(--" + name + "); background:var(--" + name + ") }\n";
+std::string facts(const ReportData& data) {
+  std::string html = "<dl class=\"facts\">\n";
+  const auto fact = [&](const char* name, const std::string& value) {
+    html += std::string("<dt>") + name + "</dt><dd>" + value + "</dd>\n";
+  };
+  const auto along = [&](const char* axis, int i) {
+    return number(std::string(axis) + " " + coordinate(data.bounds.lo[i]) + " to " + coordinate(data.bounds.hi[i]));
+  };
+  fact("finished", number(minute(data.finished)));
+  fact("coordinate system", data.crs_title.empty() ? "none in the input" : escape_html(data.crs_title));
+  if (!data.bounds.empty())
+    fact("box", along("x", 0) + ", " + along("y", 1) + (data.summary.dimension == 3 ? ", " + along("z", 2) : ""));
+  if (!data.summary.digest.empty()) fact("digest", "<code>" + escape_html(data.summary.digest) + "</code>");
+  std::string command;
+  for (const auto& word : data.command) {
+    const auto safe = escape_html(word);
+    command += (command.empty() ? "" : " ") + (word.starts_with("--") ? number(safe) : safe);  // no line ends at --
   }
-  return css +
-         "table { border-collapse:collapse; width:100%; font-size:13.5px; font-variant-numeric:tabular-nums }\n"
-         "th,td { text-align:right; padding:4px 10px; border-bottom:1px solid var(--line) }\n"
-         "th { color:var(--soft); font-weight:500 } th:first-child,td:first-child { text-align:left }\n</style>\n";
+  fact("command", "<code>" + command + "</code>");
+  html += "</dl>\n";
+  for (const auto& warning : data.summary.warnings) {
+    html += "<p class=\"warning\">" + escape_html(warning) + "</p>\n";
+  }
+  return html;
 }
 
 std::string card(const std::string& value, const std::string& name) {
@@ -79,14 +76,15 @@ std::string cards(const JobSummary& s) {
 std::string exchange(const JobSummary& s) {
   const ExchangeFigures& e = s.exchange;
   const auto share = [&](std::uint64_t n) {
-    return s.vertices == 0 ? std::string()
-                           : " (" + fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) +
-                                 " % of the vertices)";
+    return s.vertices == 0
+               ? std::string()
+               : " (" + number(fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) + " %") +
+                     " of the vertices)";
   };
-  return "<p>" + grouped(e.batches) + " messages carried " + grouped(e.points.sent) + " points" + share(e.points.sent) +
-         ". Of " + grouped(e.points.received) + " received, " + grouped(e.points.inserted) + " were inserted and " +
-         grouped(e.points.kept) + " kept. The longest chain of messages that caused one another: " + grouped(e.rounds) +
-         "; the counters were collected " + grouped(e.waves) + " times; tiles were put to sleep " + grouped(e.sleeps) +
+  return "<p>" + number(e.batches) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
+         ". Of " + number(e.points.received) + " received, " + number(e.points.inserted) + " were inserted and " +
+         number(e.points.kept) + " kept. The longest chain of messages that caused one another: " + number(e.rounds) +
+         "; the counters were collected " + number(e.waves) + " times; tiles were put to sleep " + number(e.sleeps) +
          " times.</p>\n";
 }
 
@@ -98,7 +96,7 @@ std::string phases(const JobSummary& s) {
     const auto safe = escape_html(name);
     bar += "<div class=\"p-" + safe + "\" style=\"flex:" + fixed(sum > 0 ? seconds / sum : 1, 5) + "\" title=\"" +
            safe + ": " + human_seconds(seconds) + "\"></div>";
-    key += "<span><i class=\"p-" + safe + "\"></i>" + safe + " " + human_seconds(seconds) + "</span>";
+    key += "<span><i class=\"p-" + safe + "\"></i>" + safe + " " + number(human_seconds(seconds)) + "</span>";
   }
   return bar + "</div>\n" + key + "</div>\n";
 }
@@ -110,24 +108,26 @@ std::string pictures(const ReportData& data) {
     seconds.push_back(tile.seconds);
   }
   const auto points_of = [](double value) { return grouped(static_cast<std::uint64_t>(value)); };
-  const auto figure = [&](int across, int up, const std::string& caption, bool by_time) {
+  const auto figure = [&](int across, int up, const std::string& view, bool by_time) {
     const auto& values = by_time ? seconds : sizes;
+    const auto text = [&](double value) { return number(by_time ? human_seconds(value) : points_of(value)); };
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    const auto svg = tiles_svg(data, across, up, values, by_time ? human_seconds(*low) : points_of(*low),
-                               by_time ? human_seconds(*high) : points_of(*high));
-    return svg.empty() ? ""
-                       : "<figure class=\"panel\"><figcaption>" + caption + "</figcaption>\n" + svg + "</figure>\n";
+    const auto svg = tiles_svg(data, across, up, values);
+    if (svg.empty()) return svg;
+    return "<figure class=\"panel\"><figcaption>" + view + ", coloured by " + (by_time ? "time worked" : "points") +
+           ": " + text(*low) + " to " + text(*high) + " a tile</figcaption>\n" + svg +
+           "<div class=\"scale\">0<i style=\"background:" + palette_gradient() + "\"></i>" + text(*high) +
+           "</div></figure>\n";
   };
-  std::string html = "<div class=\"pictures\">\n" + figure(0, 1, "From above (x, y), coloured by points", false) +
-                     figure(0, 1, "From above (x, y), coloured by time worked", true);
+  std::string html =
+      "<div class=\"pictures\">\n" + figure(0, 1, "From above (x, y)", false) + figure(0, 1, "From above (x, y)", true);
   // From above, tiles over one another hide each other: show them from the front too.
   const bool stacked =
       data.summary.dimension == 3 && std::any_of(data.tiles.begin(), data.tiles.end(), [&](const auto& t) {
         return t.box.lo.z > data.bounds.lo.z || t.box.hi.z <= data.bounds.hi.z;
       });
   if (stacked) {
-    html += figure(0, 2, "From the front (x, z), coloured by points", false) +
-            figure(0, 2, "From the front (x, z), coloured by time worked", true);
+    html += figure(0, 2, "From the front (x, z)", false) + figure(0, 2, "From the front (x, z)", true);
   }
   return html + "</div>\n";
 }
@@ -154,8 +154,7 @@ std::string table(const ReportData& data) {
 }  // namespace
 
 std::string html_report(const ReportData& data) {
-  std::string command, inputs;
-  for (const auto& word : data.command) command += (command.empty() ? "" : " ") + word;
+  std::string inputs;
   constexpr std::size_t inputs_shown = 8;
   for (std::size_t i = 0; i < std::min(inputs_shown, data.inputs.size()); ++i) {
     inputs += (i > 0 ? ", " : "") + escape_html(std::filesystem::path(data.inputs[i]).filename().string());
@@ -165,11 +164,11 @@ std::string html_report(const ReportData& data) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width\">\n<title>Tessera: " +
-      inputs + "</title>\n" + style + phase_styles() + "</head><body><main>\n";
+      inputs + "</title>\n" + report_style() + "</head><body><main>\n";
   html += "<h1>" + inputs + "</h1>\n<p class=\"soft\">Delaunay triangulation in " +
           std::to_string(data.summary.dimension) + "D, " + escape_html(data.partition_kind) + " partition, Tessera " +
-          escape_html(data.version) + "</p>\n<p><code>" + escape_html(command) + "</code></p>\n";
-  html += cards(data.summary);
+          escape_html(data.version) + "</p>\n";
+  html += facts(data) + cards(data.summary);
   html += "<h2>Time</h2>\n<div class=\"panel\">" + phases(data.summary) +
           timeline_svg(data.spans, data.summary.total_s) + "</div>\n";
   html += "<h2>Exchange between tiles</h2>\n" + exchange(data.summary);

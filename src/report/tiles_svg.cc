@@ -12,10 +12,11 @@ namespace {
 constexpr double size_max = 460;
 constexpr std::size_t tiles_max = 20'000;  // more would be smaller than a pixel
 
-// From dark blue over green to yellow: readable in print and by the colour-blind. Five stops, linear between.
+// From dark violet over green to yellow: readable in print and by the colour-blind. Linear between the stops.
+constexpr std::array<std::array<double, 3>, 5> stops{
+    {{62, 38, 110}, {49, 93, 151}, {35, 148, 145}, {106, 195, 96}, {247, 226, 58}}};
+
 std::string colour(double t) {
-  constexpr std::array<std::array<double, 3>, 5> stops{
-      {{62, 38, 110}, {49, 93, 151}, {35, 148, 145}, {106, 195, 96}, {247, 226, 58}}};
   const double position = std::clamp(std::isfinite(t) ? t : 0.0, 0.0, 1.0) * (stops.size() - 1);
   const auto i = std::min(static_cast<std::size_t>(position), stops.size() - 2);
   std::string text = "rgb(";
@@ -28,8 +29,15 @@ std::string colour(double t) {
 
 }  // namespace
 
-std::string tiles_svg(const ReportData& data, int across, int up, const std::vector<double>& values,
-                      const std::string& low, const std::string& high) {
+std::string palette_gradient() {
+  std::string css = "linear-gradient(to right";
+  for (std::size_t i = 0; i < stops.size(); ++i) {
+    css += "," + colour(static_cast<double>(i) / static_cast<double>(stops.size() - 1));
+  }
+  return css + ")";
+}
+
+std::string tiles_svg(const ReportData& data, int across, int up, const std::vector<double>& values) {
   if (data.tiles.empty() || data.bounds.empty()) return "";
   const double extent_x = data.bounds.hi[across] - data.bounds.lo[across];
   const double extent_y = data.bounds.hi[up] - data.bounds.lo[up];
@@ -50,8 +58,7 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
                ? height * (data.bounds.hi[up] - std::clamp(y, data.bounds.lo[up], data.bounds.hi[up])) / extent_y
                : 0;
   };
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  const double range = *most - *least;
+  const double most = *std::max_element(values.begin(), values.end());
 
   // Nearer tiles are drawn over those behind them.
   const int depth = 3 - across - up;
@@ -64,27 +71,19 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
   });
   if (order.size() > tiles_max) order.resize(tiles_max);
 
-  std::string svg = "<svg class=\"tiles\" viewBox=\"-2 -2 " + fixed(width + 4, 1) + " " + fixed(height + 40, 1) +
+  std::string svg = "<svg class=\"tiles\" viewBox=\"-2 -2 " + fixed(width + 4, 1) + " " + fixed(height + 4, 1) +
                     "\" style=\"max-width:" + fixed(width + 4, 0) + "px\" role=\"img\" aria-label=\"Tiles\">\n";
   for (const auto i : order) {
     const auto& tile = data.tiles[i];
     const double x0 = x_of(tile.box.lo[across]), x1 = x_of(tile.box.hi[across]);
     const double y0 = y_of(tile.box.hi[up]), y1 = y_of(tile.box.lo[up]);
-    const double t = range > 0 ? (values[i] - *least) / range : 0.5;
+    const double t = most > 0 ? values[i] / most : 0;
     svg += "<rect x=\"" + fixed(x0, 2) + "\" y=\"" + fixed(y0, 2) + "\" width=\"" + fixed(std::max(0.5, x1 - x0), 2) +
            "\" height=\"" + fixed(std::max(0.5, y1 - y0), 2) + "\" fill=\"" + colour(t) + "\"><title>tile " +
            to_string(tile.tile) + ": " + grouped(tile.points) + " points, " + grouped(tile.cells) + " cells, " +
            human_seconds(tile.seconds) + "</title></rect>\n";
   }
-  // The legend: a bar of the palette with its ends.
-  for (int i = 0; i < 20; ++i) {
-    svg += "<rect class=\"legend\" x=\"" + std::to_string(i * 6) + "\" y=\"" + fixed(height + 10, 1) +
-           "\" width=\"6.5\" height=\"8\" fill=\"" + colour(i / 19.0) + "\"/>";
-  }
-  svg += "\n<text class=\"axis\" x=\"0\" y=\"" + fixed(height + 32, 1) + "\">" + escape_html(low) +
-         "</text><text class=\"axis\" x=\"120\" y=\"" + fixed(height + 32, 1) + "\" text-anchor=\"end\">" +
-         escape_html(high) + "</text>\n</svg>\n";
-  return svg;
+  return svg + "</svg>\n";
 }
 
 }  // namespace tessera

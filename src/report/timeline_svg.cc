@@ -8,7 +8,8 @@
 namespace tessera {
 namespace {
 
-constexpr double left = 70, width = 900, row = 22, gap = 6, top = 6;
+constexpr double row = 22, gap = 6, top = 6, pixels = 1000;
+constexpr int label_px = 72;  // left of the drawing: report_style.cc leaves as much room
 
 struct Bar {
   Span first;
@@ -50,17 +51,18 @@ std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
     threads[span.thread].push_back(span);
     total_s = std::max(total_s, span.end_s);
   }
-  const auto at = [&](double seconds) { return left + width * seconds / std::max(total_s, 1e-9); };
+  const auto at = [&](double seconds) { return 100 * seconds / std::max(total_s, 1e-9); };  // per cent
   const double height = top + static_cast<double>(threads.size()) * (row + gap) + 24;
 
-  std::string svg = "<svg class=\"timeline\" viewBox=\"0 0 " + fixed(left + width + 30, 0) + " " + fixed(height, 0) +
-                    "\" role=\"img\" aria-label=\"Timeline of threads\">\n";
+  std::string svg = "<svg class=\"timeline\" style=\"height:" + fixed(height, 0) +
+                    "px\" role=\"img\" aria-label=\"Timeline of threads\">\n";
   const double tick = tick_of(total_s);
   for (int i = 0; i * tick <= total_s; ++i) {
     const double x = at(i * tick);
-    svg += "<line class=\"tick\" x1=\"" + fixed(x, 1) + "\" x2=\"" + fixed(x, 1) + "\" y1=\"0\" y2=\"" +
-           fixed(height - 20, 1) + "\"/><text class=\"axis\" x=\"" + fixed(x, 1) + "\" y=\"" + fixed(height - 6, 1) +
-           "\" text-anchor=\"middle\">" +
+    const char* const anchor = i == 0 ? "start" : x > 97 ? "end" : "middle";
+    svg += "<line class=\"tick\" x1=\"" + fixed(x, 2) + "%\" x2=\"" + fixed(x, 2) + "%\" y1=\"0\" y2=\"" +
+           fixed(height - 20, 1) + "\"/><text" + (i % 2 == 1 ? " class=\"between\"" : "") + " x=\"" + fixed(x, 2) +
+           "%\" y=\"" + fixed(height - 6, 1) + "\" text-anchor=\"" + anchor + "\">" +
            fixed(i * tick, tick < 0.1 ? 2
                            : tick < 1 ? 1
                                       : 0) +
@@ -68,15 +70,15 @@ std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
   }
   double y = top;
   for (const auto& [thread, list] : threads) {
-    svg += "<text class=\"axis\" x=\"0\" y=\"" + fixed(y + row * 0.7, 1) + "\">thread " + std::to_string(thread) +
-           "</text>\n";
-    for (const auto& bar : merge(list, total_s / width)) {
+    svg += "<text x=\"" + std::to_string(-label_px) + "\" y=\"" + fixed(y + row * 0.7, 1) + "\">thread " +
+           std::to_string(thread) + "</text>\n";
+    for (const auto& bar : merge(list, total_s / pixels)) {
       const double x = at(bar.first.begin_s);
       const std::string what = bar.spans == 1 || bar.first.phase == Phase::triangulating
                                    ? "tile " + to_string(bar.first.tile)
                                    : std::to_string(bar.spans) + " times";
-      svg += "<rect class=\"p-" + std::string(name_of(bar.first.phase)) + "\" x=\"" + fixed(x, 2) + "\" y=\"" +
-             fixed(y, 1) + "\" width=\"" + fixed(std::max(0.6, at(bar.end_s) - x - 0.4), 2) + "\" height=\"" +
+      svg += "<rect class=\"p-" + std::string(name_of(bar.first.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" +
+             fixed(y, 1) + "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" +
              fixed(row, 0) + "\"><title>" + name_of(bar.first.phase) + ", " + what + ": " +
              fixed(bar.first.begin_s, 3) + " to " + fixed(bar.end_s, 3) + " s</title></rect>\n";
     }

@@ -2,8 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
 #include <string>
+#include <vector>
 
 namespace tessera {
 namespace {
@@ -49,9 +54,55 @@ TEST(HtmlReport, NamesOfFilesAreTextNotMarkup) {
   EXPECT_NE(html.find("&lt;script&gt;"), std::string::npos);
 }
 
+TEST(HtmlReport, SaysWhenWhereAndWhatWasTriangulated) {
+  auto data = two_tiles();
+  data.crs_title = "RGF93 v1 / Lambert-93 (EPSG:2154)";
+  data.finished = std::chrono::system_clock::time_point(std::chrono::seconds(1'000'000'000));
+  data.summary.digest = "9535ea8d9011370510168a5be59e9e6e";
+  data.summary.warnings = {"a<b: no coordinate system"};
+  const auto html = html_report(data);
+  for (const char* text : {"RGF93 v1 / Lambert-93 (EPSG:2154)", "2001-09-09 01:46 UTC", "x 0 to 10", "y 0 to 10",
+                           "z 0 to 5", "9535ea8d9011370510168a5be59e9e6e", "a&lt;b: no coordinate system"}) {
+    EXPECT_NE(html.find(text), std::string::npos) << text;
+  }
+  data.crs_title.clear();
+  data.summary.dimension = 2;
+  const auto plane = html_report(data);
+  EXPECT_NE(plane.find("none in the input"), std::string::npos);
+  EXPECT_EQ(plane.find("z 0 to 5"), std::string::npos);
+}
+
+// A scale from the least to the greatest would show a difference of 0.6 % as black and white.
+TEST(HtmlReport, TilesThatHardlyDifferLookAlike) {
+  const auto data = two_tiles();
+  const auto fills = [&](double a, double b) {
+    const auto svg = tiles_svg(data, 0, 1, {a, b});
+    std::vector<std::array<double, 3>> colours;
+    for (auto at = svg.find("rgb("); at != std::string::npos; at = svg.find("rgb(", at + 1)) {
+      std::array<double, 3> c{};
+      EXPECT_EQ(std::sscanf(svg.c_str() + at, "rgb(%lf,%lf,%lf)", &c[0], &c[1], &c[2]), 3);
+      colours.push_back(c);
+    }
+    EXPECT_EQ(colours.size(), 2u);
+    double difference = 0;
+    for (std::size_t i = 0; i < 3; ++i) difference = std::max(difference, std::abs(colours[0][i] - colours[1][i]));
+    return difference;
+  };
+  EXPECT_LE(fills(994, 1000), 4);
+  EXPECT_GE(fills(500, 1000), 100);
+  EXPECT_EQ(fills(0, 0), 0);
+}
+
+TEST(HtmlReport, NumbersStayInOneLine) {
+  auto data = two_tiles();
+  data.summary.exchange.points.sent = 1'234'567;
+  const auto html = html_report(data);
+  EXPECT_NE(html.find("<span class=\"number\">1 234 567</span>"), std::string::npos);
+}
+
 TEST(HtmlReport, UnboundedTilesAreClippedToThePoints) {
   const auto data = two_tiles();
-  const auto svg = tiles_svg(data, 0, 1, {10, 20}, "10", "20");
+  const auto svg = tiles_svg(data, 0, 1, {10, 20});
   EXPECT_EQ(svg.find("inf"), std::string::npos);
   EXPECT_NE(svg.find("x=\"0.00\" y=\"0.00\" width=\"230.00\" height=\"460.00\""), std::string::npos);
   EXPECT_NE(svg.find("x=\"230.00\" y=\"0.00\" width=\"230.00\" height=\"460.00\""), std::string::npos);

@@ -1,0 +1,10 @@
+// The style sheet of report.html: for light and dark themes, for telephones, paper and wide screens.
+#pragma once
+
+#include <string>
+
+namespace tessera {
+
+std::string report_style();  // a <style> element
+
+}  // namespace tessera
