@@ -1,6 +1,8 @@
 #include "src/apps/command.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
 
 namespace tessera {
 
@@ -38,6 +40,15 @@ void add_switch(Command& command, const std::string& key, const std::string& hel
   // The help shows the one that changes something.
   (on_by_default ? on : off)->group("");
   on->excludes(off);
+}
+
+void add_choices(Command& command, const std::string& key, const std::string& values) {
+  auto& list = command.choices[key];
+  for (std::size_t at = 0; at < values.size();) {
+    const auto end = std::min(values.find(", ", at), values.size());
+    list.push_back(values.substr(at, end - at));
+    at = end + 2;
+  }
 }
 
 void add_output_switches(Command& command) {

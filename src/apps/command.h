@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ namespace tessera {
 struct Command {
   CLI::App* app = nullptr;  // belongs to the root
   std::unique_ptr<Settings> settings;
+  std::map<std::string, std::vector<std::string>> choices;  // of an option's or argument's value, for completion
   // Checks all arguments, then acts. `command_line`: for the manifest.
   std::function<Status(const std::vector<std::string>& command_line)> run;
 };
@@ -38,6 +40,8 @@ void add_value(Command& command, const std::string& key, const std::string& meta
 // --key and --no-key. With on_by_default `help` tells what the latter does.
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
                 bool flag_only = false, bool on_by_default = false);
+// What the value of that option or argument can be: "kdtree, grid".
+void add_choices(Command& command, const std::string& key, const std::string& values);
 void add_output_switches(Command& command);  // quiet, verbose, json
 
 struct OutputOptions {

@@ -79,6 +79,7 @@ Command add_export(CLI::App& root) {
                   "  tessera export ground/ -o ground.gpkg           (2D)\n\nFormats:\n" +
                       export_format_help());
   add_value(command, "format", "NAME", "one of those below; default: as the ending of --output says");
+  add_choices(command, "format", export_format_names());
   add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
             'o', true);
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);

@@ -77,6 +77,7 @@ Command add_generate(CLI::App& root) {
   add_output_switches(command);
   auto kind = std::make_shared<std::string>();
   command.app->add_option("kind", *kind, "uniform, normal, sphere, grid or terrain")->type_name("KIND");
+  add_choices(command, "kind", "uniform, normal, sphere, grid, terrain");
   command.run = [settings = command.settings.get(), kind](const std::vector<std::string>&) {
     return run_generate(*settings, *kind);
   };

@@ -138,10 +138,12 @@ Command add_harness(CLI::App& root) {
                              "  tessera harness --kind lattice -n 40 --tiles 7 --seed 17 --trace      (replays one)");
   command.app->group("For tests");
   add_value(command, "kind", "NAME", kinds() + "; default: uniform", 0, true);
+  add_choices(command, "kind", kinds());
   add_value(command, "points", "N", "about how many points; default: 40", 'n', true);
   add_value(command, "dim", "2|3", "default: 3", 0, true);
   add_value(command, "tiles", "N", "default: 7", 0, true);
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree or random", 0, true);
+  add_choices(command, "partition", "kdtree, grid, octree, random");
   add_value(command, "seeds", "A..B", "run these, up to the first that fails; default: 1..1", 0, true);
   add_value(command, "seed", "N", "run this one", 0, true);
   add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);

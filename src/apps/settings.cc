@@ -58,6 +58,14 @@ void Settings::set_flag(const std::string& key, std::string text) {
   set(settings_.at(key), Source::flag, std::move(text), "--" + key);
 }
 
+std::vector<std::string> Settings::environment_names() const {
+  std::vector<std::string> names;
+  for (const auto& [key, setting] : settings_) {
+    if (!setting.flag_only) names.push_back(environment_name(key));
+  }
+  return names;
+}
+
 void Settings::load_environment(const std::function<const char*(const char*)>& get_environment) {
   for (auto& [key, setting] : settings_) {
     if (setting.flag_only) continue;

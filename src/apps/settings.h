@@ -27,6 +27,8 @@ class Settings {
   // Declares the key of --key, TESSERA_KEY (in capitals, _ for -) and `key = ` in the file. flag_only: in --key alone.
   void declare(const std::string& key, bool flag_only = false) { settings_[key].flag_only = flag_only; }
   bool knows(const std::string& key) const { return settings_.contains(key); }
+  // The TESSERA_* variables that load_environment() asks for, in order.
+  std::vector<std::string> environment_names() const;
 
   // Each ignores what a stronger source has set already. REQUIRES: set_flag: the key is declared.
   void set_flag(const std::string& key, std::string text);

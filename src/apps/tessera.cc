@@ -17,13 +17,13 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/commands.h"
 #include "src/apps/help.h"
 #include "src/apps/log.h"
 #include "src/apps/settings.h"
 #include "src/apps/words.h"
 #include "src/base/option.h"
 #include "src/base/result.h"
-#include "src/job/version.h"
 
 namespace tessera {
 namespace {
@@ -80,19 +80,8 @@ int tessera_main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   start_log();
 
-  CLI::App app("Exact Delaunay triangulation of point clouds that do not fit in memory.", "tessera");
-  app.set_version_flag("--version", std::string("tessera ") + version());
-  app.formatter(help_formatter());  // before the commands, which take it over
-  app.require_subcommand(1);
-  app.footer(
-      "'tessera help COMMAND' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
-  std::vector<Command> commands;
-  commands.push_back(add_triangulate(app));
-  commands.push_back(add_verify(app));
-  commands.push_back(add_info(app));
-  commands.push_back(add_export(app));
-  commands.push_back(add_generate(app));
-  commands.push_back(add_harness(app));
+  CLI::App app;
+  const auto commands = add_commands(app);
   std::vector<std::string> names;
   for (const auto& command : commands) names.push_back(command.app->get_name());
   auto arguments = resolve_command(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), names);

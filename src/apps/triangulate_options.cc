@@ -53,6 +53,7 @@ void add_cloud_options(Command& command) {
             "most points a tile may hold, as 500k; default: from memory and threads");
   add_value(command, "tiles", "N", "the number of tiles, instead of their size");
   add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
+  add_choices(command, "partition", "kdtree, grid, octree, random");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
@@ -129,6 +130,7 @@ void add_triangulate_options(Command& command) {
   add_value(command, "output", "FOLDER", "the result folder", 'o', true);
   add_cloud_options(command);
   add_value(command, "kernel", "KIND", "flat (default), cgal");
+  add_choices(command, "kernel", "flat, cgal");
   add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
   add_switch(command, "overwrite", "replace the result or unfinished run in the result folder", 0, true);
   add_output_switches(command);

@@ -1,0 +1,29 @@
+#include "src/apps/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "src/apps/help.h"
+#include "src/job/version.h"
+
+namespace tessera {
+
+std::vector<Command> add_commands(CLI::App& root) {
+  root.name("tessera");
+  root.description("Exact Delaunay triangulation of point clouds that do not fit in memory.");
+  root.set_version_flag("--version", std::string("tessera ") + version());
+  root.formatter(help_formatter());  // before the commands, which take it over
+  root.require_subcommand(1);
+  root.footer(
+      "'tessera help COMMAND' tells more. Options can also come from TESSERA_* variables and a file: see --config.");
+  std::vector<Command> commands;
+  commands.push_back(add_triangulate(root));
+  commands.push_back(add_verify(root));
+  commands.push_back(add_info(root));
+  commands.push_back(add_export(root));
+  commands.push_back(add_generate(root));
+  commands.push_back(add_harness(root));
+  return commands;
+}
+
+}  // namespace tessera
