@@ -1,0 +1,41 @@
+"""The commands of the pages that are to be typed along work as they stand, one after the other."""
+import os
+import re
+import subprocess
+import unittest
+
+from cli import IGN, TESSERA, CliTest
+
+DOCS = IGN.parents[1] / "docs"
+
+
+class Pages(CliTest):
+    def type_along(self, page):
+        (self.folder / "data").symlink_to(IGN.parent)
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "tessera").symlink_to(TESSERA)
+        commands = re.findall(r"^    (tessera .*)$", (DOCS / page).read_text(), re.MULTILINE)
+        said = []
+        for command in commands:
+            done = subprocess.run(["bash", "-c", command], cwd=self.folder, text=True, timeout=300,
+                                  env=os.environ | {"PATH": f"{programs}:{os.environ['PATH']}"},
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, 0, f"{page}: {command}\n{done.stderr}")
+            said.append(done.stdout)
+        return said
+
+    def test_the_tutorial(self):
+        said = self.type_along("tutorial.md")
+        self.assertGreater(len(said), 6)
+        self.assertIn("Lambert-93", said[0])
+        self.assertEqual(sum("is the Delaunay triangulation" in text for text in said), 2)
+        digests = {folder: self.ok("info", folder).split("digest")[1].split()[0] for folder in ("block", "large")}
+        self.assertEqual(digests["block"], digests["large"])
+
+    def test_the_page_about_paraview(self):
+        self.assertEqual(len(self.type_along("paraview.md")), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
