@@ -1,6 +1,9 @@
 // CSV with the triangles as WKT polygons, and OGR's VRT that makes layers of such tables: what the QGIS projects of the
 // paper's authors are made of (columns geom, tid: the tile, local: how many vertices are the tile's own, main). GDAL is
 // not needed to write it.
+#include <algorithm>
+
+#include "src/base/utf8.h"
 #include "src/crs/crs.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
@@ -69,7 +72,11 @@ std::string vrt_index(const MeshHead& head, const std::vector<std::string>& file
   std::string layers;
   for (const auto& file : files) layers += layer(head, file);
   if (files.size() > 1) layers = "<OGRVRTUnionLayer name=\"triangulation\">\n" + layers + "</OGRVRTUnionLayer>\n";
-  return "<OGRVRTDataSource>\n" + layers + "</OGRVRTDataSource>\n";
+  // A name of a file can be any bytes, and must stay those to be found. As Latin-1 they are XML, too; GDAL takes bytes
+  // as they are, whatever is declared.
+  const bool utf8 = std::all_of(files.begin(), files.end(), [](const auto& file) { return is_utf8(file); });
+  const std::string declaration = utf8 ? "" : "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>\n";
+  return declaration + "<OGRVRTDataSource>\n" + layers + "</OGRVRTDataSource>\n";
 }
 
 }  // namespace tessera::exports

@@ -1,8 +1,10 @@
 """Where maps put a result: coordinate systems of GeoJSON, GeoPackage and VRT, as GDAL and ogrinfo read them."""
 import json
+import os
 import sqlite3
 import subprocess
 import unittest
+from xml.etree import ElementTree
 
 import readers
 from cli import IGN
@@ -86,6 +88,18 @@ class Places(ExportTest):
         path = self.export("a.csv")
         self.assertEqual(path.read_text().splitlines()[0], "geom,tid,local,main,v0,v1,v2")
         self.assertEqual([name for name in self.files() if name.startswith("a.")], ["a.csv", "a.vrt"])
+
+    def test_the_index_of_a_table_is_xml_whatever_its_file_is_called(self):
+        self.stored(self.xyz(n=50), "--dim", "2")
+        for name in ("café & Söhne".encode(), "café".encode("latin-1"), b"mixed \xc3\xa9 \xe9"):
+            self.export(os.fsdecode(name + b".csv"))
+            vrt = os.fsencode(self.folder) + b"/" + name + b".vrt"
+            with open(vrt, "rb") as file:
+                source = ElementTree.parse(file).find("OGRVRTLayer/SrcDataSource").text
+            self.assertIn(name + b".csv", (source.encode(), source.encode("latin-1", "replace")))
+            done = subprocess.run([b"ogrinfo", b"-so", b"-al", vrt], capture_output=True)
+            self.assertEqual(done.returncode, 0, name)
+            self.assertRegex(done.stdout, rb"Feature Count: [1-9]", name)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,8 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/utf8.h"
+
 namespace tessera {
 namespace {
 
@@ -71,26 +73,6 @@ constexpr auto make_table(std::index_sequence<pair...>) {
 
 constexpr auto as_is = make_table<false>(std::make_index_sequence<type_count * type_count>());
 constexpr auto swapped = make_table<true>(std::make_index_sequence<type_count * type_count>());
-
-// Length of the valid UTF-8 sequence that begins `text`; 0 if there is none. Overlong forms, surrogates and code points
-// beyond U+10FFFF are not valid.
-std::size_t utf8_length(std::string_view text) {
-  const auto at = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-  const auto tail = [&](std::size_t i) { return (at(i) & 0xC0u) == 0x80u; };
-  const unsigned first = at(0);
-  if (first < 0x80) return 1;
-  if (first >= 0xC2 && first < 0xE0) return tail(1) ? 2 : 0;
-  if (first >= 0xE0 && first < 0xF0) {
-    if (!tail(1) || !tail(2) || (first == 0xE0 && at(1) < 0xA0) || (first == 0xED && at(1) >= 0xA0)) return 0;
-    return 3;
-  }
-  if (first >= 0xF0 && first < 0xF5) {
-    if (!tail(1) || !tail(2) || !tail(3) || (first == 0xF0 && at(1) < 0x90) || (first == 0xF4 && at(1) >= 0x90))
-      return 0;
-    return 4;
-  }
-  return 0;
-}
 
 std::string cleaned(std::string_view text, char instead, std::string_view forbidden) {
   std::string clean;
