@@ -1,8 +1,12 @@
 #include "src/report/human.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstddef>
+
+#include "src/base/utf8.h"
 
 namespace tessera {
 namespace {
@@ -78,8 +82,9 @@ std::string plain_phase(std::string_view name) {
 
 std::string escape_html(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
-    switch (c) {
+  while (!text.empty()) {
+    const auto length = utf8_length(text);
+    switch (text.front()) {
       case '&':
         escaped += "&amp;";
         break;
@@ -96,8 +101,9 @@ std::string escape_html(std::string_view text) {
         escaped += "&#39;";
         break;
       default:
-        escaped += c;
+        escaped += length == 0 ? "&#65533;" : text.substr(0, length);
     }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return escaped;
 }

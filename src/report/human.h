@@ -15,6 +15,6 @@ std::string fixed(double value, int digits);     // with a point, whatever the l
 std::string coordinate(double value);            // up to ten digits: "770500.25"
 // What a phase does, for people who have not read how: "splaying" is "joining tiles".
 std::string plain_phase(std::string_view name);
-std::string escape_html(std::string_view text);  // & < > " '
+std::string escape_html(std::string_view text);  // & < > " '; bytes that are not UTF-8 as U+FFFD
 
 }  // namespace tessera

@@ -46,5 +46,11 @@ TEST(Human, MarkupIsEscaped) {
   EXPECT_EQ(escape_html("<a href='x'>&\"</a>"), "&lt;a href=&#39;x&#39;&gt;&amp;&quot;&lt;/a&gt;");
 }
 
+// A page with one other byte is no UTF-8 as a whole.
+TEST(Human, EscapedTextIsUtf8WhateverTheNameOfAFile) {
+  EXPECT_EQ(escape_html("caf\xE9.las, caf\xC3\xA9.las"), "caf&#65533;.las, caf\xC3\xA9.las");
+  EXPECT_EQ(escape_html("\xE2\x82"), "&#65533;&#65533;");
+}
+
 }  // namespace
 }  // namespace tessera
