@@ -205,6 +205,7 @@ void Coordinator::ended(PartEnded& message) {
   sum_.points += message.points;
   sum_.batches += message.batches;
   sum_.rounds = std::max(sum_.rounds, message.rounds);
+  sum_.most_received = std::max(sum_.most_received, message.most_received);
   sum_.sleeps += message.sleeps;
   sum_.begin_us += message.begin_us;
   sum_.splay_us += message.splay_us;

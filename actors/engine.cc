@@ -76,6 +76,7 @@ RunSummary summary_of(const RunEnded& ended, std::vector<TileDone> done) {
   summary.exchange.points = ended.sum.points;
   summary.exchange.batches = ended.sum.batches;
   summary.exchange.rounds = ended.sum.rounds;
+  summary.exchange.most_received = ended.sum.most_received;
   summary.exchange.sleeps = ended.sum.sleeps;
   summary.exchange.work = {seconds(ended.sum.begin_us), seconds(ended.sum.splay_us), seconds(ended.sum.collect_us)};
   summary.exchange.waves = ended.waves;

@@ -93,7 +93,7 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](Parcel& parcel) { deliver(parcel); },
       [this](const MailNotice& notice) {
-        schedule_.mail(notice.tile, {notice.batches, notice.points, notice.bytes});
+        schedule_.mail(notice.tile, {notice.batches, notice.points, notice.bytes, notice.hops});
         dispatch();
       },
       [this](TileReport& report) {
@@ -161,6 +161,7 @@ void PartActor::take(TileReport& report) {
   sum_.points -= tile.points;
   tile.points = report.points;
   sum_.rounds = std::max<std::uint64_t>(sum_.rounds, report.hops);
+  sum_.most_received = std::max(sum_.most_received, report.points.received);
   const std::uint64_t us = span.end_us - span.begin_us;
   tile.microseconds += us;
   (span.work == Work::begin ? sum_.begin_us : span.work == Work::collect ? sum_.collect_us : sum_.splay_us) += us;
@@ -168,7 +169,8 @@ void PartActor::take(TileReport& report) {
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
-                 {report.waiting.batches, report.waiting.points, report.waiting.bytes}, report.storing);
+                 {report.waiting.batches, report.waiting.points, report.waiting.bytes, report.waiting.hops},
+                 report.storing);
   if (span.work == Work::begin) {
     ++progress_.tiles_begun;
     progress_.points_begun += part_->points[span.tile.value];

@@ -35,6 +35,7 @@ struct Grant {
 struct MailNotice {
   TileId tile;
   std::uint64_t batches = 0, points = 0, bytes = 0;
+  std::uint32_t hops = 0;
 };
 
 // A piece of work on a tile: when, in microseconds since the part was opened, and by which thread of its node.
@@ -135,7 +136,7 @@ struct PartEnded {
   NodeId node;
   Failure failure;
   ExchangeCounts points;
-  std::uint64_t batches = 0, rounds = 0, sleeps = 0;
+  std::uint64_t batches = 0, rounds = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
 };
 

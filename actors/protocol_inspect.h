@@ -22,7 +22,7 @@ typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
 TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(Grant, x.work)
-TESSERA_MESSAGE(MailNotice, x.tile, x.batches, x.points, x.bytes)
+TESSERA_MESSAGE(MailNotice, x.tile, x.batches, x.points, x.bytes, x.hops)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
 TESSERA_MESSAGE(TileReport, x.span, x.failure, x.memory, x.storing, x.waiting, x.sent, x.processed, x.batches, x.hops,
                 x.points)
@@ -44,8 +44,8 @@ TESSERA_MESSAGE(PartSettled, x.node)
 TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.batches_sent,
                 x.batches_processed, x.points_sent, x.memory_bytes, x.spans)
 TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
-TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.begin_us, x.splay_us,
-                x.collect_us)
+TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.most_received, x.begin_us,
+                x.splay_us, x.collect_us)
 TESSERA_MESSAGE(Cancel)
 TESSERA_MESSAGE(Leave)
 #undef TESSERA_MESSAGE

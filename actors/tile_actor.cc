@@ -89,8 +89,10 @@ TileActor::behavior_type TileActor::make_behavior() {
         office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(batch); });
         if (Status kept = state_.receive(std::move(batch)); !kept) return fail(failure_of(std::move(kept).error()));
         const std::uint64_t bytes = state_.mail_memory();
-        if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes) return;
+        const std::uint32_t hops = state_.waiting_hops();
+        if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes && hops == hops_told_) return;
         bytes_told_ = bytes;
+        hops_told_ = hops;
         send(office_->part, waiting());
       },
       [this](const Grant& grant) { work(grant.work); },
@@ -102,7 +104,7 @@ TileActor::behavior_type TileActor::make_behavior() {
 }
 
 MailNotice TileActor::waiting() const {
-  return {self_.tile, state_.waiting_batches(), state_.waiting_points(), state_.mail_memory()};
+  return {self_.tile, state_.waiting_batches(), state_.waiting_points(), state_.mail_memory(), state_.waiting_hops()};
 }
 
 void TileActor::work(Work work) {
@@ -136,6 +138,7 @@ void TileActor::work(Work work) {
   report.points = state_.counts();
   told_ = report.waiting.batches > 0;
   bytes_told_ = report.waiting.bytes;
+  hops_told_ = report.waiting.hops;
   send(office_->part, std::move(report));
   if (mesh_) store();
 }

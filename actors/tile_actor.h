@@ -1,7 +1,7 @@
 // A tile as an actor: TileState behind messages.
 //
 // message | effect                                                      | answer to the part
-// Batch   | keep the points                                             | MailNotice, once per silence and 64 KiB
+// Batch   | keep the points                                             | MailNotice, once per silence, hop and 64 KiB
 // begin   | triangulate and announce, or begin from an image            | TileReport, batches to other tiles
 // splay   | process all mail                                            | TileReport, batches to other tiles
 // sleep   | write the state to scratch, free it                         | TileReport
@@ -48,6 +48,7 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   Prepared<TileFailed> last_word_;
   std::optional<TileMesh> mesh_;  // made, not yet handed to the storage
   std::uint64_t bytes_told_ = 0;  // of waiting mail
+  std::uint32_t hops_told_ = 0;
   bool told_ = false, left_ = false;
 };
 

@@ -1,13 +1,30 @@
 #include "actors/harness/setting.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "src/harness/clouds.h"
 #include "src/run/touching.h"
+#include "src/tiling/seed_finder.h"
 #include "src/tiling/span_finder.h"
 
 namespace tessera {
+namespace {
+
+void add_random_seeds(const std::vector<LocalPoint>& cloud, const Partition& partition, std::mt19937_64& rng,
+                      std::vector<Seed>& seeds) {
+  const std::uint64_t one_in = 1 + rng() % 8;
+  for (const LocalPoint& p : cloud) {
+    const auto is_point = [&](const Seed& s) { return s.point.id == p.id; };
+    if (rng() % one_in != 0 || std::any_of(seeds.begin(), seeds.end(), is_point)) continue;
+    const Point& other = cloud[rng() % cloud.size()].at;
+    const double reach = std::hypot(p.at.x - other.x, p.at.y - other.y, p.at.z - other.z);
+    seeds.push_back({{p.at, p.id, partition.tile_of(p.at), 0}, reach});
+  }
+}
+
+}  // namespace
 
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng) {
   Setting s;
@@ -23,23 +40,33 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.tiles.resize(partition.tiles());
   std::vector<Bounds> tile_bounds(partition.tiles());
   SpanFinder finder(d);
+  SeedFinder seed_finder(d);
   for (const LocalPoint& p : s.cloud) {
     const TileId tile = partition.tile_of(p.at);
     s.tiles[tile.value].push_back(p);
     tile_bounds[tile.value].add(p.at);
+    seed_finder.add(tile, partition.boxes()[tile.value], p);
   }
   finder.add(s.cloud);
   std::vector<LocalPoint> seeds = finder.span();
   if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
-  for (const LocalPoint& p : seeds) s.context.seeds.push_back({p.at, p.id, partition.tile_of(p.at), 0});
+  std::vector<Seed> known = seed_finder.choose(partition, tile_bounds, seeds);
+  switch (rng() % 4) {
+    case 0:  // none but those that are needed
+      std::erase_if(known, [](const Seed& seed) { return !std::isinf(seed.reach); });
+      break;
+    case 1:  // any points, each known as far as it happens to be
+      add_random_seeds(s.cloud, partition, rng, known);
+      break;
+    default:
+      break;
+  }
   s.context.dimension = d;
   s.context.reduce = rng() % 2 == 0;
   s.context.boxes = final_boxes(partition);
-  if (rng() % 3 != 0) {
-    s.context.neighbours = touching_tiles(partition, tile_bounds);
-  } else {  // no directed exchange: everything hangs on rules S and C
-    s.context.neighbours.resize(partition.tiles());
-  }
+  auto neighbours = touching_tiles(partition, tile_bounds);
+  if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule
+  s.context.around = Surroundings(tile_bounds, std::move(neighbours), std::move(known));
   constexpr std::uint64_t mail_bounds[] = {0, 3, 20, ~std::uint64_t{0}};
   s.context.mail_points_max = options.mail_points_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);

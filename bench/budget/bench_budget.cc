@@ -136,7 +136,7 @@ class Bench {
         table_(o),
         model_(budget::needs(o.dimension, kernel())),
         folder_(o.folder),
-        options_({TileId{0}, o.dimension, kernel(), ExchangeRule::share_certify}) {
+        options_({TileId{0}, o.dimension, kernel(), ExchangeRule::introduce, &around_}) {
     std::filesystem::create_directories(folder_ / "tiles");
     // The tile is what lies before a plane; as many points behind it as a side of the tile has are its neighbour's.
     const auto side = std::pow(static_cast<double>(o.points), 1 - 1.0 / o.dimension);
@@ -155,11 +155,12 @@ class Bench {
     std::sort(points.begin(), points.end(), [](const LocalPoint& a, const LocalPoint& b) { return a.id < b.id; });
     put(folder_ / "points.bin", points);
     box_ = {bounds.lo, bounds.hi};
+    around_ = Surroundings({bounds, beside_}, {{TileId{1}}, {TileId{0}}}, {});
     // HDF5 is loaded when it is first used: fixed costs, not this tile's.
     std::vector<LocalPoint> few(points.begin(), points.begin() + 100);
     const LoadedTile tile = order_points(std::move(few), o.dimension);
     TileTriangulation t(options_);
-    t.triangulate(tile.points, tile.ids, {});
+    t.triangulate(tile.points, tile.ids);
     const TileMesh mesh = t.collect(tile.points, tile.ids, {});
     if (!write_tile(folder_, TileId{0}, mesh, {}, {})) std::puts("cannot be stored");
   }
@@ -177,7 +178,7 @@ class Bench {
   KernelKind kernel() const { return o_.cgal ? KernelKind::cgal : KernelKind::flat; }
 
   void triangulate(TileTriangulation& t, const LoadedTile& tile, KeepPoints keep, bool reduce) {
-    t.triangulate(tile.points, tile.ids, {}, keep);
+    t.triangulate(tile.points, tile.ids, keep);
     if (reduce) {
       const FinalCells finals = t.reduce(tile.points, box_);
       std::vector<std::byte> bytes(finals.vertices.size() * 8);
@@ -185,8 +186,7 @@ class Bench {
       std::memcpy(bytes.data() + finals.vertices.size() * 4, finals.neighbors.data(), finals.neighbors.size() * 4);
       put(folder_ / "finals.bin", bytes);
     }
-    const std::vector<TileNeighbour> neighbours{{TileId{1}, beside_}};
-    t.announce(tile.points, box_, neighbours);
+    t.announce(tile.points, box_);
   }
 
   FinalCells finals() const {
@@ -221,6 +221,7 @@ class Bench {
     table_.note("  kept", awake.held, o_.points);
     const std::size_t before = t->memory();
     if (!t->receive(TileId{1}, foreign_)) throw std::logic_error("foreign points that no tile can have");
+    t->introduce();
     table_.bound("splay, a foreign point", static_cast<double>(t->memory() - before), t->counts().inserted,
                  budget::foreign_point_bytes(o_.dimension, kernel()));
     collect(*t, load(folder_ / "points.bin", o_.dimension), true);
@@ -257,6 +258,7 @@ class Bench {
   Table table_;
   const budget::Needs model_;
   std::filesystem::path folder_;
+  Surroundings around_;
   TileOptions options_;
   Box box_;
   Bounds beside_;

@@ -1,105 +1,189 @@
-// The exchange alone, on one thread and without messages: all tiles are triangulated, then each in turn processes what
-// has come for it until nothing is left. Tells what a foreign point costs.
+// The exchange alone, in memory, on one thread and without messages: all tiles are triangulated, then those with the
+// shortest chain of mail behind them, and of these the one with most mail, splay until nothing waits. Simulates jobs of
+// any number of tiles: tells what a tile says and hears, how long the chains are, and the digest of the result.
 //
-//   bench_splay --kind uniform -n 8000000 --tiles 8 --folder /tmp/bench
+//   bench_splay --kind uniform -n 2000000 --tiles 1000
 #include <CLI/CLI.hpp>
-#include <chrono>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <filesystem>
+#include <ctime>
+#include <functional>
 #include <memory>
+#include <random>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
+#include "actors/harness/memory_storage.h"
 #include "src/base/option.h"
 #include "src/generate/generate.h"
-#include "src/io/cloud/cloud.h"
-#include "src/run/disk_storage.h"
 #include "src/run/tile_state.h"
 #include "src/run/touching.h"
-#include "src/tiling/routed_run.h"
+#include "src/store/digest.h"
+#include "src/tiling/seed_finder.h"
+#include "src/tiling/span_finder.h"
 
 namespace tessera {
 namespace {
 
 struct Options {
-  std::string kind = "uniform", folder = "bench-out";
+  std::string kind = "uniform", partition = "kdtree";
   std::uint64_t points = 1'000'000, seed = 7, tiles = 8;
   int dimension = 3;
+  bool seeds = true, announce = true;
 };
 
-using Clock = std::chrono::steady_clock;
+double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+// Clouds that are hard to splay, beside those of `tessera generate`.
+Result<std::vector<LocalPoint>> cloud_of(const Options& o) {
+  std::vector<LocalPoint> cloud;
+  if (const auto shape = shape_named(o.kind)) {
+    std::vector<Point> batch;
+    std::vector<std::uint8_t> classes;
+    for (PointGenerator generator({*shape, o.points, o.seed, o.dimension}); cloud.size() < o.points;) {
+      generator.next(batch, classes);
+      for (const Point& p : batch) cloud.push_back({p, cloud.size()});
+    }
+    return cloud;
+  }
+  std::mt19937_64 rng(o.seed);
+  const auto real = [&] { return static_cast<double>(rng() >> 11) * 0x1p-53; };
+  for (std::size_t i = 0; i < o.points; ++i) {
+    Point p;
+    if (o.kind == "exponential") {  // from e^-15 to e^15 away from every plane of coordinates
+      for (int axis = 0; axis < o.dimension; ++axis) p[axis] = std::exp(real() * 30 - 15) * (rng() % 2 == 0 ? 1 : -1);
+    } else if (o.kind == "moment") {
+      const double t = real();
+      p = {t, t * t, o.dimension == 3 ? t * t * t : 0};
+    } else {
+      return error(Errc::usage, "'" + o.kind + "' is no kind of cloud");
+    }
+    cloud.push_back({p, i});
+  }
+  return cloud;
+}
 
-Status run(const Options& o, CloudShape shape) {
-  const std::filesystem::path file = std::filesystem::path(o.folder) / "cloud.npy";
-  BOOST_OUTCOME_TRYV(generate({shape, o.points, o.seed, o.dimension}, file));
-  CloudOptions cloud_options;
-  cloud_options.dimension = o.dimension;
-  BOOST_OUTCOME_TRY(cloud, Cloud::open({file.string()}, cloud_options));
-  Progress progress;
-  RouteOptions route_options;
-  route_options.tiles = static_cast<std::uint32_t>(o.tiles);
-  const std::filesystem::path out = std::filesystem::path(o.folder) / "out";
-  std::filesystem::remove_all(out);
-  BOOST_OUTCOME_TRY(routed_run, route(cloud, run_folder(out), route_options, progress, {}));
-  const auto run = std::make_shared<const RoutedRun>(std::move(routed_run));
-  const RoutedRun& routed = *run;
-  DiskStorage storage(run, out, {}, 1);
-  TileContext context;
-  context.dimension = o.dimension;
-  context.boxes = final_boxes(routed.partition);
-  context.neighbours = touching_tiles(routed.partition, routed.tile_bounds);
-  context.seeds = routed.seeds;
-  context.storage = &storage;
+class Exchange {
+ public:
+  Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const Partition& partition)
+      : o_(o), points_(partition.tiles()), bounds_(partition.tiles()) {
+    SpanFinder span(o.dimension);
+    SeedFinder finder(o.dimension);
+    for (const LocalPoint& p : cloud) {
+      const TileId t = partition.tile_of(p.at);
+      points_[t.value].push_back(p);
+      bounds_[t.value].add(p.at);
+      finder.add(t, partition.boxes()[t.value], p);
+    }
+    span.add(cloud);
+    std::vector<LocalPoint> everywhere = span.span();
+    everywhere.push_back(span.least());
+    std::vector<Seed> seeds = finder.choose(partition, bounds_, everywhere);
+    if (!o.seeds) std::erase_if(seeds, [](const Seed& s) { return !std::isinf(s.reach); });
+    auto neighbours = touching_tiles(partition, bounds_);
+    if (!o.announce) neighbours.assign(partition.tiles(), {});
+    context_.dimension = o.dimension;
+    context_.boxes = final_boxes(partition);
+    context_.around = Surroundings(bounds_, std::move(neighbours), std::move(seeds));
+  }
 
-  std::vector<std::unique_ptr<TileState>> tiles;
-  double triangulating = 0, splaying = 0;
-  const auto post = [&](TileState& from) -> Status {
+  Status run() {
+    MemoryStorage storage(o_.dimension, std::move(points_));
+    context_.storage = &storage;
+    for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
+      tiles_.push_back(std::make_unique<TileState>(Peer{TileId{t}, 0}, context_));
+    }
+    const double begin = cpu_now();
+    for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
+      if (bounds_[t].empty()) continue;
+      BOOST_OUTCOME_TRYV(tiles_[t]->begin());
+      BOOST_OUTCOME_TRYV(post(*tiles_[t]));
+    }
+    const double triangulated = cpu_now();
+    std::uint64_t splays = 0;
+    for (; !ready_.empty(); ++splays) {
+      const std::uint32_t t = std::get<2>(*ready_.begin());
+      ready_.erase(ready_.begin());
+      BOOST_OUTCOME_TRYV(tiles_[t]->splay());
+      BOOST_OUTCOME_TRYV(post(*tiles_[t]));
+    }
+    return tell(triangulated - begin, cpu_now() - triangulated, splays);
+  }
+
+ private:
+  std::tuple<std::uint32_t, std::uint64_t, std::uint32_t> rank(std::uint32_t t) const {
+    return {~tiles_[t]->waiting_hops(), tiles_[t]->waiting_points() + tiles_[t]->waiting_batches(), t};
+  }
+
+  Status post(TileState& from) {
     for (Batch& batch : from.take_outgoing()) {
-      BOOST_OUTCOME_TRYV(tiles[batch.to.tile.value]->receive(std::move(batch)));
+      const std::uint32_t to = batch.to.tile.value;
+      ready_.erase(rank(to));
+      ++messages_;
+      BOOST_OUTCOME_TRYV(tiles_[to]->receive(std::move(batch)));
+      ready_.insert(rank(to));
     }
     return success();
-  };
-  for (std::uint32_t t = 0; t < routed.tile_points.size(); ++t) {
-    tiles.push_back(std::make_unique<TileState>(Peer{TileId{t}, 0}, context));
   }
-  for (auto& tile : tiles) {
-    const auto begin = Clock::now();
-    BOOST_OUTCOME_TRYV(tile->begin());
-    triangulating += seconds_since(begin);
-  }
-  for (auto& tile : tiles) {
-    BOOST_OUTCOME_TRYV(post(*tile));
-  }
-  bool quiet = false;
-  int rounds = 0;
-  for (; !quiet; ++rounds) {
-    quiet = true;
-    for (auto& tile : tiles) {
-      if (tile->waiting_points() == 0) continue;
-      quiet = false;
-      const auto begin = Clock::now();
-      BOOST_OUTCOME_TRYV(tile->splay());
-      splaying += seconds_since(begin);
-      BOOST_OUTCOME_TRYV(post(*tile));
+
+  Status tell(double triangulating, double splaying, std::uint64_t splays) {
+    ExchangeCounts sum;
+    Digest digest;
+    std::uint64_t chain = 0, seeds = 0;
+    std::vector<std::uint64_t> received;
+    for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
+      if (bounds_[t].empty()) continue;
+      BOOST_OUTCOME_TRY(mesh, tiles_[t]->collect());
+      digest += digest_of(mesh);
+      sum += tiles_[t]->counts();
+      chain = std::max<std::uint64_t>(chain, tiles_[t]->hops());
+      seeds += context_.around.seeds_of(TileId{t}).size();
+      received.push_back(tiles_[t]->counts().received);
     }
+    std::sort(received.begin(), received.end());
+    const auto tiles = static_cast<double>(received.size()), kept = static_cast<double>(sum.kept);
+    std::printf("%s, %zu points a tile, seed %llu, %dD, %.0f tiles, %s: digest %s\n", o_.kind.c_str(),
+                static_cast<std::size_t>(static_cast<double>(o_.points) / tiles),
+                static_cast<unsigned long long>(o_.seed), o_.dimension, tiles, o_.partition.c_str(),
+                digest_text(digest).c_str());
+    std::printf("  cpu: triangulating %.2f s, splaying %.2f s, %.2f of it\n", triangulating, splaying,
+                splaying / triangulating);
+    std::printf("  a tile: %.1f seeds, %.1f messages, %.1f splays; longest chain %llu\n",
+                static_cast<double>(seeds) / tiles, static_cast<double>(messages_) / tiles,
+                static_cast<double>(splays) / tiles, static_cast<unsigned long long>(chain));
+    std::printf(
+        "  %llu kept; to each: %.2f sent, %.2f inserted, %.2f refused; a tile received %llu at most, "
+        "%llu in the median\n",
+        static_cast<unsigned long long>(sum.kept), static_cast<double>(sum.sent) / kept,
+        static_cast<double>(sum.inserted - seeds) / kept, static_cast<double>(sum.refused) / kept,
+        static_cast<unsigned long long>(received.back()),
+        static_cast<unsigned long long>(received[received.size() / 2]));
+    return success();
   }
-  ExchangeCounts sum;
-  for (const auto& tile : tiles) {
-    sum += tile->counts();
+
+  const Options& o_;
+  std::vector<std::vector<LocalPoint>> points_;  // by tile, until it begins
+  std::vector<Bounds> bounds_;
+  TileContext context_;
+  std::vector<std::unique_ptr<TileState>> tiles_;
+  std::set<std::tuple<std::uint32_t, std::uint64_t, std::uint32_t>, std::greater<>> ready_;
+  std::uint64_t messages_ = 0;
+};
+
+Status run(const Options& o) {
+  BOOST_OUTCOME_TRY(kind, parse_partition_kind(o.partition));
+  BOOST_OUTCOME_TRY(cloud, cloud_of(o));
+  std::vector<Point> sample;
+  Bounds bounds;
+  for (const LocalPoint& p : cloud) {
+    sample.push_back(p.at);
+    bounds.add(p.at);
   }
-  std::printf("%s, %llu points, seed %llu, %dD, %llu tiles, one thread\n", o.kind.c_str(),
-              static_cast<unsigned long long>(o.points), static_cast<unsigned long long>(o.seed), o.dimension,
-              static_cast<unsigned long long>(o.tiles));
-  std::printf("triangulating %.3f s  %.2f us a point\n", triangulating,
-              triangulating * 1e6 / static_cast<double>(o.points));
-  std::printf("splaying      %.3f s  %.2f us a point received, %d rounds, %.1f %% of triangulating\n", splaying,
-              splaying * 1e6 / static_cast<double>(sum.received), rounds, 100 * splaying / triangulating);
-  std::printf("%llu sent, %llu received, %llu inserted, %llu refused\n", static_cast<unsigned long long>(sum.sent),
-              static_cast<unsigned long long>(sum.received), static_cast<unsigned long long>(sum.inserted),
-              static_cast<unsigned long long>(sum.refused));
-  return success();
+  const auto partition = Partition::build_tiles(kind, o.dimension, sample, bounds, static_cast<std::uint32_t>(o.tiles));
+  return Exchange(o, cloud, partition).run();
 }
 
 }  // namespace
@@ -108,17 +192,16 @@ Status run(const Options& o, CloudShape shape) {
 int main(int argc, char** argv) {
   tessera::Options o;
   CLI::App app("The exchange alone, on one thread");
-  app.add_option("--kind", o.kind, "uniform, normal, sphere, grid, terrain");
+  app.add_option("--kind", o.kind, "uniform, normal, sphere, grid, terrain, exponential, moment");
   app.add_option("-n,--points", o.points, "points");
   app.add_option("--seed", o.seed, "seed");
   app.add_option("--dim", o.dimension, "2 or 3");
   app.add_option("--tiles", o.tiles, "tiles");
-  app.add_option("--folder", o.folder, "for the cloud and the run");
+  app.add_option("--partition", o.partition, "kdtree, grid, octree, random");
+  app.add_flag("!--no-seeds", o.seeds, "only the seeds that all tiles have");
+  app.add_flag("!--no-announce", o.announce, "no directed first exchange");
   CLI11_PARSE(app, argc, argv);
-  const auto shape = tessera::shape_named(o.kind);
-  if (!shape) return 2;
-  std::filesystem::create_directories(o.folder);
-  const auto done = tessera::run(o, *shape);
+  const auto done = tessera::run(o);
   if (!done) std::fprintf(stderr, "bench_splay: %s\n", tessera::in_plain_words(done.error().where).c_str());
   return done ? 0 : 1;
 }

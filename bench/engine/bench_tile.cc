@@ -57,20 +57,23 @@ int main(int argc, char** argv) {
               static_cast<unsigned long long>(seed), dimension);
   LoadedTile tile = order_points(std::move(points), dimension);
   lap("order", tile.points.size() * 32);
-  TileTriangulation t({TileId{0}, dimension, cgal ? KernelKind::cgal : KernelKind::flat, ExchangeRule::share_certify});
-  const std::vector<SharedPoint> seeds;
-  t.triangulate(tile.points, tile.ids, seeds);
+  const Bounds beside{{bounds.hi.x, bounds.lo.y, bounds.lo.z},
+                      {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}};
+  const Surroundings around({bounds, beside}, {{TileId{1}}, {TileId{0}}}, {});
+  TileTriangulation t(
+      {TileId{0}, dimension, cgal ? KernelKind::cgal : KernelKind::flat, ExchangeRule::introduce, &around});
+  t.triangulate(tile.points, tile.ids);
   lap("triangulate", t.memory());
   const Box box{bounds.lo, bounds.hi};
-  const std::vector<TileNeighbour> beside{
-      {TileId{1},
-       {{bounds.hi.x, bounds.lo.y, bounds.lo.z}, {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}}}};
-  t.announce(tile.points, box, beside);
-  lap("announce", t.memory());
   FinalCells finals;
   if (!whole) {
     finals = t.reduce(tile.points, box);
     lap("reduce", t.memory());
+  }
+  t.announce(tile.points, box);
+  t.take_updates();
+  lap("announce", t.memory());
+  if (!whole) {
     std::printf("  %zu final cells\n", finals.vertices.size() / (static_cast<std::size_t>(dimension) + 1));
     const auto bytes = t.save();
     lap("save", bytes.size());

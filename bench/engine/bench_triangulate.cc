@@ -72,12 +72,13 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
               static_cast<unsigned long long>(s.exchange.sleeps));
   std::printf(
       "  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
-      "%llu messages, %llu rounds, %llu waves\n",
+      "%llu messages, %llu rounds, %llu waves; at most %llu to one tile\n",
       100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.exchange.points.sent),
       static_cast<unsigned long long>(s.exchange.points.received),
       static_cast<unsigned long long>(s.exchange.points.inserted),
       static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.batches),
-      static_cast<unsigned long long>(s.exchange.rounds), static_cast<unsigned long long>(s.exchange.waves));
+      static_cast<unsigned long long>(s.exchange.rounds), static_cast<unsigned long long>(s.exchange.waves),
+      static_cast<unsigned long long>(s.exchange.most_received));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
               static_cast<unsigned long long>(s.cells), static_cast<double>(s.peak_memory_bytes) / (1 << 20));
   BOOST_OUTCOME_TRY(digest_s, digest_seconds(out, manifest));

@@ -11,7 +11,7 @@ namespace tessera {
 struct ExchangeCounts {
   std::uint64_t received = 0;  // foreign points, repeats included
   std::uint64_t inserted = 0;
-  std::uint64_t refused = 0;  // conflict with no local star (rule C)
+  std::uint64_t refused = 0;  // conflict with no local star when they came
   std::uint64_t sent = 0;     // points put into updates
   std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; known when a tile is collected
 
@@ -39,11 +39,12 @@ struct PhaseSeconds {
 
 struct ExchangeFigures {
   ExchangeCounts points;
-  std::uint64_t batches = 0;  // messages with points between tiles
-  std::uint64_t rounds = 0;   // the longest chain of batches that caused one another
-  std::uint64_t waves = 0;    // collections of counters until quiet was proved
-  std::uint64_t sleeps = 0;   // times a tile was put to sleep on disk
-  PhaseSeconds work;          // summed over threads
+  std::uint64_t batches = 0;        // messages with points between tiles
+  std::uint64_t rounds = 0;         // the longest chain of batches that caused one another
+  std::uint64_t most_received = 0;  // points that any one tile was told of, repeats included
+  std::uint64_t waves = 0;          // collections of counters until quiet was proved
+  std::uint64_t sleeps = 0;         // times a tile was put to sleep on disk
+  PhaseSeconds work;                // summed over threads
 };
 
 }  // namespace tessera

@@ -38,10 +38,17 @@ struct SharedPoint {
   Point at;
   PointId id;
   TileId tile;
-  std::uint32_t reserved = 0;
+  std::uint32_t told = 0;  // which of its owner's neighbours have been told of it, as far as the sender knows, as bits
   friend bool operator==(const SharedPoint&, const SharedPoint&) = default;
 };
 static_assert(sizeof(SharedPoint) == 40);
+
+// A point that every tile knows from the start whose points come within `reach` of it.
+struct Seed {
+  SharedPoint point;
+  double reach = 0;  // in input units; infinity: all tiles
+  friend bool operator==(const Seed&, const Seed&) = default;
+};
 
 // Half-open: lo <= p < hi on each axis. Unbounded sides are -inf and +inf.
 struct Box {

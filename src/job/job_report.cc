@@ -59,6 +59,7 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"points_inserted", number(e.points.inserted)},
                       {"points_kept", number(e.points.kept)},
                       {"rounds", number(e.rounds)},
+                      {"most_received", number(e.most_received)},
                       {"sleeps", number(e.sleeps)},
                       {"triangulating_cpu_s", e.work.triangulating},
                       {"splaying_cpu_s", e.work.splaying},

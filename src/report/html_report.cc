@@ -83,7 +83,8 @@ std::string exchange(const JobSummary& s) {
   };
   return "<p>" + number(e.batches) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
          ". Of " + number(e.points.received) + " received, " + number(e.points.inserted) + " were inserted and " +
-         number(e.points.kept) + " kept. The longest chain of messages that caused one another: " + number(e.rounds) +
+         number(e.points.kept) + " kept; no tile was told of more than " + number(e.most_received) +
+         ". The longest chain of messages that caused one another: " + number(e.rounds) +
          "; the counters were collected " + number(e.waves) + " times; tiles were put to sleep " + number(e.sleeps) +
          " times.</p>\n";
 }

@@ -51,6 +51,7 @@ std::string summary_json(const JobSummary& s) {
                                     {"points_inserted", e.points.inserted},
                                     {"points_kept", e.points.kept},
                                     {"rounds", e.rounds},
+                                    {"most_received", e.most_received},
                                     {"waves", e.waves},
                                     {"sleeps", e.sleeps},
                                     {"threads", s.threads},

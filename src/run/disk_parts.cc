@@ -95,9 +95,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.kernel = spec.kernel;
   context.reduce = reduce;
   context.boxes = final_boxes(run->partition);
-  context.neighbours = touching_tiles(run->partition, run->tile_bounds);
+  context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
   context.incarnations = spec.incarnations;
-  context.seeds = run->seeds;
   context.storage = &part->storage;
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));

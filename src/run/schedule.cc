@@ -45,7 +45,7 @@ bool Schedule::pending(const Tile& tile) const {
 void Schedule::unlink(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  ready_.erase({weight(tile), t});
+  ready_.erase({~tile.mail.hops, weight(tile), t});
   if (tile.place == Place::awake) awake_.erase({tile.mail.points, ~tile.memory, t});
   pending_.erase({tile.place != Place::awake, t});
 }
@@ -54,7 +54,7 @@ void Schedule::link(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
   if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep))
-    ready_.insert({weight(tile), t});
+    ready_.insert({~tile.mail.hops, weight(tile), t});
   if (tile.place == Place::awake) awake_.insert({tile.mail.points, ~tile.memory, t});
   if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
 }
@@ -180,7 +180,7 @@ std::optional<Schedule::Grant> Schedule::next() {
     return grant_in_room(TileId{next_fresh_}, Work::begin, tile.memory + options_.begin_bytes * tile.points);
   }
   if (ready_.empty()) return std::nullopt;
-  const TileId t = ready_.begin()->second;
+  const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_[t.value];
   const std::uint64_t waking = tile.place == Place::asleep ? budget::waking_bytes(tile.held, options_.kernel) : 0;
   return grant_in_room(t, Work::splay, tile.memory + waking + options_.mail_bytes * tile.mail.points);

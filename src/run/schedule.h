@@ -2,7 +2,8 @@
 // it says what to do. Every step takes time in the logarithm of the number of tiles.
 //
 // stage      | what is granted
-// exchanging | begin to every tile, then splay to those with most mail; sleep where room is needed
+// exchanging | begin to every tile, then splay: first those with the shortest chain of mail behind them, of these those
+//            | with most mail; sleep where room is needed
 // settling   | settle to the tiles in memory
 // collecting | collect to all that are not stored, those in memory first; drop to the others; sleep where room is
 // needed suspending | sleep to all tiles in memory stopping   | nothing
@@ -50,6 +51,7 @@ class Schedule {
   // Mail that waits for a tile, and the memory it takes.
   struct Waiting {
     std::uint64_t batches = 0, points = 0, bytes = 0;
+    std::uint32_t hops = 0;  // of the longest chain of batches that ends with one of these
   };
   // What waits now, since more has come. Ignored while the tile works: its report will tell.
   void mail(TileId tile, const Waiting& waiting);
@@ -82,7 +84,7 @@ class Schedule {
     Place place = Place::none;
     bool working = false, is_stored = false, settled = false;
   };
-  using Mail = std::pair<std::uint64_t, TileId>;                  // weight, tile
+  using Mail = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // ~hops, weight, tile
   using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;  // mail, ~memory, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.

@@ -43,12 +43,11 @@ Status TileState::build(bool announce) {
   const bool reduce = context_.reduce && announce;
   triangulation_ = std::make_unique<TileTriangulation>(options());
   // Kept until collect() when the tile is not reduced; moving the vector leaves its points where they are.
-  triangulation_->triangulate(loaded.points, loaded.ids, context_.seeds,
-                              reduce ? KeepPoints::copied : KeepPoints::borrowed);
+  triangulation_->triangulate(loaded.points, loaded.ids, reduce ? KeepPoints::copied : KeepPoints::borrowed);
   if (reduce) {
     BOOST_OUTCOME_TRYV(put_finals(triangulation_->reduce(loaded.points, box)));
   }
-  if (announce) triangulation_->announce(loaded.points, box, context_.neighbours[self_.tile.value]);
+  if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
   if (!triangulation_->reduced()) points_ = std::move(loaded);
   return success();
 }
@@ -83,8 +82,9 @@ Status TileState::receive(Batch batch) {
 Status TileState::splay() {
   BOOST_OUTCOME_TRYV(wake());
   BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
-  hops_ = std::max(hops_, waiting_hops_);
+  hops_ = std::max(hops_, std::exchange(waiting_hops_, 0));
   BOOST_OUTCOME_TRYV(insert(mail));
+  triangulation_->introduce();
   imaged_ = false;
   for (const Batch& batch : mail) {
     counters_.add_processed(batch.from);
@@ -125,6 +125,13 @@ Status TileState::insert(const std::vector<Batch>& mail) {
 std::vector<Batch> TileState::take_outgoing() {
   std::vector<Batch> out;
   if (!triangulation_) return out;
+  // What it has heard first, the seeds and what its neighbours announce, it processes together.
+  if (triangulation_->due() && !std::exchange(called_, true)) {
+    counters_.add_sent(self_);
+    ++batches_sent_;
+    if (context_.watch) context_.watch->sent(self_, counters_.totals());
+    out.push_back({self_, self_, hops_ + 1, {}});
+  }
   for (auto& [tile, points] : triangulation_->take_updates()) {
     const Peer to{tile, context_.incarnations.empty() ? 0 : context_.incarnations[tile.value]};
     const std::size_t n = points.size();

@@ -35,10 +35,9 @@ struct TileContext {
   KernelKind kernel = KernelKind::flat;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
-  std::vector<Box> boxes;                              // by tile; a tile with the empty box has no final cells
-  std::vector<std::vector<TileNeighbour>> neighbours;  // by tile: whom it tells first
-  std::vector<std::uint32_t> incarnations;             // by tile; empty: all 0
-  std::vector<SharedPoint> seeds;
+  std::vector<Box> boxes;  // by tile; a tile with the empty box has no final cells, and announces nothing
+  Surroundings around;
+  std::vector<std::uint32_t> incarnations;            // by tile; empty: all 0
   std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
   TileStorage* storage = nullptr;
   ExchangeWatch* watch = nullptr;
@@ -67,6 +66,7 @@ class TileState {
 
   std::uint64_t waiting_batches() const { return mail_.batches(); }
   std::uint64_t waiting_points() const { return mail_.points(); }
+  std::uint32_t waiting_hops() const { return waiting_hops_; }  // the longest chain that ends with a waiting batch
   std::uint64_t mail_memory() const { return mail_.memory(); }
   Totals totals() const { return counters_.totals(); }
   std::uint64_t batches_sent() const { return batches_sent_; }
@@ -86,13 +86,16 @@ class TileState {
   Status put_finals(const FinalCells& finals);
   Result<FinalCells> take_finals();
   Error damaged(const char* what) const;
-  TileOptions options() const { return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::share_certify}; }
+  TileOptions options() const {
+    return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around};
+  }
 
   Peer self_;
   const TileContext& context_;
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;    // kept while the tile is whole in memory
+  bool called_ = false;  // to its first splay, by mail to itself
   bool imaged_ = false;  // the image on scratch is the tile's present state
   std::uint64_t own_points_ = 0;
   Mail mail_;

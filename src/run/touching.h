@@ -1,17 +1,19 @@
-// What tiles know of each other from the partition alone.
+// Which tiles have to do with each other from the start.
 #pragma once
 
 #include <vector>
 
-#include "src/tile/tile_triangulation.h"
+#include "src/base/point.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
 
-// By tile: the box inside which its cells are final. With a random partition there is none: an empty box.
+// Where cells can be final: the boxes of the partition; of tiles that lie in one another, as random ones do, the empty
+// box.
 std::vector<Box> final_boxes(const Partition& partition);
 
-// By tile: the tiles that own points and whose boxes touch its own. None with a random partition.
-std::vector<std::vector<TileNeighbour>> touching_tiles(const Partition& partition, const std::vector<Bounds>& bounds);
+// By tile, ascending: those with points whose boxes touch its own; of a random partition, the next 32 in number.
+// `bounds`: of the tiles' points.
+std::vector<std::vector<TileId>> touching_tiles(const Partition& partition, const std::vector<Bounds>& bounds);
 
 }  // namespace tessera

@@ -25,8 +25,10 @@ class SentSet {
     return true;
   }
 
-  // True only if `tile` has been told of `v`, and most times when it has. Costs next to nothing.
-  bool surely_has(Vertex v, TileId tile) const { return v < first_.size() && first_[v] == tile; }
+  bool has(Vertex v, TileId tile) const {
+    if (v >= first_.size() || first_[v] == nobody) return false;
+    return first_[v] == tile || more_.contains(key_of(v, tile));
+  }
 
   // Vertex v becomes to[v]. REQUIRES: to[v] is not 0 for all v in the set, and no two are equal.
   void renumber(const std::vector<Vertex>& to) {

@@ -7,11 +7,11 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t magic = 0x3365676d49454c54u;
+constexpr std::uint64_t magic = 0x3465676d49454c54u;
 
-struct KnownForeign {
-  PointId id;
+struct KnownSeed {
   std::uint64_t vertex;
+  double reach;
 };
 
 }  // namespace
@@ -20,7 +20,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   FlatWriter out;
   KernelImage image = kernel_->save();
   const std::vector<std::uint64_t> sent = sent_.keys();
-  out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + foreign_.size() * 16 +
+  out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + seeds_.size() * 16 +
               open_cells_.size() * 16 + 1024);
   out.value(magic);
   out.value(options_.self);
@@ -37,11 +37,12 @@ std::vector<std::byte> TileTriangulation::save() const {
   out.value(image.frozen);
   out.list(ids_);
   out.list(owners_);
+  out.list(told_);
   out.list(ranks_);
-  std::vector<KnownForeign> foreign;
-  foreign.reserve(foreign_.size());
-  for (const auto& [id, vertex] : foreign_) foreign.push_back({id, vertex});
-  out.list(foreign);
+  std::vector<KnownSeed> seeds;
+  for (const auto& [vertex, reach] : seeds_) seeds.push_back({vertex, reach});
+  out.list(seeds);
+  out.value(due_);
   out.list(sent);
   out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
   return out.take();
@@ -59,21 +60,24 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   std::vector<PointId> ids;
   std::vector<TileId> owners;
   std::vector<std::uint64_t> sent;
-  std::vector<std::uint32_t> ranks;
-  std::vector<KnownForeign> foreign;
+  std::vector<std::uint32_t> told, ranks;
+  std::vector<KnownSeed> seeds;
+  Vertex due = 0;
   std::vector<CellKey> open_cells;
   const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self &&
                     in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
                     kernel == options_.kernel && in.value(reduced) && in.value(counts) && in.value(image.dimension) &&
                     in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
                     in.list(image.cells.vertices) && in.list(image.cells.neighbors) && in.value(image.frozen) &&
-                    in.list(ids) && in.list(owners) && in.list(ranks) && in.list(foreign) && in.list(sent) &&
-                    in.list(open_cells) && in.at_end();
+                    in.list(ids) && in.list(owners) && in.list(told) && in.list(ranks) && in.list(seeds) &&
+                    in.value(due) && in.list(sent) && in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
-  if (ids.size() != n || owners.size() != n || (reduced ? ranks.size() != n : !ranks.empty())) return false;
-  for (const auto& f : foreign) {
-    if (f.vertex >= n) return false;
+  if (ids.size() != n || owners.size() != n || told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
+    return false;
+  if (due == 0 || due > n) return false;
+  for (const auto& seed : seeds) {
+    if (seed.vertex >= n) return false;
   }
   for (const std::uint64_t key : sent) {
     if (key >> 32 >= n) return false;
@@ -84,11 +88,18 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   image = {};
   ids_ = std::move(ids);
   owners_ = std::move(owners);
+  told_ = std::move(told);
   ranks_ = std::move(ranks);
   reduced_ = reduced != 0;
   counts_ = counts;
   foreign_.clear();
-  for (const auto& f : foreign) foreign_[f.id] = static_cast<Vertex>(f.vertex);
+  for (Vertex v = 1; v < n; ++v) {
+    if (!is_local(v)) foreign_[ids_[v]] = kernel_->alive(v) ? v : 0;
+  }
+  seeds_.clear();
+  for (const auto& seed : seeds) seeds_[static_cast<Vertex>(seed.vertex)] = seed.reach;
+  due_ = due;
+  refused_.clear();
   sent_ = {};
   for (const std::uint64_t key : sent)
     sent_.add(static_cast<Vertex>(key >> 32), TileId{static_cast<std::uint32_t>(key)});
@@ -98,11 +109,14 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
 }
 
 void TileTriangulation::replay() {
+  // What others have told each other may be lost.
+  std::fill(told_.begin(), told_.end(), 0);
   for (const std::uint64_t key : sent_.keys()) {
     const auto v = static_cast<Vertex>(key >> 32);
     const TileId tile{static_cast<std::uint32_t>(key)};
     if (owners_[v] == tile) continue;
-    updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
+    told_[v] |= options_.around->bit(owners_[v], tile);
+    updates_[tile].push_back(v);
     ++counts_.sent;
   }
 }

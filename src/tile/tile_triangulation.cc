@@ -10,27 +10,36 @@
 #include "src/tile/spacing.h"
 
 namespace tessera {
+namespace {
+
+// How far a sphere must reach into a neighbour's bounds to be told of, in spacings of points.
+constexpr double announce_depth = 0.6;
+
+}  // namespace
 
 TileTriangulation::TileTriangulation(const TileOptions& options)
     : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
 
 void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids,
-                                    std::span<const SharedPoint> seeds, KeepPoints keep) {
+                                    KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
   kernel_->build(points, keep);
   ids_.assign(1, PointId{});
   ids_.insert(ids_.end(), ids.begin(), ids.end());
   owners_.assign(points.size() + 1, options_.self);
+  told_.assign(points.size() + 1, 0);
+  due_ = static_cast<Vertex>(ids_.size());
   std::vector<Vertex> around;
-  for (const SharedPoint& seed : seeds) {
-    if (seed.tile == options_.self) continue;
-    check(add_foreign(seed, true, around).has_value(), "seeds are points of the cloud, each once");
-  }
-  // The seeds count as one batch: what matters is who their neighbours are once all of them are in.
-  if (kernel_->dimension() < options_.dimension) {
-    share_with_all();
-  } else {
-    for (Vertex v = static_cast<Vertex>(points.size() + 1); v <= kernel_->vertices(); ++v) share_star(v);
+  for (const Seed& seed : options_.around->seeds_of(options_.self)) {
+    if (seed.point.tile == options_.self) {
+      const auto own = std::find(ids.begin(), ids.end(), seed.point.id);
+      check(own != ids.end(), "seeds are points of the cloud");
+      seeds_[static_cast<Vertex>(own - ids.begin() + 1)] = seed.reach;
+      continue;
+    }
+    const auto added = add_foreign(seed.point, true, around);
+    check(added.has_value(), "seeds are points of the cloud, each once");
+    seeds_[added.value()] = seed.reach;
   }
 }
 
@@ -45,7 +54,7 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 // The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one
 // of them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
-  check(!reduced_, "a tile is reduced once");
+  check(!reduced_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
   const auto settled = [&](const Vertex* cell) { return surely_final(cell, points, box); };
   return kernel_->can_freeze() ? freeze(points, settled) : build_reduced(points, settled);
@@ -122,14 +131,21 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
     if (!local) foreign_[ids_[v]] = to[v];
   }
   sent_.renumber(to);
+  due_ = due_ < to.size() ? to[due_] : static_cast<Vertex>(ids.size());
+  tsl::robin_map<Vertex, double> seeds;
+  for (const auto& [v, reach] : seeds_) {
+    if (to[v] != 0) seeds[to[v]] = reach;
+  }
+  seeds_ = std::move(seeds);
   ids_ = std::move(ids);
   owners_ = std::move(owners);
+  told_.assign(ids_.size(), 0);
   reduced_ = true;
   return to;
 }
 
-void TileTriangulation::announce(std::span<const Point> points, const Box& box,
-                                 std::span<const TileNeighbour> neighbours) {
+void TileTriangulation::announce(std::span<const Point> points, const Box& box) {
+  const auto neighbours = options_.around->neighbours(options_.self);
   if (neighbours.empty() || kernel_->dimension() < options_.dimension) return;
   const int d = options_.dimension, corners = d + 1;
   const auto at = [&](Vertex v) {
@@ -140,7 +156,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
   // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
   Bounds bounds;
   for (const Point& q : points) bounds.add(q);
-  const double largest = 2 * even_spacing(bounds, points.size(), d);
+  const double spacing = even_spacing(bounds, points.size(), d), largest = 2 * spacing;
   // What is left has its vertices near a face of the box, and most slivers have not: a terrain's top is covered by
   // them.
   const auto near_face = [&](Vertex v) {
@@ -154,6 +170,15 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
     return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
   });
+  // A sphere that only just reaches a neighbour's points has most likely none of them inside.
+  const auto inside = [&](Bounds b) {
+    for (int i = 0; i < d; ++i) {
+      const double depth = std::min(announce_depth * spacing, (b.hi[i] - b.lo[i]) / 4);
+      b.lo[i] += depth;
+      b.hi[i] -= depth;
+    }
+    return b;
+  };
   std::array<Point, 4> p;
   for (std::size_t c = 0; c < cells.size(); c += corners) {
     const Vertex* v = &cells[c];
@@ -162,9 +187,9 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box,
     for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
     const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
     if (ball.reach > largest) continue;
-    for (const TileNeighbour& n : neighbours) {
-      if (!may_meet(ball, n.bounds, d)) continue;
-      for (int i = 0; i < corners; ++i) share(v[i], n.tile);
+    for (const TileId n : neighbours) {
+      if (!may_meet(ball, inside(options_.around->bounds(n)), d)) continue;
+      for (int i = 0; i < corners; ++i) share(v[i], n);
     }
   }
 }
@@ -173,21 +198,18 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
   if (options_.rule == ExchangeRule::published) return receive_published(from, batch);
   for (const SharedPoint& p : batch) {
     ++counts_.received;
-    if (p.tile == options_.self || !is_finite(p.at)) return refuse(from, p);
+    if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second != 0) sent_.add(known->second, from);
+      if (known->second == 0) continue;
+      note(known->second, from);
+      told_[known->second] |= p.told;
       continue;
     }
     BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
-    if (v == 0) {  // rule C: not kept, but its owner hears of all it would have had as neighbours
-      for (const Vertex w : around_) share(w, p.tile);
-      continue;
-    }
-    sent_.add(v, from);
-    if (kernel_->dimension() < options_.dimension) {
-      share_with_all();
+    if (v == 0) {
+      refused_.push_back({p, from});
     } else {
-      share_star(v);
+      note(v, from);
     }
   }
   return success();
@@ -197,34 +219,6 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
 Error TileTriangulation::refuse(TileId from, const SharedPoint& p) const {
   return error(Errc::internal, "tile " + to_string(options_.self) + ": tile " + to_string(from) + " told it of point " +
                                    to_string(p.id) + ", which it cannot have");
-}
-
-// The published order: insert everything, simplify, then splay what survived.
-Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> batch) {
-  std::vector<Vertex> around, added;
-  for (const SharedPoint& p : batch) {
-    ++counts_.received;
-    if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
-    BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));
-    added.push_back(v);
-    sent_.add(v, from);
-  }
-  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
-    if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
-    kernel_->neighbours(v, around);
-    if (std::none_of(around.begin(), around.end(), [&](Vertex w) { return is_local(w); })) {
-      kernel_->remove(v);
-      foreign_[ids_[v]] = 0;
-    }
-  }
-  if (kernel_->dimension() < options_.dimension) {
-    share_with_all();
-    return success();
-  }
-  for (const Vertex v : added) {
-    if (kernel_->alive(v)) share_star(v);
-  }
-  return success();
 }
 
 Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around) {
@@ -239,59 +233,12 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   check(result.vertex == ids_.size(), "vertices are numbered in the order of insertion");
   ids_.push_back(p.id);
   owners_.push_back(p.tile);
+  told_.push_back(p.told);
   if (reduced_) ranks_.push_back(0);
   foreign_[p.id] = result.vertex;
   ++counts_.inserted;
   return result.vertex;
 }
-
-// Rule S for a vertex that has just come: all cells around it are new, and no others.
-void TileTriangulation::share_star(Vertex v) {
-  const int corners = options_.dimension + 1;
-  const TileId self = options_.self;
-  kernel_->star(v, star_);
-  for (std::size_t c = 0; c < star_.size(); c += corners) {
-    std::array<Vertex, 4> cell{};  // without the infinite vertex, which has no owner
-    std::array<TileId, 4> owners{};
-    int n = 0;
-    bool touches_local = false;
-    for (int i = 0; i < corners; ++i) {
-      const Vertex w = star_[c + i];
-      if (w == infinite_vertex) continue;
-      cell[n] = w;
-      owners[n] = owners_[w];
-      touches_local |= owners[n++] == self;
-    }
-    for (int i = 0; i < n; ++i) {
-      if (owners[i] == self) continue;
-      for (int k = 0; k < n; ++k) {
-        // A cell with a local vertex is shared whole; of the others, the new edges of foreign vertices. Most pairs are
-        // in several cells: these end here.
-        if (!touches_local && cell[i] != v && cell[k] != v) continue;
-        if (owners[k] != owners[i] && !sent_.surely_has(cell[k], owners[i])) share(cell[k], owners[i]);
-      }
-    }
-  }
-}
-
-// While the tile is flat every vertex counts as every other's neighbour: ties are not yet broken.
-void TileTriangulation::share_with_all() {
-  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
-    if (is_local(v)) continue;
-    for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
-      if (w != v) share(w, owners_[v]);
-    }
-  }
-}
-
-void TileTriangulation::share(Vertex v, TileId tile) {
-  if (tile == options_.self || owners_[v] == tile) return;
-  if (!sent_.add(v, tile)) return;
-  updates_[tile].push_back({kernel_->point(v), ids_[v], owners_[v], 0});
-  ++counts_.sent;
-}
-
-std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() { return std::exchange(updates_, {}); }
 
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
                                     FinalCells final_cells) {
@@ -326,10 +273,11 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
 }
 
 std::size_t TileTriangulation::memory() const {
-  std::size_t bytes =
-      (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 + ranks_.capacity() * 4;
-  bytes += foreign_.bucket_count() * 24 + sent_.memory() + open_cells_.bucket_count() * 24;
-  for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(SharedPoint);
+  std::size_t bytes = (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 +
+                      told_.capacity() * 4 + ranks_.capacity() * 4;
+  bytes += foreign_.bucket_count() * 24 + sent_.memory() + seeds_.bucket_count() * 24 +
+           refused_.capacity() * sizeof(Refused) + open_cells_.bucket_count() * 24;
+  for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(Vertex);
   return bytes;
 }
 

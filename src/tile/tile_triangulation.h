@@ -1,5 +1,5 @@
-// The triangulation T_i of one tile, and what the tile must tell others: star splaying by rules S and C
-// (docs/design.md, section 2). Properties, for any order and batching of receive():
+// The triangulation T_i of one tile, and what the tile must tell others: star splaying by the rule of
+// docs/design.md, section 2. Properties, for any order and batching of receive():
 //  (1) When no tile has anything left to say, the cells with a vertex of this tile are those of the global Delaunay
 //      triangulation of all points, cell for cell.
 //  (2) A vertex is sent to a tile at most once, so the exchange ends.
@@ -26,36 +26,32 @@
 #include "src/mesh/tile_mesh.h"
 #include "src/tile/final_cells.h"
 #include "src/tile/sent_set.h"
+#include "src/tile/surroundings.h"
 
 namespace tessera {
 
 enum class ExchangeRule : std::uint8_t {
-  share_certify,  // rules S and C: right, always
-  published,      // simplify, then splay, as published: loses cells. Tests only
+  introduce,  // whoever arrives hears of its neighbours: right, always
+  published,  // simplify, then splay, as published: loses cells. Tests only
 };
 
 struct TileOptions {
   TileId self;
   int dimension = 3;
   KernelKind kernel = KernelKind::flat;
-  ExchangeRule rule = ExchangeRule::share_certify;
-};
-
-// What a tile knows of another one when the exchange begins.
-struct TileNeighbour {
-  TileId tile;
-  Bounds bounds;  // of its points
+  ExchangeRule rule = ExchangeRule::introduce;
+  const Surroundings* around = nullptr;  // outlives the tile
 };
 
 class TileTriangulation {
  public:
   explicit TileTriangulation(const TileOptions& options);
 
-  // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them) together with the seeds, which
-  // every tile is given. REQUIRES for (1): the seeds contain the lexicographically least point of the cloud. If they
-  // span the space (as they do in production) the tile is never flat and the exchange stays small.
-  // `keep`: borrowed points must stay where they are until collect().
-  void triangulate(std::span<const Point> points, std::span<const PointId> ids, std::span<const SharedPoint> seeds,
+  // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them) together with the seeds it has.
+  // REQUIRES for (1): all tiles have the lexicographically least point of the cloud. If the seeds of each span the
+  // space (as they do in production) the tile is never flat and the exchange stays small. `keep`: borrowed points must
+  // stay where they are until collect().
+  void triangulate(std::span<const Point> points, std::span<const PointId> ids,
                    KeepPoints keep = KeepPoints::copied);
 
   // Takes the final cells out (those inside `box`) and keeps only what can still change. Call right after
@@ -63,13 +59,18 @@ class TileTriangulation {
   // cells that fill the room of the removed ones are then told apart by a list of the local cells that are not final.
   FinalCells reduce(std::span<const Point> points, const Box& box);
 
-  // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere may meet its bounds,
-  // but for cells much larger than most. Only speeds things up. `points` as in triangulate().
-  void announce(std::span<const Point> points, const Box& box, std::span<const TileNeighbour> neighbours);
+  // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere reaches into its
+  // bounds, but for cells much larger than most. Only speeds things up. `points` as in triangulate().
+  void announce(std::span<const Point> points, const Box& box);
 
-  // Processes points from another tile. Error internal, with a sentence, when no sound peer can have sent them: a point
-  // that this tile owns, or other coordinates' twin under another id.
+  // Takes in points from another tile; introduce() ends the batch. Error internal, with a sentence, when no sound peer
+  // can have sent them: a point that this tile owns, or other coordinates' twin under another id.
   Status receive(TileId from, std::span<const SharedPoint> batch);
+
+  // The rule of the exchange, for all that has come since the last call: the neighbours of each are told to its owner.
+  void introduce();
+  // Whether introduce() has anything to do.
+  bool due() const { return due_ <= kernel_->vertices() || !refused_.empty(); }
 
   // Everything that this tile has ever told others, or heard from them of points they do not own, becomes updates once
   // more: the way back into the exchange of a tile that begins from an image (docs/design.md, section 3).
@@ -102,8 +103,13 @@ class TileTriangulation {
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
   Result<Vertex> add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
   Error refuse(TileId from, const SharedPoint& p) const;
-  void share_star(Vertex v);
+  void introduce(Vertex v, Vertex neighbour);
   void share_with_all();
+  bool knows(TileId tile, Vertex v) const;
+  bool knew(TileId tile, Vertex v) const;
+  bool note(Vertex v, TileId tile);
+  bool told(TileId tile, Vertex v);
+  SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
   void share(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> batch);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
@@ -117,11 +123,19 @@ class TileTriangulation {
   std::vector<std::uint32_t> ranks_;  // of local vertices in the order of triangulate(); empty: rank = vertex - 1
   tsl::robin_map<PointId, Vertex, MixHash> foreign_;  // by id: the vertex, or 0 once refused
   SentSet sent_;
+  std::vector<std::uint32_t> told_;       // by vertex: SharedPoint::told
+  tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and how far they reach
+  Vertex due_ = 1;                        // the first vertex that has not been introduced
+  struct Refused {
+    SharedPoint point;
+    TileId from;
+  };
+  std::vector<Refused> refused_;  // not introduced yet
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
-  std::map<TileId, std::vector<SharedPoint>> updates_;
+  std::map<TileId, std::vector<Vertex>> updates_;
   ExchangeCounts counts_;
-  std::vector<Vertex> star_, around_;  // scratch
+  std::vector<Vertex> around_;  // scratch
 };
 
 }  // namespace tessera

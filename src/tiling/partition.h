@@ -45,6 +45,7 @@ class Partition {
   int dimension() const { return dimension_; }
   std::uint32_t tiles() const { return static_cast<std::uint32_t>(boxes_.size()); }
   const std::vector<Box>& boxes() const { return boxes_; }
+  const std::vector<SplitNode>& splits() const { return nodes_; }  // none with one tile, and with `random`
   TileId tile_of(const Point& p) const {
     return kind_ == PartitionKind::random ? hashed_tile(p, tiles()) : leaf_of(nodes_, p);
   }

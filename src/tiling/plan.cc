@@ -2,6 +2,8 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -18,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int format_version = 2;
+constexpr int format_version = 3;
 constexpr std::uint64_t plan_bytes_max = std::uint64_t{1} << 30;  // 1000 bytes for each of 2^20 tiles
 constexpr std::array<const char*, 10> type_names{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
 
@@ -138,17 +140,27 @@ class PlanReader {
 
   Status read_seeds() {
     const json& seeds = at(root_, "seeds");
-    const auto span = static_cast<std::size_t>(run_.dimension) + 1;
-    if (!seeds.is_array() || seeds.size() < span || seeds.size() > span + 1) return bad("has not the right seeds");
+    if (!seeds.is_array() || seeds.size() > run_.counts.read) return bad("has no possible seeds");
+    std::size_t everywhere = 0;
     for (const json& from : seeds) {
-      SharedPoint seed;
-      if (!read_unsigned(at(from, "id"), seed.id.value) || seed.id.value >= run_.counts.read ||
-          !read_point(at(from, "at"), seed.at)) {
+      Seed seed;
+      const json& reach = at(from, "reach");
+      if (!read_unsigned(at(from, "id"), seed.point.id.value) || seed.point.id.value >= run_.counts.read ||
+          !read_point(at(from, "at"), seed.point.at)) {
         return bad("a seed is not a point of the cloud");
       }
-      seed.tile = run_.partition.tile_of(seed.at);
+      if (reach.is_null()) {
+        seed.reach = std::numeric_limits<double>::infinity();
+        ++everywhere;
+      } else if (reach.is_number() && reach.get<double>() >= 0) {
+        seed.reach = reach.get<double>();
+      } else {
+        return bad("a seed does not tell how far it is known");
+      }
+      seed.point.tile = run_.partition.tile_of(seed.point.at);
       run_.seeds.push_back(seed);
     }
+    if (everywhere <= static_cast<std::size_t>(run_.dimension)) return bad("has too few seeds that all tiles know");
     return success();
   }
 
@@ -219,7 +231,10 @@ Status write_plan(const RoutedRun& run) {
                      {"attributes_xxh3", checksum_text(run.tile_sums[t].rows)}});
   }
   json seeds = json::array();
-  for (const SharedPoint& s : run.seeds) seeds.push_back({{"at", to_json(s.at)}, {"id", s.id.value}});
+  for (const Seed& s : run.seeds) {
+    const json reach = std::isinf(s.reach) ? json(nullptr) : json(s.reach);
+    seeds.push_back({{"at", to_json(s.point.at)}, {"id", s.point.id.value}, {"reach", reach}});
+  }
   json schema = json::array();
   for (const Attribute& a : run.schema) {
     schema.push_back({{"name", a.name}, {"type", type_names[static_cast<std::size_t>(a.type)]}});

@@ -117,7 +117,7 @@ Status split_large_tiles(Partition& partition, TileWriter& writer, const std::fi
     writer.restart(tile);
     BOOST_OUTCOME_TRYV(for_each_chunk(
         taken, row_bytes, stop, [&](auto points, auto rows) -> Status { return writer.add(partition, points, rows); }));
-    BOOST_OUTCOME_TRYV(writer.flush());
+    BOOST_OUTCOME_TRYV(writer.flush(partition));
     BOOST_OUTCOME_TRYV(remove_file(taken.points));
     if (row_bytes > 0) {
       BOOST_OUTCOME_TRYV(remove_file(taken.rows));

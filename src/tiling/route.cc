@@ -139,19 +139,6 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
   return refuse(why_flat(points, rank, dimension) + (plane ? " (try " + option("dim", "2") + ")" : ""));
 }
 
-// The least point and the spanning ones, each once, with their owners.
-std::vector<SharedPoint> seeds_of(const SpanFinder& finder, const Partition& partition) {
-  std::vector<LocalPoint> points{finder.least()};
-  for (const LocalPoint& p : finder.span()) {
-    if (p.at != finder.least().at) points.push_back(p);
-  }
-  std::vector<SharedPoint> seeds;
-  for (const LocalPoint& p : points) {
-    seeds.push_back({.at = p.at, .id = p.id, .tile = partition.tile_of(p.at), .reserved = 0});
-  }
-  return seeds;
-}
-
 }  // namespace
 
 Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
@@ -183,7 +170,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
 
   const std::uint64_t buffer =
       std::min(budget::route_buffer_bytes(options.memory_bytes), (points_max + 1) * TileWriter::bytes_per_point(row));
-  TileWriter writer(folder, row, buffer);
+  TileWriter writer(folder, run.dimension, row, buffer);
   SpanFinder finder(run.dimension);
   const auto visit = [&](CloudBatch& batch) -> Status {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while points were routed");
@@ -195,7 +182,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(visit));
   run.counts = counts;
   BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, counts, finder.rank()));
-  BOOST_OUTCOME_TRYV(writer.flush());
+  BOOST_OUTCOME_TRYV(writer.flush(run.partition));
   if (options.tiles == 0 && options.max_points_per_tile > 0) {
     BOOST_OUTCOME_TRYV(split_large_tiles(run.partition, writer, folder, row, options.max_points_per_tile,
                                          budget::refine_bytes(options.memory_bytes), stop));
@@ -206,7 +193,9 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   run.tile_sums = std::move(writer.sums());
   run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
   for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
-  run.seeds = seeds_of(finder, run.partition);
+  std::vector<LocalPoint> everywhere = finder.span();
+  everywhere.push_back(finder.least());
+  run.seeds = writer.seeds().choose(run.partition, run.tile_bounds, everywhere);
   progress.points_total = progress.points_routed.load();
   progress.tiles_total = run.partition.tiles();
   BOOST_OUTCOME_TRYV(write_plan(run));

@@ -42,9 +42,10 @@ struct RoutedRun {
   std::vector<TileSums> tile_sums;         // by tile
   CloudCounts counts;
   Bounds bounds;
-  // Known to every tile from the start: the lexicographically least point, and d+1 points that span the space, so that
-  // no tile is ever flat (docs/design.md). Owners filled in; the source index is that of the vertex that is kept.
-  std::vector<SharedPoint> seeds;
+  // What tiles know from the start (seed_finder.h), by tile. All of them know the lexicographically least point, and
+  // d+1 points that span the space, so that no tile is ever flat (docs/design.md). Source indices are those of the
+  // vertices that are kept.
+  std::vector<Seed> seeds;
   std::vector<Attribute> schema;
   std::vector<InputFile> inputs;
   std::string crs;

@@ -17,11 +17,13 @@ constexpr std::size_t block_points = 16384;  // gathered, then written: 512 KB s
 
 }  // namespace
 
-TileWriter::TileWriter(std::filesystem::path run_folder, std::size_t row_bytes, std::uint64_t buffer_bytes)
+TileWriter::TileWriter(std::filesystem::path run_folder, int dimension, std::size_t row_bytes,
+                       std::uint64_t buffer_bytes)
     : folder_(std::move(run_folder)),
       row_bytes_(row_bytes),
       capacity_(
-          static_cast<std::size_t>(std::clamp(buffer_bytes / bytes_per_point(row_bytes), capacity_min, capacity_max))) {
+          static_cast<std::size_t>(std::clamp(buffer_bytes / bytes_per_point(row_bytes), capacity_min, capacity_max))),
+      seeds_(dimension) {
   // Reserved, not touched: a small cloud uses a small part.
   points_.reserve(capacity_);
   rows_.reserve(capacity_ * row_bytes_);
@@ -44,13 +46,13 @@ Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> p
     points = points.subspan(n);
     rows = rows.subspan(n * row_bytes_);
     if (points_.size() == capacity_) {
-      BOOST_OUTCOME_TRYV(flush());
+      BOOST_OUTCOME_TRYV(flush(partition));
     }
   }
   return success();
 }
 
-Status TileWriter::flush() {
+Status TileWriter::flush(const Partition& partition) {
   std::vector<std::uint32_t> end(counts_.size() + 1);  // by tile: where its indices end, once they are placed
   for (const TileId tile : tiles_) ++end[tile.value + 1];
   for (std::size_t t = 1; t < end.size(); ++t) end[t] += end[t - 1];
@@ -59,7 +61,7 @@ Status TileWriter::flush() {
   std::uint32_t begin = 0;
   for (std::uint32_t t = 0; t < counts_.size(); ++t) {
     if (end[t] > begin) {
-      BOOST_OUTCOME_TRYV(append(TileId{t}, std::span(by_tile_).subspan(begin, end[t] - begin)));
+      BOOST_OUTCOME_TRYV(append(TileId{t}, partition.boxes()[t], std::span(by_tile_).subspan(begin, end[t] - begin)));
     }
     begin = end[t];
   }
@@ -69,7 +71,7 @@ Status TileWriter::flush() {
   return success();
 }
 
-Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
+Status TileWriter::append(TileId tile, const Box& box, std::span<const std::uint32_t> rows) {
   Bounds& bounds = bounds_[tile.value];
   TileSums& sums = sums_[tile.value];
   const std::uint64_t first = counts_[tile.value];  // of these records in the files
@@ -80,6 +82,7 @@ Status TileWriter::append(TileId tile, std::span<const std::uint32_t> rows) {
       const auto part = rows.subspan(begin, std::min(block_points, rows.size() - begin));
       for (std::size_t i = 0; i < part.size(); ++i) {
         bounds.add(points_[part[i]].at);
+        seeds_.add(tile, box, points_[part[i]]);
         std::memcpy(block_.data() + i * sizeof(LocalPoint), &points_[part[i]], sizeof(LocalPoint));
       }
       const auto records = std::span(block_).first(part.size() * sizeof(LocalPoint));
@@ -107,6 +110,7 @@ void TileWriter::restart(TileId tile) {
   counts_[tile.value] = 0;
   bounds_[tile.value] = {};
   sums_[tile.value] = {};
+  seeds_.restart(tile);
 }
 
 }  // namespace tessera

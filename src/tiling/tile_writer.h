@@ -10,6 +10,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/tiling/partition.h"
+#include "src/tiling/seed_finder.h"
 #include "src/tiling/tile_sums.h"
 
 namespace tessera {
@@ -19,14 +20,14 @@ namespace tessera {
 class TileWriter {
  public:
   // `buffer_bytes`: memory to use, at least for a few thousand points.
-  TileWriter(std::filesystem::path run_folder, std::size_t row_bytes, std::uint64_t buffer_bytes);
+  TileWriter(std::filesystem::path run_folder, int dimension, std::size_t row_bytes, std::uint64_t buffer_bytes);
 
   // What a point costs in the buffer.
   static std::uint64_t bytes_per_point(std::size_t row_bytes) { return sizeof(LocalPoint) + row_bytes + 8; }
 
   // REQUIRES: rows.size() == points.size() * row_bytes; the partition only grows from call to call.
   Status add(const Partition& partition, std::span<const LocalPoint> points, std::span<const std::byte> rows);
-  Status flush();
+  Status flush(const Partition& partition);
   // Forgets what a tile had, whose files the caller has taken away.
   void restart(TileId tile);
 
@@ -34,9 +35,10 @@ class TileWriter {
   std::vector<std::uint64_t>& counts() { return counts_; }
   std::vector<Bounds>& bounds() { return bounds_; }
   std::vector<TileSums>& sums() { return sums_; }
+  const SeedFinder& seeds() const { return seeds_; }
 
  private:
-  Status append(TileId tile, std::span<const std::uint32_t> rows);
+  Status append(TileId tile, const Box& box, std::span<const std::uint32_t> rows);
 
   std::filesystem::path folder_;
   std::size_t row_bytes_;
@@ -49,6 +51,7 @@ class TileWriter {
   std::vector<std::uint64_t> counts_;
   std::vector<Bounds> bounds_;
   std::vector<TileSums> sums_;
+  SeedFinder seeds_;
 };
 
 }  // namespace tessera

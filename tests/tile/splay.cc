@@ -1,6 +1,8 @@
 #include "tests/tile/splay.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 #include <set>
@@ -16,8 +18,8 @@ struct Mail {
   std::vector<SharedPoint> points;
 };
 
-std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
-                                    int d, Announced announced) {
+std::vector<Seed> make_seeds(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of, int d,
+                             Announced announced) {
   std::vector<std::size_t> chosen;
   const auto least = std::min_element(points.begin(), points.end(), [](auto& a, auto& b) { return a.at < b.at; });
   chosen.push_back(static_cast<std::size_t>(least - points.begin()));
@@ -49,9 +51,25 @@ std::vector<SharedPoint> make_seeds(const std::vector<LocalPoint>& points, const
     std::sort(chosen.begin(), chosen.end());
     chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
   }
-  std::vector<SharedPoint> seeds;
-  for (const std::size_t i : chosen) seeds.push_back({points[i].at, points[i].id, tile_of[i], 0});
+  std::vector<Seed> seeds;
+  for (const std::size_t i : chosen) {
+    seeds.push_back({{points[i].at, points[i].id, tile_of[i], 0}, std::numeric_limits<double>::infinity()});
+  }
   return seeds;
+}
+
+// Any points, each known as far as it happens to be.
+void add_random_seeds(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
+                      std::mt19937_64& rng, std::vector<Seed>& seeds) {
+  const std::uint64_t one_in = std::uint64_t{1} << rng() % 6;
+  if (one_in == 1) return;  // none but the necessary ones
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto is_point = [&](const Seed& s) { return s.point.id == points[i].id; };
+    if (rng() % one_in != 0 || std::any_of(seeds.begin(), seeds.end(), is_point)) continue;
+    const Point& other = points[rng() % points.size()].at;
+    const Point& p = points[i].at;
+    seeds.push_back({{p, points[i].id, tile_of[i], 0}, std::hypot(p.x - other.x, p.y - other.y, p.z - other.z)});
+  }
 }
 
 }  // namespace
@@ -73,7 +91,17 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     tile[tile_of[i]].ids.push_back(points[i].id);
     tile[tile_of[i]].bounds.add(points[i].at);
   }
-  const auto seeds = make_seeds(points, tile_of, options.dimension, options.announced);
+  std::vector<Bounds> bounds;
+  for (const Tile& t : tile) bounds.push_back(t.bounds);
+  std::vector<Seed> chosen = make_seeds(points, tile_of, options.dimension, options.announced);
+  if (options.rule == ExchangeRule::introduce) add_random_seeds(points, tile_of, rng, chosen);
+  std::vector<std::vector<TileId>> neighbours(tiles);
+  for (std::uint32_t i = 0; i < tiles && options.announce; ++i) {
+    for (std::uint32_t k = 0; k < tiles; ++k) {
+      if (k != i && !bounds[k].empty()) neighbours[i].push_back(TileId{k});
+    }
+  }
+  const Surroundings around(bounds, std::move(neighbours), std::move(chosen));
   std::vector<Mail> mail;
   const auto post = [&](std::uint32_t from) {
     for (auto& [to, list] : tile[from].t->take_updates()) {
@@ -85,7 +113,8 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     }
   };
   const auto make = [&](std::uint32_t i) {
-    return std::make_unique<TileTriangulation>(TileOptions{TileId{i}, options.dimension, options.kernel, options.rule});
+    return std::make_unique<TileTriangulation>(
+        TileOptions{TileId{i}, options.dimension, options.kernel, options.rule, &around});
   };
   std::vector<bool> started(tiles, false);
   std::vector<std::uint32_t> order;
@@ -98,19 +127,23 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     if (self.points.empty()) return;
     const Box nowhere{{1, 1, 1}, {-1, -1, -1}};
     const Box box = boxes.empty() ? nowhere : boxes[i];
-    self.t->triangulate(self.points, self.ids, seeds);
+    self.t->triangulate(self.points, self.ids);
     if (options.reduce) self.finals = self.t->reduce(self.points, box);
-    if (options.announce) {
-      std::vector<TileNeighbour> neighbours;
-      for (std::uint32_t k = 0; k < tiles; ++k) {
-        if (k != i && !tile[k].bounds.empty()) neighbours.push_back({TileId{k}, tile[k].bounds});
-      }
-      self.t->announce(self.points, box, neighbours);
-    }
+    self.t->announce(self.points, box);
+    // At once, or with the first mail; without any, when there is nothing else left to do.
+    if (options.rule == ExchangeRule::published || rng() % 2 == 0) self.t->introduce();
     post(i);
   };
   std::size_t next = 0;
-  while (next < order.size() || !mail.empty()) {
+  const auto introduce_late = [&] {
+    for (std::uint32_t i = 0; i < tiles; ++i) {
+      if (tile[i].points.empty()) continue;
+      tile[i].t->introduce();
+      post(i);
+    }
+    return !mail.empty();
+  };
+  while (next < order.size() || !mail.empty() || introduce_late()) {
     const std::size_t choice = rng() % (mail.size() + (order.size() - next));
     if (choice >= mail.size()) {
       start(order[next++]);
@@ -132,6 +165,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     }
     const Status received = tile[m.to].t->receive(TileId{m.from}, m.points);
     check(received.has_value(), "tiles are told of sound points");
+    if (options.rule != ExchangeRule::published) tile[m.to].t->introduce();
     post(m.to);
   }
   std::vector<TileMesh> meshes;

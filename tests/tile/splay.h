@@ -23,7 +23,7 @@ struct SplayOptions {
   bool reduce = false;  // hand out final cells first
   bool announce = true;
   bool sleep = false;  // save and load tiles between deliveries
-  ExchangeRule rule = ExchangeRule::share_certify;
+  ExchangeRule rule = ExchangeRule::introduce;
   bool single_points = false;  // deliver one point at a time
   KernelKind kernel = KernelKind::cgal;
 };

@@ -163,10 +163,10 @@ TEST(PublishedOrder, LosesACellOfFourPointsInThreeTilesInEveryOrder) {
 TEST(PublishedOrder, LosesCellsOfThirteenPointsInFourTilesWithAllExtremesAnnounced) {
   EXPECT_GT(wrong_orders(thirteen_points(), ExchangeRule::published, Announced::extremes), 500);
 }
-TEST(ShareAndCertify, IsRightWhereThePublishedOrderIsWrong) {
+TEST(Introduce, IsRightWhereThePublishedOrderIsWrong) {
   for (const Announced announced : {Announced::minimum, Announced::spanning, Announced::extremes}) {
-    EXPECT_EQ(wrong_orders(four_points(), ExchangeRule::share_certify, announced), 0);
-    EXPECT_EQ(wrong_orders(thirteen_points(), ExchangeRule::share_certify, announced), 0);
+    EXPECT_EQ(wrong_orders(four_points(), ExchangeRule::introduce, announced), 0);
+    EXPECT_EQ(wrong_orders(thirteen_points(), ExchangeRule::introduce, announced), 0);
   }
 }
 

@@ -72,7 +72,7 @@ TEST_F(Plan, IsRefusedWhenItsNumbersDoNotAddUp) {
     expect_refused(Errc::corrupt, "plan.json");
   };
   refused("/version", 1);
-  refused("/version", 3);
+  refused("/version", 2);
   refused("/counts/read", 501);
   refused("/counts/read", UINT64_MAX);
   refused("/counts/invalid", 1);
@@ -85,7 +85,10 @@ TEST_F(Plan, IsRefusedWhenItsNumbersDoNotAddUp) {
   refused("/tiles/1/bounds/0/0", 1e9);
   refused("/seeds/0/id", 500);
   refused("/seeds/0/at/1", nullptr);
-  refused("/seeds/6", nullptr);
+  refused("/seeds/0", nullptr);
+  refused("/seeds/0/reach", -1);
+  refused("/seeds/0/reach", "far");
+  refused("/seeds", nlohmann::json::array());
   refused("/partition/tiles", 4);
   refused("/inputs/0/bytes", -1);
 }

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -99,24 +101,28 @@ class RunFixture : public testing::Test {
   static void expect_seeds(const RoutedRun& run, const std::vector<Point>& points) {
     std::map<Point, std::uint64_t> lowest;
     for (std::size_t i = 0; i < points.size(); ++i) lowest.try_emplace(points[i], i);
-    const auto& seeds = run.seeds;
-    const auto d = static_cast<std::size_t>(run.dimension);
-    ASSERT_TRUE(seeds.size() == d + 1 || seeds.size() == d + 2);
-    EXPECT_EQ(seeds[0].at, lowest.begin()->first);
     std::set<Point> distinct;
-    for (const SharedPoint& s : seeds) {
-      EXPECT_EQ(s.id.value, lowest.at(s.at));
-      EXPECT_EQ(s.tile, run.partition.tile_of(s.at));
-      EXPECT_TRUE(distinct.insert(s.at).second);
+    std::vector<Point> everywhere;
+    for (const Seed& s : run.seeds) {
+      EXPECT_EQ(s.point.id.value, lowest.at(s.point.at));
+      EXPECT_EQ(s.point.tile, run.partition.tile_of(s.point.at));
+      EXPECT_TRUE(distinct.insert(s.point.at).second);
+      EXPECT_GE(s.reach, 0);
+      if (std::isinf(s.reach)) everywhere.push_back(s.point.at);
     }
+    EXPECT_NE(std::find(everywhere.begin(), everywhere.end(), lowest.begin()->first), everywhere.end());
     bool spanned = false;
-    for (std::size_t leave_out = 0; leave_out < seeds.size(); ++leave_out) {
-      std::vector<Point> p;
-      for (std::size_t i = 0; i < seeds.size(); ++i) {
-        if (seeds.size() == d + 1 || i != leave_out) p.push_back(seeds[i].at);
+    const std::size_t n = everywhere.size();
+    for (std::size_t i = 1; i < n && !spanned; ++i) {
+      for (std::size_t k = i + 1; k < n && !spanned; ++k) {
+        if (run.dimension == 2) {
+          spanned = independent::orientation_2(everywhere[0], everywhere[i], everywhere[k]) != 0;
+          continue;
+        }
+        for (std::size_t l = k + 1; l < n && !spanned; ++l) {
+          spanned = independent::orientation_3(everywhere[0], everywhere[i], everywhere[k], everywhere[l]) != 0;
+        }
       }
-      spanned = spanned || (d == 2 ? independent::orientation_2(p[0], p[1], p[2]) != 0
-                                   : independent::orientation_3(p[0], p[1], p[2], p[3]) != 0);
     }
     EXPECT_TRUE(spanned);
   }

@@ -1,0 +1,158 @@
+#include "src/tiling/seed_finder.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "src/base/ieee_arithmetic.h"
+#include "src/base/mix_hash.h"
+
+namespace tessera {
+namespace {
+
+// How far a seed is known, in diagonals of the part around the one it represents. More costs every tile more seeds,
+// less leaves gaps between them that tiles take for empty (docs/benchmarks.md).
+constexpr double drawn_reach = 0.7;
+constexpr double outermost_reach = 0.5;
+
+// The axes and what lies between them: 26 directions in space, the first 8 of which are those of the plane.
+constexpr int directions(int dimension) { return dimension == 3 ? 26 : 8; }
+
+std::array<int, 3> direction(int k) {
+  const int at = k < 4 ? k : k < 8 ? k + 1 : k - 8;  // of the 9 in a layer; the middle one only in the other two layers
+  const int layer = k < 8 ? 0 : at < 9 ? -1 : 1;
+  return {at % 3 - 1, at / 3 % 3 - 1, layer};
+}
+
+bool endless(const Box& box, int k) {
+  const auto d = direction(k);
+  for (int i = 0; i < 3; ++i) {
+    if (d[i] != 0 && std::isfinite(d[i] > 0 ? box.hi[i] : box.lo[i])) return false;
+  }
+  return true;
+}
+
+double along(const Point& p, int k) {
+  const auto d = direction(k);
+  return p.x * d[0] + p.y * d[1] + p.z * d[2];
+}
+
+double lot(const Point& p) {
+  std::uint64_t hash = 0;
+  for (int i = 0; i < 3; ++i) hash = MixHash{}(hash + std::bit_cast<std::uint64_t>(p[i]) + 0x9e3779b97f4a7c15u);
+  return static_cast<double>(hash >> 11);
+}
+
+double diagonal(const Bounds& b) {
+  return b.empty() ? 0 : std::hypot(b.hi.x - b.lo.x, b.hi.y - b.lo.y, b.hi.z - b.lo.z);
+}
+
+}  // namespace
+
+// Of equal keys the first stays: of equal points, the one with the lowest id.
+void SeedFinder::add(TileId tile, const Box& box, const LocalPoint& p) {
+  if (tile.value >= tiles_.size()) tiles_.resize(tile.value + 1);
+  Part& part = tiles_[tile.value];
+  const double key = lot(p.at);
+  if (part.empty) {
+    part.empty = false;
+    part.drawn = {key, p};
+    for (int k = 0; k < directions(dimension_); ++k) {
+      if (endless(box, k)) part.outermost.push_back({k, {along(p.at, k), p}});
+    }
+    return;
+  }
+  if (key > part.drawn.key) part.drawn = {key, p};
+  for (Outermost& o : part.outermost) {
+    if (const double a = along(p.at, o.direction); a > o.best.key) o.best = {a, p};
+  }
+}
+
+void SeedFinder::restart(TileId tile) {
+  if (tile.value < tiles_.size()) tiles_[tile.value] = {};
+}
+
+SeedFinder::Part SeedFinder::merged(const Part& a, const Part& b) const {
+  Part sum = a.empty ? b : a;
+  for (int i = 0; i < 3; ++i) {
+    sum.box.lo[i] = std::min(a.box.lo[i], b.box.lo[i]);
+    sum.box.hi[i] = std::max(a.box.hi[i], b.box.hi[i]);
+  }
+  if (a.empty || b.empty) return sum;
+  sum.bounds.add(b.bounds);
+  const auto better = [](const Candidate& x, const Candidate& y) {
+    return x.key > y.key || (x.key == y.key && x.point.id < y.point.id);
+  };
+  if (better(b.drawn, sum.drawn)) sum.drawn = b.drawn;
+  for (const Outermost& o : b.outermost) {
+    const auto same = [&](const Outermost& s) { return s.direction == o.direction; };
+    const auto found = std::find_if(sum.outermost.begin(), sum.outermost.end(), same);
+    if (found == sum.outermost.end()) {
+      sum.outermost.push_back(o);
+    } else if (better(o.best, found->best)) {
+      found->best = o.best;
+    }
+  }
+  return sum;
+}
+
+std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vector<Bounds>& bounds,
+                                     std::span<const LocalPoint> everywhere) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::map<PointId, Seed> found;  // by id
+  const auto take = [&](const LocalPoint& p, double reach) {
+    Seed& seed = found[p.id];
+    seed.point = {p.at, p.id, partition.tile_of(p.at), 0};
+    seed.reach = std::max(seed.reach, reach);
+  };
+  const auto take_outermost = [&](const Part& part, double reach) {
+    for (const Outermost& o : part.outermost) {
+      if (endless(part.box, o.direction)) take(o.best.point, reach);
+    }
+  };
+  const auto tile = [&](std::uint32_t t) {
+    Part part = t < tiles_.size() ? tiles_[t] : Part{};
+    part.bounds = bounds[t];
+    part.box = partition.boxes()[t];
+    return part;
+  };
+  // Depth first: a tree of 10^6 tiles is some hundred levels deep.
+  const auto visit = [&](auto&& self, std::int32_t row) -> Part {
+    if (row < 0) return tile(tile_at(row).value);
+    const SplitNode& split = partition.splits()[static_cast<std::size_t>(row)];
+    const Part below = self(self, split.child[0]), above = self(self, split.child[1]);
+    Part both = merged(below, above);
+    const double size = diagonal(both.bounds);
+    for (const Part* half : {&below, &above}) {
+      if (half->empty) continue;
+      take(half->drawn.point, drawn_reach * size);
+      take_outermost(*half, outermost_reach * size);
+    }
+    return both;
+  };
+  for (const LocalPoint& p : everywhere) take(p, infinity);
+  if (!partition.splits().empty()) {
+    const Part all = visit(visit, 0);
+    take(all.drawn.point, infinity);
+    take_outermost(all, infinity);
+  } else if (partition.tiles() > 1) {  // tiles that lie in one another are all near
+    Part all;
+    for (std::uint32_t t = 0; t < partition.tiles(); ++t) {
+      const Part part = tile(t);
+      if (!part.empty) take(part.drawn.point, infinity);
+      all = merged(all, part);
+    }
+    take_outermost(all, infinity);
+  }
+  std::vector<Seed> seeds;
+  seeds.reserve(found.size());
+  for (const auto& [id, seed] : found) seeds.push_back(seed);
+  const auto by_tile = [](const Seed& a, const Seed& b) { return a.point.tile < b.point.tile; };
+  std::stable_sort(seeds.begin(), seeds.end(), by_tile);
+  return seeds;
+}
+
+}  // namespace tessera
