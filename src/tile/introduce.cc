@@ -8,6 +8,11 @@
 namespace tessera {
 
 void TileTriangulation::introduce() {
+  if (!std::exchange(seeded_, true)) {
+    for (const Seed& seed : options_.around->seeds_of(options_.self)) {
+      if (seed.point.tile != options_.self) add_seed(seed);
+    }
+  }
   if (kernel_->dimension() < options_.dimension) {
     share_with_all();
   } else {

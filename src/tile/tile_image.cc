@@ -43,6 +43,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   for (const auto& [vertex, reach] : seeds_) seeds.push_back({vertex, reach});
   out.list(seeds);
   out.value(due_);
+  out.value(static_cast<std::uint8_t>(seeded_));
   out.list(sent);
   out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
   return out.take();
@@ -53,7 +54,7 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   std::uint64_t found = 0;
   TileId self;
   std::int32_t dimension = 0;
-  std::uint8_t reduced = 0;
+  std::uint8_t reduced = 0, seeded = 0;
   KernelKind kernel = KernelKind::flat;
   ExchangeCounts counts;
   KernelImage image;
@@ -70,7 +71,7 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
                     in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
                     in.list(image.cells.vertices) && in.list(image.cells.neighbors) && in.value(image.frozen) &&
                     in.list(ids) && in.list(owners) && in.list(told) && in.list(ranks) && in.list(seeds) &&
-                    in.value(due) && in.list(sent) && in.list(open_cells) && in.at_end();
+                    in.value(due) && in.value(seeded) && in.list(sent) && in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
@@ -99,6 +100,7 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   seeds_.clear();
   for (const auto& seed : seeds) seeds_[static_cast<Vertex>(seed.vertex)] = seed.reach;
   due_ = due;
+  seeded_ = seeded != 0;
   refused_.clear();
   sent_ = {};
   for (const std::uint64_t key : sent)

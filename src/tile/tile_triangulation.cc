@@ -20,8 +20,7 @@ constexpr double announce_depth = 0.6;
 TileTriangulation::TileTriangulation(const TileOptions& options)
     : options_(options), kernel_(make_kernel(options.dimension, options.kernel)) {}
 
-void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids,
-                                    KeepPoints keep) {
+void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
   kernel_->build(points, keep);
   ids_.assign(1, PointId{});
@@ -29,18 +28,27 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   owners_.assign(points.size() + 1, options_.self);
   told_.assign(points.size() + 1, 0);
   due_ = static_cast<Vertex>(ids_.size());
-  std::vector<Vertex> around;
   for (const Seed& seed : options_.around->seeds_of(options_.self)) {
     if (seed.point.tile == options_.self) {
       const auto own = std::find(ids.begin(), ids.end(), seed.point.id);
       check(own != ids.end(), "seeds are points of the cloud");
       seeds_[static_cast<Vertex>(own - ids.begin() + 1)] = seed.reach;
-      continue;
+    } else if (kernel_->dimension() < options_.dimension) {
+      add_seed(seed);
     }
-    const auto added = add_foreign(seed.point, true, around);
-    check(added.has_value(), "seeds are points of the cloud, each once");
-    seeds_[added.value()] = seed.reach;
   }
+}
+
+void TileTriangulation::add_seed(const Seed& seed) {
+  Vertex v = 0;
+  if (const auto known = foreign_.find(seed.point.id); known != foreign_.end()) {
+    v = known->second;
+  } else {
+    const auto added = add_foreign(seed.point, true, around_);
+    check(added.has_value(), "seeds are points of the cloud, each once");
+    v = added.value();
+  }
+  if (v != 0) seeds_[v] = seed.reach;
 }
 
 bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const {

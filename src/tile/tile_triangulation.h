@@ -47,12 +47,13 @@ class TileTriangulation {
  public:
   explicit TileTriangulation(const TileOptions& options);
 
-  // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them) together with the seeds it has.
+  // Triangulates the tile's own points (distinct, in Hilbert order, ids beside them), with as many of its seeds as it
+  // takes to span the space. The others follow in the first introduce(): once the neighbours' points are there, they
+  // change little.
   // REQUIRES for (1): all tiles have the lexicographically least point of the cloud. If the seeds of each span the
   // space (as they do in production) the tile is never flat and the exchange stays small. `keep`: borrowed points must
   // stay where they are until collect().
-  void triangulate(std::span<const Point> points, std::span<const PointId> ids,
-                   KeepPoints keep = KeepPoints::copied);
+  void triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep = KeepPoints::copied);
 
   // Takes the final cells out (those inside `box`) and keeps only what can still change. Call right after
   // triangulate(), with the same points. A kernel that cannot forget cells is built again from the others' vertices;
@@ -70,7 +71,7 @@ class TileTriangulation {
   // The rule of the exchange, for all that has come since the last call: the neighbours of each are told to its owner.
   void introduce();
   // Whether introduce() has anything to do.
-  bool due() const { return due_ <= kernel_->vertices() || !refused_.empty(); }
+  bool due() const { return !seeded_ || due_ <= kernel_->vertices() || !refused_.empty(); }
 
   // Everything that this tile has ever told others, or heard from them of points they do not own, becomes updates once
   // more: the way back into the exchange of a tile that begins from an image (docs/design.md, section 3).
@@ -103,6 +104,7 @@ class TileTriangulation {
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
   Result<Vertex> add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
   Error refuse(TileId from, const SharedPoint& p) const;
+  void add_seed(const Seed& seed);
   void introduce(Vertex v, Vertex neighbour);
   void share_with_all();
   bool knows(TileId tile, Vertex v) const;
@@ -131,6 +133,7 @@ class TileTriangulation {
     TileId from;
   };
   std::vector<Refused> refused_;  // not introduced yet
+  bool seeded_ = false;           // all seeds are in
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<TileId, std::vector<Vertex>> updates_;

@@ -96,7 +96,7 @@ class MeshBase {
   int spanned_ = -1;
   std::vector<Word> free_;  // slots without a cell
   Word frozen_ = 0;         // cells that are gone
-  Word last_ = 0;           // where the last insertion was
+  mutable Word last_ = 0;   // where the last insertion was, or a vertex was last asked for: the next is near
   static constexpr Vertex none = ~Vertex{0};
   Vertex newest_ = none;                           // what was inserted last, if nothing has changed since
   static constexpr std::size_t usual_zone = 4096;  // cells, at most; a zone of uniform points has 21

@@ -82,7 +82,7 @@ Word MeshBase<Mesh, Cell>::new_slot() {
   return static_cast<Word>(cells.size() - 1);
 }
 
-// Asked for the vertex that came last, most times, which is in the cell that was made last.
+// Asked for one that is near the one before, or near the one that came last, most times.
 template <class Mesh, class Cell>
 Word MeshBase<Mesh, Cell>::incident(Vertex v) const {
   const auto has_v = [&](Word slot) {
@@ -90,7 +90,7 @@ Word MeshBase<Mesh, Cell>::incident(Vertex v) const {
     return !c.dead() && std::find(c.v, c.v + corners, v) != c.v + corners;
   };
   if (has_v(last_)) return last_;
-  if (v != infinite_vertex) return locate(points[v]).cell;
+  if (v != infinite_vertex) return last_ = locate(points[v]).cell;
   Word slot = 0;
   while (!has_v(slot)) ++slot;
   return slot;
