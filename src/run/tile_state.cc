@@ -67,7 +67,7 @@ Result<bool> TileState::restore() {
     if (points_.points.size() != own_points_) return damaged("file of points");
   }
   triangulation_->replay();
-  imaged_ = true;
+  imaged_ = earlier_ = true;
   return true;
 }
 
@@ -161,6 +161,7 @@ Status TileState::sleep() {
     bytes.insert(bytes.end(), count.begin(), count.end());
     BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
     imaged_ = true;
+    earlier_ = false;
   }
   triangulation_.reset();
   points_ = {};
@@ -187,6 +188,7 @@ Status TileState::wake() {
   std::uint64_t own_points = 0;
   triangulation_ = load_image(std::move(pieces[0]), own_points);
   if (!triangulation_ || own_points != own_points_) return damaged("image");
+  if (earlier_) triangulation_->forget_words();
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
     points_ = std::move(loaded);

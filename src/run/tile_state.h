@@ -94,9 +94,10 @@ class TileState {
   const TileContext& context_;
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
-  LoadedTile points_;    // kept while the tile is whole in memory
-  bool called_ = false;  // to its first splay, by mail to itself
-  bool imaged_ = false;  // the image on scratch is the tile's present state
+  LoadedTile points_;     // kept while the tile is whole in memory
+  bool called_ = false;   // to its first splay, by mail to itself
+  bool imaged_ = false;   // the image on scratch is the tile's present state
+  bool earlier_ = false;  // it is an earlier process's, though
   std::uint64_t own_points_ = 0;
   Mail mail_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting batches

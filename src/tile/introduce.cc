@@ -12,6 +12,11 @@ void TileTriangulation::introduce() {
     for (const Seed& seed : options_.around->seeds_of(options_.self)) {
       if (seed.point.tile != options_.self) add_seed(seed);
     }
+    std::erase_if(refused_, [&](const Refused& r) {  // seeds are vertices
+      const Vertex v = foreign_.at(r.point.id);
+      if (v != 0) hear(v, r.from, r.point);
+      return v != 0;
+    });
   }
   if (kernel_->dimension() < options_.dimension) {
     share_with_all();
@@ -61,6 +66,12 @@ bool TileTriangulation::note(Vertex v, TileId tile) {
   if (!sent_.add(v, tile)) return false;
   told_[v] |= options_.around->bit(owners_[v], tile);
   return true;
+}
+
+// Of a vertex, from a tile, in these words.
+void TileTriangulation::hear(Vertex v, TileId from, const SharedPoint& p) {
+  note(v, from);
+  told_[v] |= p.told;
 }
 
 // From the start.

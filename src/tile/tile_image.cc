@@ -111,15 +111,21 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
 }
 
 void TileTriangulation::replay() {
-  // What others have told each other may be lost.
-  std::fill(told_.begin(), told_.end(), 0);
+  forget_words();
   for (const std::uint64_t key : sent_.keys()) {
     const auto v = static_cast<Vertex>(key >> 32);
     const TileId tile{static_cast<std::uint32_t>(key)};
     if (owners_[v] == tile) continue;
-    told_[v] |= options_.around->bit(owners_[v], tile);
     updates_[tile].push_back(v);
     ++counts_.sent;
+  }
+}
+
+void TileTriangulation::forget_words() {
+  std::fill(told_.begin(), told_.end(), 0);
+  for (const std::uint64_t key : sent_.keys()) {
+    const auto v = static_cast<Vertex>(key >> 32);
+    told_[v] |= options_.around->bit(owners_[v], TileId{static_cast<std::uint32_t>(key)});
   }
 }
 

@@ -39,16 +39,16 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   }
 }
 
+// Also one that was refused as mail: nobody tells of a seed again, so images must have it.
 void TileTriangulation::add_seed(const Seed& seed) {
-  Vertex v = 0;
-  if (const auto known = foreign_.find(seed.point.id); known != foreign_.end()) {
-    v = known->second;
-  } else {
+  const auto known = foreign_.find(seed.point.id);
+  Vertex v = known == foreign_.end() ? 0 : known->second;
+  if (v == 0) {
     const auto added = add_foreign(seed.point, true, around_);
     check(added.has_value(), "seeds are points of the cloud, each once");
     v = added.value();
   }
-  if (v != 0) seeds_[v] = seed.reach;
+  seeds_[v] = seed.reach;
 }
 
 bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const {
@@ -208,16 +208,14 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batc
     ++counts_.received;
     if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second == 0) continue;
-      note(known->second, from);
-      told_[known->second] |= p.told;
+      if (known->second != 0) hear(known->second, from, p);
       continue;
     }
     BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
     if (v == 0) {
       refused_.push_back({p, from});
     } else {
-      note(v, from);
+      hear(v, from, p);
     }
   }
   return success();

@@ -76,6 +76,9 @@ class TileTriangulation {
   // Everything that this tile has ever told others, or heard from them of points they do not own, becomes updates once
   // more: the way back into the exchange of a tile that begins from an image (docs/design.md, section 3).
   void replay();
+  // Whom others have told of what: an earlier process's word, which holds no more. What this tile has told stays, for
+  // it tells it again.
+  void forget_words();
   // The foreign vertices: whatever cells the tile's own points have in the end, their other vertices are among these
   // once all tiles are quiet.
   std::vector<SharedPoint> foreign_vertices() const;
@@ -110,6 +113,7 @@ class TileTriangulation {
   bool knows(TileId tile, Vertex v) const;
   bool knew(TileId tile, Vertex v) const;
   bool note(Vertex v, TileId tile);
+  void hear(Vertex v, TileId from, const SharedPoint& p);
   bool told(TileId tile, Vertex v);
   SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
   void share(Vertex v, TileId tile);

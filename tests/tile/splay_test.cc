@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "src/harness/clouds.h"
@@ -82,6 +83,34 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Splay,
                                   std::get<2>(info.param) + (std::get<3>(info.param) == KernelKind::flat ? "flat" : "");
                          });
 
+// Tiny: nearly every point has to do with every tile, and few orders are alike.
+TEST(SplayTiny, IsRightForAnyPointsAnyTilesAnySeedsAndAnyOrder) {
+  for (std::uint64_t seed = 0; seed < 6000; ++seed) {
+    std::mt19937_64 rng(seed);
+    SplayOptions options;
+    options.seed = seed;
+    options.dimension = 2 + static_cast<int>(rng() % 2);
+    options.kernel = rng() % 4 == 0 ? KernelKind::cgal : KernelKind::flat;
+    options.announce = rng() % 2 == 0;
+    options.reduce = rng() % 2 == 0;
+    options.sleep = rng() % 4 == 0;
+    options.single_points = rng() % 3 == 0;
+    options.announced = rng() % 4 == 0 ? Announced::minimum : Announced::spanning;
+    const std::uint64_t side = 2 + rng() % 40, points = 5 + rng() % 14;
+    const auto along = [&] { return static_cast<double>(rng() % side); };
+    std::vector<LocalPoint> cloud;
+    for (std::uint64_t i = 0; i < points; ++i) {
+      const Point p{along(), along(), options.dimension == 3 ? along() : 0};
+      const auto equal = [&](const LocalPoint& q) { return q.at == p; };
+      if (std::none_of(cloud.begin(), cloud.end(), equal)) cloud.push_back({p, cloud.size()});
+    }
+    if (global_delaunay(cloud, options.dimension).empty()) continue;
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const std::uint32_t tiles = 2 + static_cast<std::uint32_t>(rng() % 6);
+    expect_global_delaunay(cloud, assign(rng() % 3 == 0 ? "stripes" : "random", cloud, tiles, seed), options);
+  }
+}
+
 TEST(SplayLarge, FinalCellsTakenOutEarlyComeBackInTheResult) {
   for (const auto& [dimension, kernel] : {std::pair(2, KernelKind::cgal), std::pair(3, KernelKind::cgal),
                                           std::pair(2, KernelKind::flat), std::pair(3, KernelKind::flat)}) {
@@ -113,6 +142,29 @@ TEST(SplayLarge, ReducingChangesNoMesh) {
     EXPECT_EQ(whole[i].ids, reduced[i].ids);
     EXPECT_EQ(whole[i].cell_ghost, reduced[i].cell_ghost);
   }
+}
+
+// Nobody tells a tile of a seed that it has: a tile that begins from an image would never hear of it again.
+TEST(Introduce, KeepsASeedThatWasRefusedAsMailBefore) {
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  const std::vector<Point> own{{4, 4, 0}, {5, 4, 0}, {4, 5, 0}};
+  const std::vector<PointId> ids{PointId{0}, PointId{1}, PointId{2}};
+  Bounds bounds;
+  for (const Point& p : own) bounds.add(p);
+  const auto of_tile_1 = [](double x, double y, std::uint64_t id) {
+    return SharedPoint{{x, y, 0}, PointId{id}, TileId{1}, 0};
+  };
+  const SharedPoint seed = of_tile_1(30, 1, 7);
+  const Surroundings around({bounds, bounds}, {{}, {}}, {{seed, everywhere}});
+  TileTriangulation tile({TileId{0}, 2, KernelKind::flat, ExchangeRule::introduce, &around});
+  tile.triangulate(own, ids);
+  const std::vector<SharedPoint> fence{of_tile_1(0, 0, 3), of_tile_1(10, 0, 4), of_tile_1(0, 10, 5),
+                                       of_tile_1(10, 10, 6)};
+  ASSERT_TRUE(tile.receive(TileId{1}, fence));
+  ASSERT_TRUE(tile.receive(TileId{1}, std::span(&seed, 1)));
+  ASSERT_EQ(tile.counts().refused, 1u);
+  tile.introduce();
+  EXPECT_EQ(tile.foreign_vertices().size(), 5u);
 }
 
 // Counterexamples to the published order: see docs/design.md.
