@@ -171,10 +171,7 @@ void FlatKernel<Mesh>::neighbours(Vertex v, std::vector<Vertex>& around) const {
     }
     return;
   }
-  star(v, around);
-  std::sort(around.begin(), around.end());
-  around.erase(std::unique(around.begin(), around.end()), around.end());
-  std::erase_if(around, [&](Vertex w) { return w == v || w == infinite_vertex; });
+  mesh_.neighbours_into(v, around);
 }
 
 }  // namespace tessera::flat

@@ -18,6 +18,7 @@
 //   fill(v)                 joins the zone's boundary to v, whose zone it is
 //   leave()                 forgets the zone; the next walk starts here
 //   around(v, found)        the cells around v, none of them frozen
+//   neighbours_into(v, vertices)   the finite vertices of those cells but v, each once
 //   release_scratch()       gives back what find_zone() and fill() have grown; the zone is forgotten
 //   memory()                bytes on the heap
 #pragma once

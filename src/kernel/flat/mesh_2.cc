@@ -156,6 +156,20 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
   } while (slot != first);
 }
 
+// Each triangle around v has one that none before it had: where the way to the next leads away from.
+void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
+  const Word first = incident(v);
+  Word slot = first;
+  do {
+    const Cell& t = cells[slot];
+    const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    if (t.v[next_of[i]] != infinite_vertex) vertices.push_back(t.v[next_of[i]]);
+    const Word across = t.n[next_of[i]];
+    check(!(across & frozen_bit), "the triangles around a vertex are not frozen");
+    slot = across >> 2;
+  } while (slot != first);
+}
+
 void Mesh::release_scratch() {
   zone_size_ = boundary_size_ = 0;
   flat::release(zone_, boundary_, pending_, near_);

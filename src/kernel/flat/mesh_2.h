@@ -29,6 +29,7 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   void fill(Vertex v);
   void leave() { last_ = zone_.front(); }
   void around(Vertex v, std::vector<Word>& found) const;
+  void neighbours_into(Vertex v, std::vector<Vertex>& vertices) const;
   void release_scratch();
   std::size_t memory() const;
 

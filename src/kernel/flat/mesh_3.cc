@@ -177,10 +177,43 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
   for (const Word slot : found) all[slot].v[0] &= vertex_mask;
 }
 
+// A cell reached through a facet has one vertex that the one before it has not.
+void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
+  reserve_numbers();
+  std::uint8_t* const number = number_.data();
+  const auto meet = [&](Vertex w) {
+    if (number[w] == 0) vertices.push_back(w);
+    number[w] = 1;
+  };
+  number[v] = number[infinite_vertex] = 1;
+  // As in around(): a const mesh looks the same before and after.
+  Cell* const all = const_cast<Cell*>(cells.data());
+  around_.assign(1, incident(v));
+  for (Word i = 0; i < 4; ++i) meet(all[around_[0]].v[i]);
+  all[around_[0]].v[0] |= mark_in;
+  for (std::size_t k = 0; k < around_.size(); ++k) {
+    const Cell& c = all[around_[k]];
+    for (Word i = 0; i < 4; ++i) {
+      Cell& next = all[c.n[i] >> 2];
+      if (c.vertex(i) == v || next.marked()) continue;
+      meet(next.v[c.n[i] & 3]);
+      next.v[0] |= mark_in;
+      around_.push_back(c.n[i] >> 2);
+    }
+  }
+  for (const Word slot : around_) all[slot].v[0] &= vertex_mask;
+  for (const Vertex w : vertices) number[w] = 0;
+  number[v] = number[infinite_vertex] = 0;
+}
+
+void Mesh::reserve_numbers() const {
+  if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
+}
+
 void Mesh::release_scratch() {
   newest_ = none;
   zone_size_ = facets_size_ = zone_vertices_size_ = 0;
-  flat::release(zone_, pending_, facets_, slots_, zone_vertices_, edges_);
+  flat::release(zone_, pending_, facets_, slots_, zone_vertices_, edges_, around_);
 }
 
 void Mesh::zone_into(std::vector<Vertex>& vertices) const {
@@ -191,7 +224,8 @@ void Mesh::zone_into(std::vector<Vertex>& vertices) const {
 
 std::size_t Mesh::memory() const {
   return base_memory() + number_.capacity() +
-         sizeof(Word) * (zone_.capacity() + pending_.capacity() + slots_.capacity() + zone_vertices_.capacity()) +
+         sizeof(Word) * (zone_.capacity() + pending_.capacity() + slots_.capacity() + zone_vertices_.capacity() +
+                         around_.capacity()) +
          sizeof(Facet) * facets_.capacity() + sizeof(Edge) * edges_.capacity();
 }
 

@@ -30,6 +30,7 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   void fill(Vertex v);
   void leave();
   void around(Vertex v, std::vector<Word>& found) const;
+  void neighbours_into(Vertex v, std::vector<Vertex>& vertices) const;
   void release_scratch();
   std::size_t memory() const;
 
@@ -55,6 +56,7 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   void link_small(Word facets, Vertex v);
   void link_large(Word facets, Vertex v);
   void take_slots(Word facets);
+  void reserve_numbers() const;
 
   friend struct ZoneCode;  // zone_3.cc
 
@@ -64,8 +66,10 @@ class Mesh : public flat::MeshBase<Mesh, Cell> {
   std::size_t zone_size_ = 0, facets_size_ = 0, zone_vertices_size_ = 0;
   std::vector<Word> slots_;            // of the new cells, by facet
   std::vector<Vertex> zone_vertices_;  // [0, zone_vertices_size_)
-  std::vector<std::uint8_t> number_;   // by vertex: 1.. (255 at most) while it is in zone_vertices_, else 0
-  std::vector<Edge> edges_;            // hash table of a large boundary
+  // By vertex: 1.. (255 at most) while it is in zone_vertices_, or one call lists it, else 0.
+  mutable std::vector<std::uint8_t> number_;
+  mutable std::vector<Word> around_;  // scratch of neighbours_into
+  std::vector<Edge> edges_;           // hash table of a large boundary
   bool vectors_;
   mutable std::uint32_t turn_ = 0;  // of walks
   static constexpr std::size_t small = 64;

@@ -327,7 +327,7 @@ struct ZoneCode {
 void Mesh::find_zone(const Point& p, Word start) {
   newest_ = none;
   before_zone();
-  if (number_.size() <= points.size()) number_.resize(number_.empty() ? points.size() + 64 : points.size() * 3 / 2);
+  reserve_numbers();
   if (vectors_) {
     ZoneCode::avx2(*this, p, start);
   } else {
