@@ -3,9 +3,15 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <exception>
+#include <mutex>
 #include <system_error>
+#include <thread>
+#include <vector>
 
 #include "src/files/disk_file.h"
 #include "src/files/names.h"
@@ -52,6 +58,33 @@ Status publish(const fs::path& temporary, const fs::path& final_name) {
 
 Status sync_folder(const fs::path& folder) {
   return sync_path(folder.empty() ? fs::path(".") : folder, O_RDONLY | O_DIRECTORY);
+}
+
+Status sync_files(std::span<const fs::path> files) {
+  constexpr std::size_t threads_max = 16;
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  Status done = success();
+  std::exception_ptr thrown;
+  const auto sync_some = [&] {
+    for (std::size_t i = next++; i < files.size(); i = next++) {
+      try {
+        const Status synced = sync_path(files[i], O_RDWR);
+        const std::lock_guard lock(mutex);
+        if (done) done = synced;
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        thrown = std::current_exception();
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::size_t t = 1; t < std::min(threads_max, files.size()); ++t) others.emplace_back(sync_some);
+    sync_some();
+  }
+  if (thrown) std::rethrow_exception(thrown);
+  return done;
 }
 
 Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes) {

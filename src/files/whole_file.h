@@ -22,6 +22,8 @@ Status rename_file(const std::filesystem::path& from, const std::filesystem::pat
 // it survives a power cut there.
 Status publish(const std::filesystem::path& temporary, const std::filesystem::path& final_name);
 Status sync_folder(const std::filesystem::path& folder);
+// Many files at once: each waits for the disk, and not for the others. The first error, if any.
+Status sync_files(std::span<const std::filesystem::path> files);
 
 // Writes the whole file, publishes it and syncs its folder.
 Status write_whole(const std::filesystem::path& final_name, std::span<const std::byte> bytes);

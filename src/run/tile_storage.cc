@@ -3,7 +3,7 @@
 namespace tessera {
 
 Status remove_beginnings(TileStorage& storage, TileId tile) {
-  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::settled}) {
+  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals}) {
     BOOST_OUTCOME_TRYV(storage.remove(tile, what));
   }
   return success();

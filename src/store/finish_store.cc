@@ -47,6 +47,9 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
                     const std::function<Status()>& before_manifest) {
   static_assert(std::endian::native == std::endian::little);
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(out)));
+  std::vector<fs::path> files;
+  for (const TileEntry& entry : manifest.tiles) files.push_back(tile_file(out, entry.tile));
+  BOOST_OUTCOME_TRYV(sync_files(files));
   BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
   std::sort(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   BOOST_OUTCOME_TRY(schema, store::stored_schema(manifest.schema));

@@ -1,5 +1,6 @@
 #include "src/store/packed_array.h"
 
+#define ZLIB_CONST
 #include <zlib.h>
 
 #include <algorithm>
@@ -18,16 +19,36 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
+// One for each thread: setting up zlib's quarter of a megabyte takes longer than deflating the arrays of a small tile.
+class Deflater {
+ public:
+  Deflater() {
+    if (deflateInit(&stream_, 1) != Z_OK) throw std::bad_alloc();
+  }
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+  ~Deflater() { deflateEnd(&stream_); }
+
+  Bytes deflate_all(std::span<const std::byte> bytes) {
+    check(deflateReset(&stream_) == Z_OK, "a stream can be used again");
+    Bytes packed(deflateBound(&stream_, static_cast<uLong>(bytes.size())));
+    stream_.next_in = reinterpret_cast<const Bytef*>(bytes.data());
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    stream_.next_out = reinterpret_cast<Bytef*>(packed.data());
+    stream_.avail_out = static_cast<uInt>(packed.size());
+    check(deflate(&stream_, Z_FINISH) == Z_STREAM_END, "zlib needs more room than it asked for");
+    packed.resize(stream_.total_out);
+    packed.shrink_to_fit();
+    return packed;
+  }
+
+ private:
+  z_stream stream_{};
+};
+
 Bytes deflate_block(std::span<const std::byte> bytes) {
-  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
-  Bytes packed(size);
-  const int result = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
-                               reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()), 1);
-  if (result == Z_MEM_ERROR) throw std::bad_alloc();
-  check(result == Z_OK, "zlib needs more room than it asked for");
-  packed.resize(size);
-  packed.shrink_to_fit();
-  return packed;
+  thread_local Deflater deflater;
+  return deflater.deflate_all(bytes);
 }
 
 Status write_plain_block(std::span<const std::byte> bytes, DirectWriter& file) {

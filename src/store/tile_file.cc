@@ -116,9 +116,9 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays));
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
-  // Synced before this writer takes the next tile: others work meanwhile.
+  // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
   BOOST_OUTCOME_TRYV(check_held(options.lock_file));
-  BOOST_OUTCOME_TRYV(publish(temporary.path(), final_name));
+  BOOST_OUTCOME_TRYV(rename_file(temporary.path(), final_name));
   temporary.keep();
   BOOST_OUTCOME_TRYV(write_done(out, entry));
   return entry;

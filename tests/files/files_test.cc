@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "src/files/checksum.h"
 #include "src/files/disk_file.h"
@@ -38,6 +39,19 @@ TEST_F(Files, ErrorsNameTheFileThatWasWantedAndWhatTheSystemSays) {
   EXPECT_EQ(read_whole(path).error().where, path.string() + ": cannot open: No such file or directory");
   EXPECT_EQ(read_whole(folder()).error().where, folder().string() + ": is not a file");
   EXPECT_EQ(OutputFile::create(path).error().where, path.string() + ": cannot be written: No such file or directory");
+}
+
+TEST_F(Files, OfManyThatAreSyncedTheOneThatIsMissingIsNamed) {
+  std::vector<fs::path> files;
+  for (int i = 0; i < 40; ++i) {
+    files.push_back(folder() / std::to_string(i));
+    ASSERT_TRUE(write_whole(files.back(), std::string_view("x")));
+  }
+  EXPECT_TRUE(sync_files(files));
+  files[30] = folder() / "nowhere";
+  const Status synced = sync_files(files);
+  ASSERT_FALSE(synced);
+  EXPECT_NE(synced.error().where.find("nowhere"), std::string::npos);
 }
 
 TEST_F(Files, ADiskFileIsReadInPiecesAsItWasAppended) {
