@@ -1,6 +1,7 @@
 #include "src/run/schedule.h"
 
 #include <functional>
+#include <utility>
 
 #include "src/base/check.h"
 #include "src/budget/budget.h"
@@ -102,6 +103,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
       tile.place = Place::storing;
       tile.storing = storing;
       ++storing_;
+      storing_bytes_ += storing;
       break;
     case Work::drop:
       tile.place = Place::gone;
@@ -117,7 +119,7 @@ void Schedule::stored(TileId id) {
   Tile& tile = tiles_[id.value];
   check(tile.place == Place::storing, "only what was collected is stored");
   set_memory(tile, tile.memory - tile.storing);
-  tile.storing = 0;
+  storing_bytes_ -= std::exchange(tile.storing, 0);
   tile.place = Place::gone;
   tile.is_stored = true;
   --storing_;
@@ -127,7 +129,10 @@ void Schedule::abandon(TileId id) {
   Tile& tile = tiles_[id.value];
   unlink(id);
   if (tile.working) --working_;
-  if (tile.place == Place::storing) --storing_;
+  if (tile.place == Place::storing) {
+    --storing_;
+    storing_bytes_ -= tile.storing;
+  }
   if (tile.place == Place::fresh) --fresh_;
   if (tile.place == Place::asleep) --asleep_;
   tile.working = false;
@@ -163,7 +168,9 @@ std::optional<Schedule::Grant> Schedule::next() {
     return grant(t, Work::settle, tiles_[t.value].memory);
   }
   if (stage_ == Stage::collecting) {
-    if (pending_.empty() || storing_ > options_.threads) return std::nullopt;
+    // Those that wait for the disk keep no others from memory, unless they are small.
+    const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
+    if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_[t.value];
     if (tile.is_stored) return grant(t, Work::drop, tile.memory);

@@ -5,8 +5,9 @@
 // exchanging | begin to every tile, then splay: first those with the shortest chain of mail behind them, of these those
 //            | with most mail; sleep where room is needed
 // settling   | settle to the tiles in memory
-// collecting | collect to all that are not stored, those in memory first; drop to the others; sleep where room is
-// needed suspending | sleep to all tiles in memory stopping   | nothing
+// collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
+// suspending | sleep to all tiles in memory
+// stopping   | nothing
 #pragma once
 
 #include <cstdint>
@@ -106,7 +107,8 @@ class Schedule {
   std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before
   std::uint32_t fresh_ = 0;                    // not begun, or just beginning
   std::uint32_t working_ = 0, storing_ = 0, asleep_ = 0;
-  std::uint64_t memory_ = 0;   // over all tiles
+  std::uint64_t memory_ = 0;  // over all tiles
+  std::uint64_t storing_bytes_ = 0;
   std::uint64_t freeing_ = 0;  // of it, what tiles that are falling asleep will give back
   std::uint64_t sleeps_ = 0;
 };

@@ -105,16 +105,21 @@ TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
   EXPECT_TRUE(schedule.idle());
 }
 
-TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreads) {
-  Schedule schedule(options(1, 10'000), {10, 10, 10, 10});
-  schedule.enter(Stage::collecting);  // settled before: the tiles are built and collected at once
-  std::uint32_t waiting = 0;
-  while (const auto grant = schedule.next()) {
-    EXPECT_EQ(grant->work, Work::collect);
-    schedule.done(grant->tile, Work::collect, 0, {}, 1);
-    ++waiting;
-  }
-  EXPECT_EQ(waiting, 2u);
+TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreadsUnlessTheyAreSmall) {
+  const auto waiting = [](std::uint64_t mesh_bytes) {
+    Schedule schedule(options(1, 16'000), std::vector<std::uint64_t>(12, 10));
+    schedule.enter(Stage::collecting);  // settled before: the tiles are built and collected at once
+    std::uint32_t n = 0;
+    while (const auto grant = schedule.next()) {
+      EXPECT_EQ(grant->work, Work::collect);
+      schedule.done(grant->tile, Work::collect, 0, {}, mesh_bytes);
+      ++n;
+    }
+    return n;
+  };
+  EXPECT_EQ(waiting(1200), 2u);
+  EXPECT_EQ(waiting(200), 6u) << "a sixteenth of the memory and one more";
+  EXPECT_EQ(waiting(10), 12u);
 }
 
 TEST(Schedule, AnInterruptedPartPutsEveryTileToSleepAndNothingElse) {
