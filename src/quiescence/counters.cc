@@ -1,10 +1,27 @@
 #include "src/quiescence/counters.h"
 
+#include <algorithm>
+
 namespace tessera {
+
+std::vector<PeerCounters::Count>::iterator PeerCounters::place(Peer peer) {
+  return std::lower_bound(count_.begin(), count_.end(), peer, [](const Count& c, Peer p) { return c.peer < p; });
+}
+
+PeerCounters::Count& PeerCounters::at(Peer peer) {
+  auto found = place(peer);
+  if (found == count_.end() || found->peer != peer) found = count_.insert(found, {peer, 0, 0});
+  return *found;
+}
+
+void PeerCounters::forget(Peer peer) {
+  const auto found = place(peer);
+  if (found != count_.end() && found->peer == peer) count_.erase(found);
+}
 
 Totals PeerCounters::totals() const {
   Totals sum;
-  for (const auto& [peer, count] : count_) sum += count;
+  for (const Count& c : count_) sum += {c.sent, c.processed};
   return sum;
 }
 

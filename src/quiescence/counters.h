@@ -3,8 +3,9 @@
 #pragma once
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
-#include <map>
+#include <vector>
 
 #include "src/base/ids.h"
 
@@ -26,16 +27,25 @@ struct Totals {
   }
 };
 
+// Sorted and flat: a tile in space has some sixty peers, and there are many tiles.
 class PeerCounters {
  public:
-  void add_sent(Peer peer) { ++count_[peer].sent; }
-  void add_processed(Peer peer) { ++count_[peer].processed; }
+  void add_sent(Peer peer) { ++at(peer).sent; }
+  void add_processed(Peer peer) { ++at(peer).processed; }
   // The dead incarnation's messages vanish from both sides of the sum.
-  void forget(Peer peer) { count_.erase(peer); }
+  void forget(Peer peer);
   Totals totals() const;
+  std::size_t memory() const { return count_.capacity() * sizeof(Count); }
 
  private:
-  std::map<Peer, Totals> count_;
+  struct Count {
+    Peer peer;
+    std::uint32_t sent = 0, processed = 0;  // a batch tells of something new: there are fewer than vertices
+  };
+  std::vector<Count>::iterator place(Peer peer);
+  Count& at(Peer peer);
+
+  std::vector<Count> count_;  // by peer
 };
 
 }  // namespace tessera

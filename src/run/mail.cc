@@ -24,7 +24,7 @@ Status Mail::spill(TileStorage& storage) {
     out.value(batch.hops);
     out.list(batch.points);
   }
-  held_ = {};
+  std::vector<Batch>().swap(held_);
   held_points_ = 0;
   return storage.append(tile_, ScratchKind::mail, out.take());
 }
@@ -43,7 +43,7 @@ Result<std::vector<Batch>> Mail::take(TileStorage& storage) {
         points += batch.points.size();
         all.push_back(std::move(batch));
       }
-      piece = {};
+      std::vector<std::byte>().swap(piece);
     }
     if (points != points_ || all.size() + held_.size() != batches_) {
       return error(Errc::corrupt,
@@ -52,7 +52,7 @@ Result<std::vector<Batch>> Mail::take(TileStorage& storage) {
     BOOST_OUTCOME_TRYV(storage.remove(tile_, ScratchKind::mail));
   }
   for (Batch& batch : held_) all.push_back(std::move(batch));
-  held_ = {};
+  std::vector<Batch>().swap(held_);
   held_points_ = batches_ = points_ = 0;
   return all;
 }

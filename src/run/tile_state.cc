@@ -36,7 +36,7 @@ Status TileState::build(bool announce) {
   if (!loaded.duplicates.empty()) {
     BOOST_OUTCOME_TRYV(
         context_.storage->write(self_.tile, ScratchKind::duplicates, std::as_bytes(std::span(loaded.duplicates))));
-    loaded.duplicates = {};
+    std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
   }
   const Box& box = context_.boxes[self_.tile.value];
   // A tile that is collected at once is not worth reducing.
@@ -282,7 +282,8 @@ void TileState::drop() {
 }
 
 std::size_t TileState::memory() const {
-  return (triangulation_ ? triangulation_->memory() : 0) + points_.points.capacity() * 32 + mail_.memory();
+  return (triangulation_ ? triangulation_->memory() : 0) + points_.points.capacity() * 32 + mail_.memory() +
+         counters_.memory();
 }
 
 }  // namespace tessera

@@ -50,7 +50,7 @@ class ExternalSort {
       return success();
     }
     BOOST_OUTCOME_TRYV(spill());
-    buffer_ = {};
+    decltype(buffer_)().swap(buffer_);
     return merge(visit);
   }
 

@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include <caf/all.hpp>
+#include <cstdio>
+#include <vector>
+
+#include "actors/coordinator.h"
+#include "actors/node_actor.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/harness/clouds.h"
+#include "src/io/npy/array_source.h"
+#include "src/run/disk_parts.h"
+
+namespace tessera {
+namespace {
+
+class Config : public caf::actor_system_config {
+ public:
+  Config() { add_message_types<caf::id_block::tessera>(); }
+};
+
+// Parts with room for one tile in memory.
+class NarrowParts final : public PartSource {
+ public:
+  explicit NarrowParts(const RoutedRun& run) {
+    disk_.offer(std::shared_ptr<const RoutedRun>(&run, [](const RoutedRun*) {}));
+  }
+  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
+    BOOST_OUTCOME_TRY(part, disk_.open(spec, self));
+    part->schedule.memory_bytes = 1;
+    return std::move(part);
+  }
+
+ private:
+  DiskParts disk_;
+};
+
+std::size_t heap_bytes() {
+  const auto now = ::mallinfo2();
+  return now.uordblks + now.hblkhd;
+}
+
+// What the process has taken for a job of so many small tiles, when all are quiet and asleep, but for one.
+std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
+  std::vector<double> coordinates;
+  for (const LocalPoint& p : make_cloud("uniform", dimension, 20 * tiles, 1)) {
+    for (int i = 0; i < dimension; ++i) coordinates.push_back(p.at[i]);
+  }
+  const TemporaryFolder folder = TemporaryFolder::make().value();
+  Progress progress;
+  const Cloud cloud =
+      Cloud::open_source(array_source("cloud", coordinates, dimension), {.dimension = dimension}).value();
+  const RoutedRun run = route(cloud, run_folder(folder.path()), {.tiles = tiles}, progress, {}).value();
+  CoordinatorOptions job;
+  job.spec.run_folder = run.folder.string();
+  job.spec.out_folder = folder.path().string();
+  job.mark_settled = [](bool) -> Status { return success(); };
+  std::size_t quiet = 0;
+  job.on_quiet = [&] { quiet = heap_bytes(); };
+  Config config;
+  caf::actor_system system(config);
+  const std::size_t before = heap_bytes();
+  caf::scoped_actor self(system);
+  const NodeHandle node = self->spawn<NodeActor>(NodeOptions{.memory_bytes = job.spec.memory_bytes, .hooks = {}},
+                                                 std::make_shared<NarrowParts>(run));
+  self->spawn<Coordinator, caf::monitored>(std::move(job), caf::actor_cast<caf::actor>(self.ptr()),
+                                           std::vector<NodeHandle>{node});
+  bool running = true;
+  self->receive_while(running)([](const RunProgress&) {}, [](const TileDone&) {},
+                               [](const RunEnded& ended) { EXPECT_EQ(ended.failure.text, ""); },
+                               [&](const caf::down_msg&) { running = false; });
+  caf::anon_send_exit(node, caf::exit_reason::user_shutdown);
+  EXPECT_GT(quiet, before);
+  return quiet - before;
+}
+
+// Actors, counters, schedule, and what tiles know of each other and the seeds: 100,000 tiles take 0.4 GB at most.
+TEST(TileMemory, IsLessThan4KiBForATileAsleep) {
+  for (const int dimension : {2, 3}) {
+    constexpr std::uint32_t few = 50, many = 250;
+    const std::size_t bytes = (bytes_when_quiet(dimension, many) - bytes_when_quiet(dimension, few)) / (many - few);
+    std::printf("%dD: %zu bytes a tile\n", dimension, bytes);
+    EXPECT_LT(bytes, 4096u);
+  }
+}
+
+}  // namespace
+}  // namespace tessera
