@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "src/api/entry.h"
 #include "src/base/result.h"
 #include "tessera/failure.h"
 
@@ -23,10 +24,11 @@ inline void or_throw(const Status& status) {
   if (!status) throw_failure(status.error());
 }
 
-// Runs `work`: whatever it throws comes out as a Failure.
+// Runs `work` as a call of the library (see Entry): whatever it throws comes out as a Failure.
 template <class Work>
 auto guarded(Work&& work) {
   try {
+    const Entry entry;
     return work();
   } catch (...) {
     rethrow_as_failure();

@@ -1,8 +1,11 @@
 #include <chrono>
 #include <future>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "src/api/entry.h"
 #include "src/api/errors.h"
 #include "src/api/triangulation_impl.h"
 #include "src/base/option.h"
@@ -50,34 +53,63 @@ JobProgress look(const Progress& progress) {
   return now;
 }
 
-// The job works in a thread of its own, so that this one can tell how far it is. Whatever goes wrong, the job has ended
-// and the folder is clean before it is told.
-void run_watched(const TriangulationOptions& options, const OpenCloud& open, ResultFolder& folder) {
-  constexpr std::chrono::milliseconds interval(100);
-  const JobOptions job = job_options(options);
-  Engine engine(job.threads, job.memory_bytes);
-  Progress progress;
-  std::stop_source stop;
-  const std::stop_callback forward(options.stop, [&] { stop.request_stop(); });
-  auto outcome = guarded([&] {
-    return std::async(std::launch::async,
-                      [&] { return run_job(engine, job, open, folder, progress, stop.get_token()); });
-  });
-  try {
-    while (options.progress && outcome.wait_for(interval) != std::future_status::ready)
-      options.progress(look(progress));
-    const auto summary = guarded([&] { return outcome.get(); });
-    if (!summary) {
-      const bool asked = summary.error().code == Errc::interrupted;
-      throw_failure(asked ? error(Errc::interrupted, "stopped, as was requested") : summary.error());
+// A job, which works in a thread of its own so that the one that called can tell how far it is.
+class WatchedJob {
+ public:
+  // Looks at nothing of `options` but in this thread.
+  WatchedJob(const TriangulationOptions& options, const OpenCloud& open, ResultFolder folder)
+      : folder_(std::move(folder)),
+        job_(job_options(options)),
+        engine_(job_.threads, job_.memory_bytes),
+        forward_(options.stop, [this] { stop_.request_stop(); }),
+        outcome_(std::async(std::launch::async, [this, &open] {
+          return run_job(engine_, job_, open, folder_, progress_, stop_.get_token());
+        })) {}
+
+  // Until it is done, tells `progress`, which may throw.
+  void watch(const std::function<void(const JobProgress&)>& progress) {
+    constexpr std::chrono::milliseconds interval(100);
+    while (outcome_.wait_for(interval) != std::future_status::ready) {
+      call_back(progress, look(progress_));
     }
+  }
+  // Waits for its end.
+  void finish() {
+    const auto summary = outcome_.get();
+    if (summary) return;
+    const bool asked = summary.error().code == Errc::interrupted;
+    throw_failure(asked ? error(Errc::interrupted, "stopped, as was requested") : summary.error());
+  }
+  // Whatever went wrong: ends it and cleans the folder.
+  void abandon() {
+    stop_.request_stop();
+    if (outcome_.valid()) outcome_.wait();
+    folder_.abandon();
+  }
+  JobProgress progress() const { return look(progress_); }
+
+ private:
+  ResultFolder folder_;
+  JobOptions job_;
+  Engine engine_;
+  Progress progress_;
+  std::stop_source stop_;
+  std::stop_callback<std::function<void()>> forward_;
+  std::future<Result<std::optional<JobSummary>>> outcome_;
+};
+
+// Whatever goes wrong, the job has ended and the folder is clean before it is told.
+void run_watched(const TriangulationOptions& options, const OpenCloud& open, ResultFolder folder) {
+  auto job = guarded([&] { return std::make_unique<WatchedJob>(options, open, std::move(folder)); });
+  try {
+    if (options.progress) job->watch(options.progress);
+    guarded([&] { job->finish(); });
   } catch (...) {
-    stop.request_stop();
-    if (outcome.valid()) outcome.wait();
-    folder.abandon();
+    // In a child that was forked by the callback the job's threads are not there, and its folder is the parent's.
+    is_forked_within() ? static_cast<void>(job.release()) : job->abandon();
     throw;
   }
-  if (options.progress) options.progress(look(progress));
+  call_back(options.progress, job->progress());
 }
 
 }  // namespace
@@ -85,13 +117,11 @@ void run_watched(const TriangulationOptions& options, const OpenCloud& open, Res
 // Has access to the inside of a Triangulation.
 struct TriangulationMaker {
   static Triangulation make(const TriangulationOptions& options, const OpenCloud& open) {
+    const Entry entry;
     std::optional<TemporaryFolder> temporary;
     if (options.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));
     const auto path = temporary ? temporary->path() : options.folder;
-    {
-      auto folder = value_or_throw(ResultFolder::inspect(path, false, options.overwrite));
-      run_watched(options, open, folder);
-    }
+    run_watched(options, open, value_or_throw(ResultFolder::inspect(path, false, options.overwrite)));
     auto manifest = value_or_throw(read_manifest(path));
     return Triangulation(std::make_shared<const Triangulation::Impl>(
         Triangulation::Impl{path, std::move(manifest), std::move(temporary)}));

@@ -114,7 +114,7 @@ std::string Triangulation::export_to(const std::filesystem::path& target, const 
   std::exception_ptr thrown;
   const auto tell = [&](double part) {
     try {
-      if (request.progress) request.progress(part);
+      call_back(request.progress, part);
     } catch (...) {
       thrown = std::current_exception();
       stop.request_stop();

@@ -1,5 +1,6 @@
 #include "src/base/memory_pool.h"
 
+#include <pthread.h>
 #include <sys/mman.h>
 
 #include <algorithm>
@@ -53,6 +54,9 @@ class Pool {
     trim();
   }
 
+  void lock() { mutex_.lock(); }
+  void unlock() { mutex_.unlock(); }
+
  private:
   void trim() {
     const std::size_t limit = shares_ > 0 ? asked_ : unasked;
@@ -80,9 +84,19 @@ class Pool {
   std::size_t held_ = 0, shares_ = 0, asked_ = 0;
 };
 
+Pool& pool();
+
+// A forked child may still give arrays back, whatever its parent's other threads were doing: it finds the pool
+// unlocked.
+Pool* make_pool() {
+  const int refused = ::pthread_atfork([] { pool().lock(); }, [] { pool().unlock(); }, [] { pool().unlock(); });
+  if (refused != 0) throw std::bad_alloc();
+  return new Pool;
+}
+
 // Never destroyed: arrays in static objects may outlive any other.
 Pool& pool() {
-  static Pool* const the_pool = new Pool;
+  static Pool* const the_pool = make_pool();
   return *the_pool;
 }
 

@@ -2,6 +2,7 @@
 
 #include <dlfcn.h>
 
+#include "src/base/default_arithmetic.h"
 #include "src/crs/crs.h"
 
 namespace tessera {
@@ -9,6 +10,7 @@ namespace tessera {
 namespace {
 
 Result<GdalLibrary> load() {
+  const DefaultArithmetic kept;  // whatever the 110 libraries behind it do when they are loaded
   // Never closed again: GDAL keeps threads and caches.
   void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
   if (handle == nullptr)

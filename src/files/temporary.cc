@@ -15,7 +15,7 @@ namespace tessera {
 namespace fs = std::filesystem;
 
 TemporaryFile::~TemporaryFile() {
-  if (!path_.empty()) ::unlink(path_.c_str());
+  if (!path_.empty() && process_ == ::getpid()) ::unlink(path_.c_str());
 }
 
 Result<TemporaryFolder> TemporaryFolder::make() {
@@ -36,7 +36,7 @@ Result<TemporaryFolder> TemporaryFolder::make(const fs::path& path) {
 
 // What fails here nobody waits for, and a destructor cannot tell.
 TemporaryFolder::~TemporaryFolder() {
-  if (!path_.empty()) remove_tree(path_);
+  if (!path_.empty() && process_ == ::getpid()) remove_tree(path_);
 }
 
 }  // namespace tessera

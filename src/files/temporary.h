@@ -1,5 +1,9 @@
-// Files and folders that are gone when their owner is.
+// Files and folders that are gone when their owner is. A forked child has copies of their owners: what goes with those
+// stays, for the parent still has it.
 #pragma once
+
+#include <sys/types.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <utility>
@@ -12,7 +16,7 @@ namespace tessera {
 class TemporaryFile {
  public:
   explicit TemporaryFile(std::filesystem::path path) : path_(std::move(path)) {}
-  TemporaryFile(TemporaryFile&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFile(TemporaryFile&& other) noexcept : path_(std::exchange(other.path_, {})), process_(other.process_) {}
   TemporaryFile& operator=(TemporaryFile&&) = delete;
   ~TemporaryFile();
   const std::filesystem::path& path() const { return path_; }
@@ -20,6 +24,7 @@ class TemporaryFile {
 
  private:
   std::filesystem::path path_;
+  pid_t process_ = ::getpid();
 };
 
 // A folder, removed with all that is in it.
@@ -29,7 +34,7 @@ class TemporaryFolder {
   static Result<TemporaryFolder> make();
   // Of this name. Error io, also when it exists.
   static Result<TemporaryFolder> make(const std::filesystem::path& path);
-  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})) {}
+  TemporaryFolder(TemporaryFolder&& other) noexcept : path_(std::exchange(other.path_, {})), process_(other.process_) {}
   TemporaryFolder& operator=(TemporaryFolder&&) = delete;
   ~TemporaryFolder();
 
@@ -39,6 +44,7 @@ class TemporaryFolder {
  private:
   explicit TemporaryFolder(std::filesystem::path path) : path_(std::move(path)) {}
   std::filesystem::path path_;
+  pid_t process_ = ::getpid();
 };
 
 }  // namespace tessera
