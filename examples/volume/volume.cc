@@ -57,9 +57,9 @@ void show(const tessera::JobProgress& now) {
 
 int main(int argc, char** argv) try {
   tessera::TriangulationOptions options;
-  options.progress = show;
+  options.progress(show);
   const std::vector<std::string> files(argv + 1, argv + argc);
-  if (!files.empty()) options.dimension = 0;  // as the files have it
+  if (!files.empty()) options.dimension(0);  // as the files have it
   const auto triangulation =
       files.empty() ? tessera::triangulate(random_points(1'000'000), options) : tessera::triangulate(files, options);
   double sum = 0;

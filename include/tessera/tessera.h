@@ -3,5 +3,6 @@
 
 #include "tessera/delaunay.h"
 #include "tessera/failure.h"
+#include "tessera/options.h"
 #include "tessera/triangulation.h"
 #include "tessera/version.h"

@@ -4,57 +4,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tessera/failure.h"
+#include "tessera/options.h"
 #include "tessera/visibility.h"
 
 namespace tessera {
-
-// How far a job is.
-struct JobProgress {
-  std::string phase;  // "planning", "routing", "triangulating", "splaying", "collecting", "finishing", "done"
-  std::uint64_t points_total = 0;  // 0 while unknown
-  std::uint64_t points_routed = 0, points_triangulated = 0;
-  std::uint32_t tiles_total = 0, tiles_triangulated = 0, tiles_stored = 0;
-  double seconds = 0;  // since the job began
-};
-
-struct TriangulationOptions {
-  // 2 or 3; 0, for files only: 2 when no file holds z.
-  int dimension = 3;
-  // The result folder, which stays. Empty: a temporary folder under std::filesystem::temp_directory_path(), removed
-  // with the last copy of the Triangulation.
-  std::filesystem::path folder = {};
-  bool overwrite = false;                    // an earlier result in `folder`
-  std::uint64_t max_points_per_tile = 0;     // 0: chosen from memory and threads
-  std::uint32_t threads = 0;                 // 0: all that this process may use
-  std::uint64_t memory_bytes = 0;            // 0: 70 % of what is free
-  bool neighbors = true;                     // keep the neighbours of cells
-  bool skip_invalid = false;                 // leave points with NaN or infinite coordinates out, do not fail
-  bool recursive = false;                    // take the files in subfolders of folders, too
-  std::vector<std::string> attributes = {};  // of the points, from files; "all" for all there are
-  // Called some ten times a second, and once at the end, in the thread that called triangulate(). An exception ends the
-  // job, and comes out of triangulate(). Of an unfinished job nothing stays in the folder.
-  std::function<void(const JobProgress&)> progress = {};
-  std::stop_token stop = {};
-};
-
-// How a result is written for other programs.
-struct ExportRequest {
-  std::string format = {};  // "ply", "vtu", "gpkg", ... (docs/formats.md); empty: as the ending of the target says
-  bool heights = true;      // 2D: the attribute "z", if there is one, becomes the third coordinate
-  bool overwrite = false;   // replace files of the same names
-  // Told now and then which part is done, 0 to 1, in the thread that called. An exception ends the work, and comes out.
-  std::function<void(double)> progress = {};
-  std::stop_token stop = {};
-};
 
 // One tile: the cells with a vertex of its own. Arrays live as long as the Tile or a copy of it; a loop over
 // `t.tile(i).cells()` would outlive both: name the tile first.
@@ -90,6 +50,23 @@ class TESSERA_PUBLIC Tile {
   std::shared_ptr<const Impl> impl_;
 };
 
+// That a result is the Delaunay triangulation of its points: what was compared, and counted meanwhile.
+class TESSERA_PUBLIC Proof {
+ public:
+  std::uint64_t cells() const;
+  std::uint64_t facets() const;
+  std::uint64_t hull_facets() const;
+  std::uint64_t vertices() const;
+  // A line for each check that was passed.
+  const std::vector<std::string>& checks() const;
+
+ private:
+  friend class Triangulation;
+  struct Impl;
+  explicit Proof(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+  std::shared_ptr<const Impl> impl_;
+};
+
 // A finished result. Cheap to copy: copies share the folder.
 class TESSERA_PUBLIC Triangulation {
  public:
@@ -114,6 +91,11 @@ class TESSERA_PUBLIC Triangulation {
   // Whole or not at all. Returns a sentence about what the format could not keep here, often "". Failure: usage for
   // what the format cannot hold and for a target that exists, corrupt, io, interrupted.
   std::string export_to(const std::filesystem::path& target, const ExportRequest& request = {}) const;
+  // Proves it from its files, however it was made. Failure: not_delaunay with the first violation (tile, cell,
+  // vertices); corrupt for damaged files and for a manifest they do not belong to; io, memory, interrupted.
+  Proof verify(const VerifyRequest& request = {}) const;
+  // What `tessera info --json` says of it, one JSON object.
+  std::string describe() const;
 
  private:
   friend struct TriangulationMaker;
@@ -127,5 +109,8 @@ TESSERA_PUBLIC Triangulation triangulate(std::span<const double> coordinates, co
 // `inputs`: files, folders and patterns, as the command takes them.
 TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>& inputs,
                                          const TriangulationOptions& options = {});
+// What is in these inputs, and what it would take to triangulate them so, or what one result folder is: what
+// `tessera info --json` says, one JSON object. Reads headers and a sample. Failure: as of triangulate().
+TESSERA_PUBLIC std::string describe(const std::vector<std::string>& inputs, const TriangulationOptions& options = {});
 
 }  // namespace tessera

@@ -7,6 +7,7 @@
 namespace tessera::python {
 
 void bind_failures();
+void bind_options(pybind11::module_& module);
 void bind_delaunay(pybind11::module_& module);
 void bind_triangulation(pybind11::module_& module);
 

@@ -10,31 +10,44 @@
 namespace tessera::python {
 namespace {
 
+// Decoded as names of files are: there may be some in it.
+py::str text_of(const std::string& text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+}
+
 // triangulate(), with `report` (a callable, or None) told of the progress, and Ctrl-C heeded. `input` belongs to the
 // caller, who keeps it; only `report` runs with the GIL. What it raises unwinds the engine and comes out as it is.
 template <class Input>
-Triangulation run(const Input& input, TriangulationOptions options, const py::object& report) {
-  options.progress = [&report](const JobProgress& p) {
+Triangulation run(const Input& input, TriangulationOptions options, const py::object& report, const py::object& warn) {
+  options.progress([&report](const JobProgress& p) {
     const py::gil_scoped_acquire acquire;
     check_signals();
     if (!report.is_none()) {
       report(p.phase, p.points_total, p.points_routed, p.points_triangulated, p.tiles_total, p.tiles_triangulated,
              p.tiles_stored, p.seconds);
     }
-  };
+  });
+  options.warning([&warn](const std::string& sentence) {
+    const py::gil_scoped_acquire acquire;
+    warn(text_of(sentence));
+  });
   const py::gil_scoped_release release;
   return triangulate(input, options);
 }
 
 // Triangulation::export_to() with Ctrl-C heeded.
-std::string export_to(const Triangulation& self, const std::filesystem::path& target, const std::string& format,
-                      bool heights, bool overwrite) {
-  const ExportRequest request{.format = format, .heights = heights, .overwrite = overwrite, .progress = [](double) {
-                                const py::gil_scoped_acquire acquire;
-                                check_signals();
-                              }};
+std::string export_to(const Triangulation& self, const std::filesystem::path& target, ExportRequest request) {
+  request.progress([](double) {
+    const py::gil_scoped_acquire acquire;
+    check_signals();
+  });
   const py::gil_scoped_release release;
   return self.export_to(target, request);
+}
+
+Proof verify(const Triangulation& self, VerifyRequest request) {
+  return run_interruptible([&](std::stop_token stop) { return self.verify(request.stop(std::move(stop))); });
 }
 
 py::array points_view(const py::object& self) {
@@ -89,18 +102,7 @@ void bind_tile(py::module_& module) {
 void bind_triangulation(py::module_& module) {
   bind_tile(module);
 
-  py::class_<TriangulationOptions>(module, "Options")
-      .def(py::init<>())
-      .def_readwrite("dimension", &TriangulationOptions::dimension)
-      .def_readwrite("folder", &TriangulationOptions::folder)
-      .def_readwrite("overwrite", &TriangulationOptions::overwrite)
-      .def_readwrite("max_points_per_tile", &TriangulationOptions::max_points_per_tile)
-      .def_readwrite("threads", &TriangulationOptions::threads)
-      .def_readwrite("memory_bytes", &TriangulationOptions::memory_bytes)
-      .def_readwrite("neighbors", &TriangulationOptions::neighbors)
-      .def_readwrite("skip_invalid", &TriangulationOptions::skip_invalid)
-      .def_readwrite("recursive", &TriangulationOptions::recursive)
-      .def_readwrite("attributes", &TriangulationOptions::attributes);
+  bind_options(module);
 
   const py::call_guard<py::gil_scoped_release> without_gil;
   py::class_<Triangulation>(module, "Triangulation")
@@ -115,15 +117,26 @@ void bind_triangulation(py::module_& module) {
       .def_property_readonly("crs", &Triangulation::crs)
       .def_property_readonly("tiles", &Triangulation::tiles)
       .def("tile", &Triangulation::tile, without_gil)
-      .def("export_to", &export_to);
+      .def("export_to", &export_to)
+      .def("verify", &verify)
+      .def("describe", [](const Triangulation& self) { return text_of(self.describe()); });
+  py::class_<Proof>(module, "Proof")
+      .def_property_readonly("cells", &Proof::cells)
+      .def_property_readonly("facets", &Proof::facets)
+      .def_property_readonly("hull_facets", &Proof::hull_facets)
+      .def_property_readonly("vertices", &Proof::vertices)
+      .def_property_readonly("checks", &Proof::checks);
 
   module.def(
       "triangulate_points",
-      [](const Coordinates& points, const TriangulationOptions& options, const py::object& report) {
-        return run(span_of(points), options, report);
-      },
-      py::arg("points").noconvert(), py::arg("options"), py::arg("report"));
+      [](const Coordinates& points, const TriangulationOptions& options, const py::object& report,
+         const py::object& warn) { return run(span_of(points), options, report, warn); },
+      py::arg("points").noconvert(), py::arg("options"), py::arg("report"), py::arg("warn"));
   module.def("triangulate_files", &run<std::vector<std::string>>);
+  module.def("describe", [](const std::vector<std::string>& inputs, const TriangulationOptions& options) {
+    return text_of(run_interruptible(
+        [&](std::stop_token stop) { return describe(inputs, TriangulationOptions(options).stop(std::move(stop))); }));
+  });
 }
 
 }  // namespace tessera::python

@@ -14,13 +14,16 @@ that a symbolic perturbation picks, always the same. docs/python.md is the guide
 from . import _tessera
 from ._delaunay import Delaunay
 from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
-                      UsageError)
-from ._triangulation import Progress, Tile, Triangulation, open, triangulate
+                      NotDelaunayError, UsageError)
+from ._progress import Progress
+from ._tile import Tile
+from ._triangulate import info, triangulate
+from ._triangulation import Proof, Tiles, Triangulation, open
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "open", "Triangulation", "Tile", "Progress", "Delaunay", "Error", "UsageError", "BadInputError",
-           "IoError", "CorruptError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
+__all__ = ["triangulate", "open", "info", "Triangulation", "Tile", "Tiles", "Progress", "Proof", "Delaunay", "Error", "UsageError", "BadInputError",
+           "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # What help() and messages call them.
 for _public in __all__:
     globals()[_public].__module__ = __name__

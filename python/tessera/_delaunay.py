@@ -10,7 +10,8 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
-from ._triangulation import cell_word, point_array
+from ._options import point_array
+from ._tile import cell_word
 
 # The facet opposite each vertex of a positively oriented simplex, seen counterclockwise from outside.
 FACETS = {2: ((1, 2), (2, 0), (0, 1)), 3: ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))}

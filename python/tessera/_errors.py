@@ -4,7 +4,7 @@
 class Error(Exception):
     """What goes wrong in tessera: one sentence that names the file or argument, the place and the reason.
 
-    `cause` is "usage", "bad_input", "io", "corrupt", "memory", "interrupted" or "internal". Ctrl-C is not among them: it
+    `cause` is "usage", "bad_input", "io", "corrupt", "not_delaunay", "memory", "interrupted" or "internal". Ctrl-C is not among them: it
     is KeyboardInterrupt, as everywhere in Python. Exceptions of a progress callback come out as they are.
     """
 
@@ -35,6 +35,12 @@ class CorruptError(Error):
     cause = "corrupt"
 
 
+class NotDelaunayError(Error):
+    """A result that verify() found wrong: a mistake of tessera's, please report it."""
+
+    cause = "not_delaunay"
+
+
 class MemoryLimitError(Error, MemoryError):
     """The job cannot be done within the memory it was given, or the system has no more."""
 
@@ -53,15 +59,12 @@ class InternalError(Error, RuntimeError):
     cause = "internal"
 
 
-# What options are called here, where the command calls them otherwise but for dashes, and those of the command alone.
-NAMES = {"z": "heights"}
-ABSENT = {"class", "crop", "resolution", "resume"}
+# What options are called here, where the command calls them otherwise but for dashes.
+NAMES = {"class": "classes", "z": "heights"}
 
 
 def argument(key: str, value: str) -> str:
     """How a sentence names the option `key`, and with a `value` that it is given: "memory", "skip_invalid=True"."""
-    if key in ABSENT:
-        return f"the command's --{key}"
     name = NAMES.get(key, key.replace("-", "_"))
     if not value:
         return name
@@ -69,5 +72,5 @@ def argument(key: str, value: str) -> str:
 
 
 # By the numbers of tessera::Cause; the extension module looks here.
-BY_CAUSE = {2: UsageError, 3: BadInputError, 4: IoError, 5: CorruptError, 7: MemoryLimitError, 8: InterruptedJobError,
+BY_CAUSE = {2: UsageError, 3: BadInputError, 4: IoError, 5: CorruptError, 6: NotDelaunayError, 7: MemoryLimitError, 8: InterruptedJobError,
             9: InternalError}

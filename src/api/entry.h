@@ -26,7 +26,8 @@ bool is_forked_within();
 // Throws Failure (usage) then.
 void refuse_if_forked_within();
 
-// Calls a program's function from within a call of the library, if there is one: it may fork, and change the arithmetic.
+// Calls a program's function from within a call of the library, if there is one: it may fork, and change the
+// arithmetic.
 template <class Function, class... Arguments>
 void call_back(const Function& function, const Arguments&... arguments) {
   if (!function) return;

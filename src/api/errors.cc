@@ -14,6 +14,7 @@ void throw_failure(const Error& error) {
   static_assert(static_cast<int>(Cause::bad_input) == static_cast<int>(Errc::bad_input));
   static_assert(static_cast<int>(Cause::io) == static_cast<int>(Errc::io));
   static_assert(static_cast<int>(Cause::corrupt) == static_cast<int>(Errc::corrupt));
+  static_assert(static_cast<int>(Cause::not_delaunay) == static_cast<int>(Errc::not_delaunay));
   static_assert(static_cast<int>(Cause::memory) == static_cast<int>(Errc::memory));
   static_assert(static_cast<int>(Cause::interrupted) == static_cast<int>(Errc::interrupted));
   static_assert(static_cast<int>(Cause::internal) == static_cast<int>(Errc::internal));

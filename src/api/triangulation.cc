@@ -5,8 +5,12 @@
 #include <utility>
 
 #include "src/api/errors.h"
+#include "src/api/options_inside.h"
 #include "src/api/triangulation_impl.h"
 #include "src/export/export.h"
+#include "src/job/describe.h"
+#include "src/job/machine.h"
+#include "src/verify/verify.h"
 
 namespace tessera {
 namespace {
@@ -109,22 +113,46 @@ Tile Triangulation::tile(std::size_t index) const {
 }
 
 std::string Triangulation::export_to(const std::filesystem::path& target, const ExportRequest& request) const {
+  const auto& asked = OptionsInside::of(request);
   std::stop_source stop;
-  const std::stop_callback forward(request.stop, [&] { stop.request_stop(); });
+  const std::stop_callback forward(asked.stop, [&] { stop.request_stop(); });
   std::exception_ptr thrown;
-  const auto tell = [&](double part) {
+  ExportOptions options = asked.options;
+  options.progress = [&](double part) {
     try {
-      call_back(request.progress, part);
+      call_back(asked.options.progress, part);
     } catch (...) {
       thrown = std::current_exception();
       stop.request_stop();
     }
   };
-  const ExportOptions options{
-      .format = request.format, .heights = request.heights, .overwrite = request.overwrite, .progress = tell};
   const auto exported = guarded([&] { return export_result(impl_->folder, target, options, stop.get_token()); });
   if (thrown) std::rethrow_exception(thrown);
   return value_or_throw(exported).note;
+}
+
+struct Proof::Impl {
+  VerifyReport report;
+};
+
+std::uint64_t Proof::cells() const { return impl_->report.cells; }
+std::uint64_t Proof::facets() const { return impl_->report.facets; }
+std::uint64_t Proof::hull_facets() const { return impl_->report.hull_facets; }
+std::uint64_t Proof::vertices() const { return impl_->report.vertices; }
+const std::vector<std::string>& Proof::checks() const { return impl_->report.passed; }
+
+Proof Triangulation::verify(const VerifyRequest& request) const {
+  return guarded([&] {
+    const auto& asked = OptionsInside::of(request);
+    VerifyOptions options = asked.options;
+    if (options.memory_bytes == 0) options.memory_bytes = default_memory();
+    auto report = value_or_throw(tessera::verify(impl_->folder, options, asked.stop));
+    return Proof(std::make_shared<const Proof::Impl>(Proof::Impl{std::move(report)}));
+  });
+}
+
+std::string Triangulation::describe() const {
+  return guarded([&] { return value_or_throw(describe_result(impl_->folder.string(), true)); });
 }
 
 }  // namespace tessera

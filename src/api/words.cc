@@ -8,11 +8,8 @@ namespace tessera {
 namespace {
 
 // The others are called as in the command, but for dashes.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names{
-    {{"dim", "dimension"}, {"memory", "memory_bytes"}, {"z", "heights"}}};
-
-// Of the command alone.
-constexpr std::array<std::string_view, 4> absent{"class", "crop", "resolution", "resume"};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{
+    {{"class", "classes"}, {"dim", "dimension"}, {"memory", "memory_bytes"}, {"z", "heights"}}};
 
 bool is_word(std::string_view value) {
   return value != "true" && value != "false" && value.find_first_not_of("0123456789.-") != std::string_view::npos;
@@ -21,13 +18,12 @@ bool is_word(std::string_view value) {
 }  // namespace
 
 std::string member_name(std::string_view key, std::string_view value) {
-  if (std::find(absent.begin(), absent.end(), key) != absent.end()) return "the command's --" + std::string(key);
   const auto found = std::find_if(names.begin(), names.end(), [&](const auto& name) { return name.first == key; });
   std::string name(found == names.end() ? key : found->second);
   std::replace(name.begin(), name.end(), '-', '_');
   if (value.empty()) return name;
   const std::string quote = is_word(value) ? "\"" : "";
-  return name + "=" + quote + std::string(value) + quote;
+  return name + "(" + quote + std::string(value) + quote + ")";
 }
 
 }  // namespace tessera

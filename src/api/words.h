@@ -1,4 +1,4 @@
-// How the library names options in its sentences: as members of its option structs.
+// How the library names options in its sentences: as functions of its option classes.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-// ("memory", "") is "memory_bytes", ("dim", "2") "dimension=2", ("format", "vtu") "format=\"vtu\"".
+// ("memory", "") is "memory_bytes", ("dim", "2") "dimension(2)", ("format", "vtu") "format(\"vtu\")".
 std::string member_name(std::string_view key, std::string_view value);
 
 }  // namespace tessera

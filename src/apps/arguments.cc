@@ -7,6 +7,8 @@
 #include <optional>
 #include <system_error>
 
+#include "src/job/job_options.h"
+
 namespace tessera {
 namespace {
 
@@ -139,25 +141,8 @@ Result<Box> parse_crop(std::string_view text, int dimension) {
     if (!number) return refuse(text, "is not a box: '" + std::string(part) + "' is not a number");
     numbers.push_back(*number);
   }
-  Box box;
-  if (numbers.size() == 4) {
-    box.lo.x = numbers[0];
-    box.lo.y = numbers[1];
-    box.hi.x = numbers[2];
-    box.hi.y = numbers[3];
-  } else if (numbers.size() == 6 && dimension == 3) {
-    box.lo = {numbers[0], numbers[1], numbers[2]};
-    box.hi = {numbers[3], numbers[4], numbers[5]};
-  } else if (dimension == 3) {
-    return refuse(text, "is not xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax");
-  } else {
-    return refuse(text, "is not xmin,ymin,xmax,ymax");
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    if (box.lo[axis] > box.hi[axis]) {
-      return refuse(text, std::string("is an empty box: its lowest ") + "xyz"[axis] + " is above its highest");
-    }
-  }
+  auto box = crop_box(numbers, dimension);
+  if (!box) return refuse(text, box.error().where);
   return box;
 }
 

@@ -1,15 +1,13 @@
 // tessera info: what is in a file or a result folder, and what triangulating it would take.
-#include "src/apps/info.h"
-
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <vector>
 
 #include "src/apps/command.h"
 #include "src/apps/triangulate_options.h"
-#include "src/io/cloud/inputs.h"
+#include "src/apps/words.h"
+#include "src/job/describe.h"
 
 namespace tessera {
 namespace {
@@ -21,16 +19,10 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   if (what.empty() && options.cloud.input_list.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
-  const bool folder = std::any_of(what.begin(), what.end(), [](const auto& path) { return is_result_folder(path); });
-  if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
-    return error(Errc::usage, "give one result folder, or input files, not both");
-  if (folder) {
-    BOOST_OUTCOME_TRY(text, describe_result(what.front(), json));
-    std::fputs(text.c_str(), stdout);
-    return success();
-  }
+  DescribeOptions how{.json = json, .names = flag_name};
   BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
-  const auto described = describe_inputs(what, std::move(options), json, statistics);
+  how.statistics = statistics;
+  const auto described = describe(what, std::move(options), how);
   std::fputs(described.text.c_str(), stdout);
   if (described.error) return *described.error;
   return success();

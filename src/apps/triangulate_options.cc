@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "src/apps/arguments.h"
-#include "src/apps/parse_crs.h"
 #include "src/job/machine.h"
+#include "src/job/parse_crs.h"
 
 namespace tessera {
 namespace {

@@ -29,4 +29,27 @@ std::string options_key(const JobOptions& options) {
   return key.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+Result<Box> crop_box(std::span<const double> numbers, int dimension) {
+  Box box;
+  if (numbers.size() == 4) {
+    box.lo.x = numbers[0];
+    box.lo.y = numbers[1];
+    box.hi.x = numbers[2];
+    box.hi.y = numbers[3];
+  } else if (numbers.size() == 6 && dimension == 3) {
+    box.lo = {numbers[0], numbers[1], numbers[2]};
+    box.hi = {numbers[3], numbers[4], numbers[5]};
+  } else if (dimension == 3) {
+    return error(Errc::usage, "is not xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax");
+  } else {
+    return error(Errc::usage, "is not xmin,ymin,xmax,ymax");
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(box.lo[axis] <= box.hi[axis])) {
+      return error(Errc::usage, std::string("is an empty box: its lowest ") + "xyz"[axis] + " is above its highest");
+    }
+  }
+  return box;
+}
+
 }  // namespace tessera

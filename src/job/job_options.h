@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "src/base/result.h"
 #include "src/io/cloud/cloud.h"
 #include "src/run/part.h"
 #include "src/tiling/partition.h"
@@ -23,6 +25,10 @@ struct JobOptions : RunOptions {
 
 // Equal keys = the same result: everything above that it depends on, as text.
 std::string options_key(const JobOptions& options);
+
+// Four numbers, xmin, ymin, xmax, ymax, mean any z; six, in 3D, xmin, ymin, zmin, xmax, ymax, zmax. Error usage, with
+// the end of a sentence: another number of them, NaN, an empty box.
+Result<Box> crop_box(std::span<const double> numbers, int dimension);
 
 constexpr std::uint32_t threads_max = 1024;
 constexpr std::uint64_t tiles_max = 1'000'000;  // file names have six digits

@@ -58,11 +58,11 @@ TEST_P(Arithmetic, OfTheCallerChangesNoAnswerAndIsLeftAsItWas) {
     expected.find_simplex(queries, expected_found);
     const auto expected_cells = cells_of(expected);
     TriangulationOptions options;
-    options.dimension = dimension;
-    options.max_points_per_tile = 200;
-    options.threads = 2;
+    options.dimension(dimension);
+    options.max_points_per_tile(200);
+    options.threads(2);
     int told = 0;
-    options.progress = [&](const JobProgress&) { GetParam().set(), ++told; };
+    options.progress([&](const JobProgress&) { GetParam().set(), ++told; });
 
     GetParam().set();
     std::fenv_t set;

@@ -17,8 +17,8 @@ using testing::TemporaryHome;
 
 Triangulation sample(int dimension) {
   TriangulationOptions options;
-  options.dimension = dimension;
-  options.max_points_per_tile = 100;
+  options.dimension(dimension);
+  options.max_points_per_tile(100);
   return triangulate(cloud("uniform", dimension, 400), options);
 }
 
@@ -27,7 +27,7 @@ TEST(ExportTo, WritesEveryCellOnce) {
   const auto t = sample(2);
   const auto target = home.path() / "mesh.off";
   double part = 0;
-  EXPECT_EQ(t.export_to(target, {.progress = [&](double now) { part = now; }}), "");
+  EXPECT_EQ(t.export_to(target, ExportRequest().progress([&](double now) { part = now; })), "");
   EXPECT_EQ(part, 1);
   std::ifstream file(target);
   std::string magic;
@@ -45,8 +45,8 @@ TEST(ExportTo, RefusesInTheWordsOfTheLibrary) {
   t.export_to(target);
   const auto taken = failure_of([&] { t.export_to(target); });
   EXPECT_EQ(taken.cause(), Cause::usage);
-  EXPECT_EQ(taken.what(), target.string() + ": exists already; overwrite=true replaces it");
-  t.export_to(target, {.overwrite = true});
+  EXPECT_EQ(taken.what(), target.string() + ": exists already; overwrite(true) replaces it");
+  t.export_to(target, ExportRequest().overwrite(true));
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "mesh.obj"); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "no" / "mesh.ply"); }).cause(), Cause::io);
 }
@@ -56,7 +56,7 @@ TEST(ExportTo, AnExceptionOfTheCallbackComesOutAndLeavesNothing) {
   const auto t = sample(3);
   const auto before = home.entries();
   const auto enough = [](double) { throw std::out_of_range("as it is"); };
-  EXPECT_THROW(t.export_to(home.path() / "mesh.ply", {.progress = enough}), std::out_of_range);
+  EXPECT_THROW(t.export_to(home.path() / "mesh.ply", ExportRequest().progress(enough)), std::out_of_range);
   EXPECT_EQ(home.entries(), before);
 }
 

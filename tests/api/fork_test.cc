@@ -49,8 +49,8 @@ std::string said_by_child(const std::function<std::string()>& work) {
 
 TriangulationOptions small_tiles() {
   TriangulationOptions options;
-  options.max_points_per_tile = 300;
-  options.threads = 2;
+  options.max_points_per_tile(300);
+  options.threads(2);
   return options;
 }
 
@@ -88,7 +88,7 @@ constexpr const char* refused = "this process was forked while its parent was in
 std::string calls_in_child(std::optional<Triangulation>& t, std::optional<Delaunay>& whole) {
   const std::vector<double> points{0, 0, 1, 0, 0, 1};
   TriangulationOptions options;
-  options.dimension = 2;
+  options.dimension(2);
   std::vector<std::int32_t> out(1);
   const std::function<void()> calls[] = {[&] { triangulate(points, options); },
                                          [&] { Delaunay(points, 2); },
@@ -120,12 +120,12 @@ TEST_F(AChildForkedWithinACall, OfAnotherThreadIsRefusedAtOnce) {
   std::condition_variable changed;
   bool working = false, forked = false;
   auto options = small_tiles();
-  options.progress = [&](const JobProgress&) {
+  options.progress([&](const JobProgress&) {
     std::unique_lock lock(mutex);
     working = true;
     changed.notify_all();
     changed.wait(lock, [&] { return forked; });
-  };
+  });
   const auto points = cloud("uniform", 3, 50'000);
   std::jthread other([&] { EXPECT_EQ(triangulate(points, options).vertices(), 50'000u); });
   {
@@ -143,25 +143,25 @@ TEST_F(AChildForkedWithinACall, OfAnotherThreadIsRefusedAtOnce) {
 
 TEST_F(AChildForkedWithinACall, ByItsCallbackIsRefusedAndLeavesTheJobToItsParent) {
   auto options = small_tiles();
-  options.folder = home_.path() / "out";
+  options.folder(home_.path() / "out");
   std::string said;
-  options.progress = [&](const JobProgress&) {
+  options.progress([&](const JobProgress&) {
     if (said.empty()) said = said_by_child([&] { return calls_in_child(t_, whole_); });
-  };
+  });
   EXPECT_EQ(triangulate(cloud("uniform", 3, 50'000), options).vertices(), 50'000u);
   EXPECT_EQ(said, "refused");
 }
 
 TEST_F(AChildForkedWithinACall, MayReturnFromTheCallback) {
   auto options = small_tiles();
-  options.folder = home_.path() / "out";
+  options.folder(home_.path() / "out");
   bool is_child = false, forked = false;
-  options.progress = [&](const JobProgress&) {
+  options.progress([&](const JobProgress&) {
     if (forked) return;
     forked = true;
     is_child = ::fork() == 0;
     if (is_child) ::alarm(60);
-  };
+  });
   const auto points = cloud("uniform", 3, 50'000);
   try {
     EXPECT_EQ(triangulate(points, options).vertices(), 50'000u);
@@ -172,7 +172,7 @@ TEST_F(AChildForkedWithinACall, MayReturnFromTheCallback) {
   int status = 0;
   ::wait(&status);
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << "the child hung, or was not refused";
-  EXPECT_EQ(Triangulation::open(options.folder).vertices(), 50'000u);
+  EXPECT_EQ(Triangulation::open(home_.path() / "out").vertices(), 50'000u);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ class TriangulateErrors : public ::testing::Test {
  protected:
   static TriangulationOptions small_job() {
     TriangulationOptions options;
-    options.threads = 2;
-    options.memory_bytes = std::uint64_t{1} << 30;
+    options.threads(2);
+    options.memory_bytes(std::uint64_t{1} << 30);
     return options;
   }
   void expect(const Failure& failure, Cause cause, const std::string& sentence) const {
@@ -30,7 +30,7 @@ class TriangulateErrors : public ::testing::Test {
   }
   void expect_array(const std::vector<double>& points, int dimension, Cause cause, const std::string& sentence) const {
     auto options = small_job();
-    options.dimension = dimension;
+    options.dimension(dimension);
     expect(failure_of([&] { triangulate(points, options); }), cause, sentence);
   }
   const testing::TemporaryHome home_;
@@ -47,19 +47,19 @@ TEST_F(TriangulateErrors, OfAnArrayNameItAndTheRow) {
   points.push_back(0);
   points[17 * 3 + 1] = std::numeric_limits<double>::quiet_NaN();
   expect_array(points, 3, Cause::bad_input,
-               "the array, row 17: y is nan (skip_invalid=true drops such points and counts them)");
+               "the array, row 17: y is nan (skip_invalid(true) drops such points and counts them)");
   auto options = small_job();
-  options.skip_invalid = true;
+  options.skip_invalid(true);
   EXPECT_EQ(triangulate(points, options).vertices(), 99u);
 }
 
 TEST_F(TriangulateErrors, OfOptionsAreUsage) {
   const auto points = cloud("uniform", 3, 100);
   auto options = small_job();
-  options.threads = 5000;
+  options.threads(5000);
   expect(failure_of([&] { triangulate(points, options); }), Cause::usage, "threads: 5000 are more than 1024");
   options = small_job();
-  options.attributes = {"colour"};
+  options.attributes({"colour"});
   expect(failure_of([&] { triangulate(points, options); }), Cause::usage,
          "no input file has an attribute 'colour'; there are none");
   expect(failure_of([] { triangulate(std::vector<std::string>{}); }), Cause::usage, "no input file is given");
@@ -67,7 +67,7 @@ TEST_F(TriangulateErrors, OfOptionsAreUsage) {
 
 TEST_F(TriangulateErrors, OfTooLittleMemorySaysSo) {
   auto options = small_job();
-  options.memory_bytes = 1 << 20;
+  options.memory_bytes(1 << 20);
   const auto failure = failure_of([&] { triangulate(cloud("uniform", 3, 20'000), options); });
   EXPECT_EQ(failure.cause(), Cause::memory);
   EXPECT_NE(std::string(failure.what()).find("memory_bytes is too small for 2 threads"), std::string::npos);
@@ -79,7 +79,7 @@ TEST_F(TriangulateErrors, OfFilesNameThem) {
   expect(failure_of([&] { triangulate({missing}, small_job()); }), Cause::io,
          missing + ": cannot be opened: No such file or directory");
   auto options = small_job();
-  options.folder = "/nowhere/at/all";
+  options.folder("/nowhere/at/all");
   expect(failure_of([&] { triangulate(cloud("uniform", 3, 10), options); }), Cause::io,
          "/nowhere/at/all: the folder it would stand in does not exist");
   EXPECT_EQ(failure_of([] { Triangulation::open("/nowhere"); }).cause(), Cause::io);
@@ -87,13 +87,13 @@ TEST_F(TriangulateErrors, OfFilesNameThem) {
 
 TEST_F(TriangulateErrors, OfDamagedResultsAreCorrupt) {
   auto options = small_job();
-  options.folder = home_.path() / "out";
+  options.folder(home_.path() / "out");
   const auto t = triangulate(cloud("uniform", 3, 100), options);
   EXPECT_EQ(failure_of([&] { t.tile(1); }).cause(), Cause::usage);
-  std::ofstream(options.folder / "tiles" / "000000.vtu") << "nonsense";
+  std::ofstream(home_.path() / "out" / "tiles" / "000000.vtu") << "nonsense";
   EXPECT_EQ(failure_of([&] { t.tile(0); }).cause(), Cause::corrupt);
-  std::ofstream(options.folder / "manifest.json") << "nonsense";
-  EXPECT_EQ(failure_of([&] { Triangulation::open(options.folder); }).cause(), Cause::corrupt);
+  std::ofstream(home_.path() / "out" / "manifest.json") << "nonsense";
+  EXPECT_EQ(failure_of([&] { Triangulation::open(home_.path() / "out"); }).cause(), Cause::corrupt);
 }
 
 // Long enough that the first call comes long before the end.
@@ -105,12 +105,12 @@ TEST_F(TriangulateErrors, AnExceptionOfTheCallbackEndsTheJobAndComesOut) {
   };
   for (const bool named : {false, true}) {
     auto options = small_job();
-    if (named) options.folder = home_.path() / "out";
+    if (named) options.folder(home_.path() / "out");
     std::string phase;
-    options.progress = [&](const JobProgress& now) {
+    options.progress([&](const JobProgress& now) {
       phase = now.phase;
       throw Enough("as it is");
-    };
+    });
     EXPECT_THROW(
         {
           try {
@@ -129,22 +129,22 @@ TEST_F(TriangulateErrors, AnExceptionOfTheCallbackEndsTheJobAndComesOut) {
 TEST_F(TriangulateErrors, AStopThatIsRequestedEndsTheJob) {
   std::stop_source stop;
   auto options = small_job();
-  options.stop = stop.get_token();
-  options.folder = home_.path() / "out";
-  options.progress = [&](const JobProgress&) { stop.request_stop(); };
+  options.stop(stop.get_token());
+  options.folder(home_.path() / "out");
+  options.progress([&](const JobProgress&) { stop.request_stop(); });
   expect(failure_of([&] { triangulate(many_points(), options); }), Cause::interrupted, "stopped, as was requested");
-  options.progress = {};
+  options.progress({});
   expect(failure_of([&] { triangulate(many_points(), options); }), Cause::interrupted, "stopped, as was requested");
 }
 
 TEST_F(TriangulateErrors, AJobThatFailsLeavesTheFolderAsItWas) {
   const auto points = cloud("uniform", 3, 200);
   auto options = small_job();
-  options.folder = home_.path() / "out";
+  options.folder(home_.path() / "out");
   triangulate(points, options);
-  options.overwrite = true;
+  options.overwrite(true);
   EXPECT_EQ(failure_of([&] { triangulate(std::vector<double>{0, 0, 0}, options); }).cause(), Cause::bad_input);
-  EXPECT_EQ(testing::cells_of(Triangulation::open(options.folder)), testing::expected_cells(points, 3));
+  EXPECT_EQ(testing::cells_of(Triangulation::open(home_.path() / "out")), testing::expected_cells(points, 3));
 }
 
 }  // namespace

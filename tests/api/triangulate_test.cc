@@ -20,10 +20,10 @@ using testing::TemporaryHome;
 
 TriangulationOptions options_of(int dimension, std::uint64_t max_points_per_tile = 0) {
   TriangulationOptions options;
-  options.dimension = dimension;
-  options.max_points_per_tile = max_points_per_tile;
-  options.threads = 2;
-  options.memory_bytes = std::uint64_t{1} << 30;
+  options.dimension(dimension);
+  options.max_points_per_tile(max_points_per_tile);
+  options.threads(2);
+  options.memory_bytes(std::uint64_t{1} << 30);
   return options;
 }
 
@@ -79,7 +79,7 @@ TEST(Triangulate, ATileHasTheArraysThatItsHeaderPromises) {
   }
   EXPECT_EQ(own, t.vertices());
   auto without = options_of(3);
-  without.neighbors = false;
+  without.neighbors(false);
   EXPECT_TRUE(triangulate(points, without).tile(0).neighbors().empty());
 }
 
@@ -107,7 +107,7 @@ TEST(Triangulate, FilesOfAnyFormatMakeOneCloudWithTheirAttributes) {
   ASSERT_TRUE(generate({*shape_named("terrain"), 3000, 7, 3}, las));
   std::ofstream(text) << "1e6 1e6 0\n1e6 2e6 0\n";
   auto options = options_of(0, 700);
-  options.attributes = {"classification", "gps_time"};
+  options.attributes({"classification", "gps_time"});
   const auto t = triangulate({las.string(), (home.path() / "*.xyz").string()}, options);
   EXPECT_EQ(t.dimension(), 3);
   EXPECT_EQ(t.points_read(), 3002u);
@@ -133,19 +133,19 @@ TEST(Triangulate, TheDimensionOfFilesIsFoundFromThem) {
 TEST(Triangulate, AResultInAFolderStaysAndIsOpenedAgain) {
   const TemporaryHome home;
   auto options = options_of(3, 100);
-  options.folder = home.path() / "out";
+  options.folder(home.path() / "out");
   const auto points = cloud("uniform", 3, 500);
   const auto expected = expected_cells(points, 3);
-  EXPECT_EQ(triangulate(points, options).folder(), options.folder);
-  const auto t = Triangulation::open(options.folder);
+  EXPECT_EQ(triangulate(points, options).folder(), home.path() / "out");
+  const auto t = Triangulation::open(home.path() / "out");
   EXPECT_EQ(cells_of(t), expected);
   EXPECT_EQ(t.vertices(), 500u);
 
   const auto other = cloud("uniform", 3, 300, 2);
   const auto refused = testing::failure_of([&] { triangulate(other, options); });
   EXPECT_EQ(refused.cause(), Cause::usage);
-  EXPECT_EQ(refused.what(), options.folder.string() + ": holds a finished result; overwrite=true replaces it");
-  options.overwrite = true;
+  EXPECT_EQ(refused.what(), (home.path() / "out").string() + ": holds a finished result; overwrite(true) replaces it");
+  options.overwrite(true);
   EXPECT_EQ(cells_of(triangulate(other, options)), expected_cells(other, 3));
 }
 
@@ -169,10 +169,10 @@ TEST(Triangulate, ProgressIsToldInTheCallingThreadAndOnceAtTheEnd) {
   auto options = options_of(3, 5000);
   const auto caller = std::this_thread::get_id();
   std::vector<JobProgress> told;
-  options.progress = [&](const JobProgress& now) {
+  options.progress([&](const JobProgress& now) {
     EXPECT_EQ(std::this_thread::get_id(), caller);
     told.push_back(now);
-  };
+  });
   triangulate(cloud("uniform", 3, 30'000), options);
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(told.back().phase, "done");

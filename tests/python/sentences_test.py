@@ -71,8 +71,7 @@ class Sentences(unittest.TestCase):
         arguments = {*inspect.signature(tessera.triangulate).parameters,
                      *inspect.signature(tessera.Triangulation.export).parameters}
         for key in keys:
-            name = argument(key, "")
-            self.assertEqual(name not in arguments, name == f"the command's --{key}", name)
+            self.assertIn(argument(key, ""), arguments)
 
     def test_names_of_files_are_left_as_they_are(self):
         path = os.fsdecode(os.fsencode(self.folder) + b"/--memory \x01 caf\xe9.xyz")

@@ -1,4 +1,4 @@
-#include "src/apps/describe_points.h"
+#include "src/job/describe_points.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "src/apps/parse_crs.h"
+#include "src/job/parse_crs.h"
 
 #include <filesystem>
 #include <string_view>

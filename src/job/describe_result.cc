@@ -2,8 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "src/apps/info.h"
 #include "src/crs/crs.h"
+#include "src/job/describe.h"
 #include "src/report/human.h"
 #include "src/store/tile_store.h"
 

@@ -1,14 +1,14 @@
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "src/apps/describe_points.h"
-#include "src/apps/info.h"
-#include "src/apps/words.h"
 #include "src/base/attribute.h"
 #include "src/base/option.h"
 #include "src/crs/crs.h"
 #include "src/io/bytes/spool.h"
 #include "src/io/cloud/inputs.h"
+#include "src/job/describe.h"
+#include "src/job/describe_points.h"
 #include "src/job/inputs.h"
 #include "src/job/plan.h"
 #include "src/report/human.h"
@@ -95,24 +95,25 @@ Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t p
   return plan;
 }
 
-Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud) {
+Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud,
+                                     const std::stop_token& stop) {
   options.cloud.attributes = described_attributes(cloud);
-  BOOST_OUTCOME_TRY(counted, open_cloud(inputs, options));
+  BOOST_OUTCOME_TRY(counted, open_cloud(inputs, options, stop));
   return describe_points(counted);
 }
 
-Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options, bool json,
-                                      bool statistics) {
-  BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options));
+Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options, const DescribeOptions& how,
+                                      const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options, stop));
   DescribedPoints counted;
-  if (statistics) {
-    BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud));
+  if (how.statistics) {
+    BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud, stop));
     counted = std::move(described);
   }
   const auto points = expected_points(cloud.files());
   BOOST_OUTCOME_TRY(planned, plan(options, cloud, points));
   const auto& cost = planned.cost;
-  if (json) {
+  if (how.json) {
     Json files = Json::array();
     for (const auto& file : cloud.files()) files.push_back(to_json(file));
     return Json{{"files", files},
@@ -159,7 +160,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
 }
 
 // What is wrong with some of many files shall not hide the others.
-Described describe_each(const std::vector<std::string>& inputs, const JobOptions& options, bool json,
+Described describe_each(const std::vector<std::string>& inputs, const JobOptions& options, const DescribeOptions& how,
                         const Error& all) {
   Spool spool("", {});
   const InputQuestion question{
@@ -179,11 +180,11 @@ Described describe_each(const std::vector<std::string>& inputs, const JobOptions
       continue;
     }
     ++odd;
-    const std::string sentence = render(name.explained(cloud.error()).where, flag_name);
+    const std::string sentence = render(name.explained(cloud.error()).where, how.names);
     files.push_back({{"path", name.path}, {"error", sentence}});
     described.text += name.path + "\n  error       " + sentence + "\n";
   }
-  if (json) described.text = Json{{"files", files}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  if (how.json) described.text = Json{{"files", files}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   if (odd == 0) {
     described.error = all;
   } else {
@@ -195,12 +196,16 @@ Described describe_each(const std::vector<std::string>& inputs, const JobOptions
 
 }  // namespace
 
-Described describe_inputs(const std::vector<std::string>& inputs, JobOptions options, bool json, bool statistics) {
-  auto described = describe_together(inputs, options, json, statistics);
+Described describe(const std::vector<std::string>& what, JobOptions options, const DescribeOptions& how,
+                   const std::stop_token& stop) {
+  const bool folder = std::any_of(what.begin(), what.end(), [](const auto& path) { return is_result_folder(path); });
+  if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
+    return {.error = error(Errc::usage, "give one result folder, or input files, not both")};
+  auto described = folder ? describe_result(what.front(), how.json) : describe_together(what, options, how, stop);
   if (described) return {.text = std::move(described).value()};
   const auto code = described.error().code;
-  if (code != Errc::bad_input && code != Errc::io) return {.error = described.error()};
-  return describe_each(inputs, options, json, described.error());
+  if (folder || !how.names || (code != Errc::bad_input && code != Errc::io)) return {.error = described.error()};
+  return describe_each(what, options, how, described.error());
 }
 
 }  // namespace tessera

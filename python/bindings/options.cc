@@ -1,0 +1,57 @@
+// The option classes, as they are: their functions return nothing here.
+#include "tessera/options.h"
+
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "python/bindings/bindings.h"
+
+namespace tessera::python {
+namespace {
+
+namespace py = pybind11;
+
+template <class Options, class Value>
+auto setter(Options& (Options::*set)(Value)) {
+  return [set](Options& options, std::remove_cvref_t<Value> value) { (options.*set)(std::move(value)); };
+}
+
+}  // namespace
+
+void bind_options(py::module_& module) {
+  using Options = TriangulationOptions;
+  py::class_<Options>(module, "Options")
+      .def(py::init<>())
+      .def("dimension", setter(&Options::dimension))
+      .def("folder", setter(&Options::folder))
+      .def("overwrite", setter(&Options::overwrite))
+      .def("resume", setter(&Options::resume))
+      .def("max_points_per_tile", setter(&Options::max_points_per_tile))
+      .def("tiles", setter(&Options::tiles))
+      .def("partition", setter(&Options::partition))
+      .def("threads", setter(&Options::threads))
+      .def("memory_bytes", setter(&Options::memory_bytes))
+      .def("neighbors", setter(&Options::neighbors))
+      .def("skip_invalid", setter(&Options::skip_invalid))
+      .def("crop", setter(&Options::crop))
+      .def("crs", setter(&Options::crs))
+      .def("heights", setter(&Options::heights))
+      .def("classes", setter(&Options::classes))
+      .def("resolution", setter(&Options::resolution))
+      .def("attributes", setter(&Options::attributes))
+      .def("recursive", setter(&Options::recursive))
+      .def("input_list", setter(&Options::input_list));
+  py::class_<ExportRequest>(module, "ExportRequest")
+      .def(py::init<>())
+      .def("format", setter(&ExportRequest::format))
+      .def("heights", setter(&ExportRequest::heights))
+      .def("index", setter(&ExportRequest::index))
+      .def("overwrite", setter(&ExportRequest::overwrite));
+  py::class_<VerifyRequest>(module, "VerifyRequest")
+      .def(py::init<>())
+      .def("memory_bytes", setter(&VerifyRequest::memory_bytes))
+      .def("scratch", setter(&VerifyRequest::scratch))
+      .def("against_cgal", setter(&VerifyRequest::against_cgal));
+}
+
+}  // namespace tessera::python

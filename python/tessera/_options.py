@@ -1,0 +1,95 @@
+"""Arguments of triangulate() to what the library takes."""
+from __future__ import annotations
+
+import math
+import os
+import re
+import typing
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _tessera
+from ._arrays import exact_float64
+from ._errors import UsageError
+
+Path = typing.Union[str, "os.PathLike[str]"]
+
+
+def job_options(dim: int | None, *, max_points_per_tile: int | None = None, folder: Path | None = None,
+                overwrite: bool = False, threads: int | None = None, memory: int | str | None = None,
+                attributes: typing.Iterable[str] = (), neighbors: bool = True, skip_invalid: bool = False,
+                recursive: bool = False, tiles: int | None = None, partition: str = "kdtree",
+                crop: typing.Sequence[float] | None = None, classes: typing.Iterable[int] = (),
+                resolution: float | None = None, crs: Path | None = None, heights: bool = True,
+                input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
+    """The options of triangulate(); `dim` None: as the files have it."""
+    options = _tessera.Options()
+    if dim not in (None, 2, 3):
+        raise UsageError(f"dim is {dim!r}: tessera triangulates in 2 or 3 dimensions")
+    options.dimension(dim or 0)
+    if folder is not None:
+        if not os.fspath(folder):
+            raise UsageError("folder is empty: None makes a temporary one")
+        options.folder(os.fspath(folder))
+    options.overwrite(overwrite)
+    options.resume(resume)
+    options.max_points_per_tile(positive(max_points_per_tile, "max_points_per_tile", 2**63))
+    options.tiles(positive(tiles, "tiles", 10**6 + 1))
+    options.partition(partition)
+    options.threads(positive(threads, "threads", 1025))
+    options.memory_bytes(memory_bytes(memory))
+    options.neighbors(neighbors)
+    options.skip_invalid(skip_invalid)
+    options.recursive(recursive)
+    options.heights(heights)
+    if crop is not None:
+        options.crop(exact_float64(crop, "crop").ravel().tolist())
+    options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
+    if resolution is not None:
+        if not 0 < resolution < math.inf:
+            raise UsageError(f"resolution is {resolution!r}: it must be None or a distance above 0")
+        options.resolution(resolution)
+    if crs is not None:
+        options.crs(os.fsencode(crs))
+    if input_list is not None:
+        options.input_list(os.fspath(input_list))
+    options.attributes([attributes] if isinstance(attributes, str) else list(attributes))
+    return options
+
+
+def point_array(points: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    """`points` as exact_float64() gives them, n x 2 or n x 3; UsageError otherwise."""
+    array = exact_float64(points, "points")
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise UsageError(f"points have the shape {array.shape}: it must be (n, 2) or (n, 3)")
+    return array
+
+
+def file_names(source: typing.Any, input_list: Path | None = None) -> list[bytes] | None:
+    """The files that `source` names, as the system writes them; None when it is no path and no list of them."""
+    if isinstance(source, (str, os.PathLike)):
+        return [os.fsencode(source)]
+    names = source.tolist() if getattr(source, "ndim", 0) == 1 and hasattr(source, "tolist") else source
+    if not isinstance(names, (list, tuple)) or not all(isinstance(path, (str, os.PathLike)) for path in names):
+        return None
+    return [os.fsencode(path) for path in names] if names or input_list is not None else None
+
+
+def positive(value: int | None, name: str, end: int) -> int:
+    """`value`, from 1 to under `end`; 0 for None, which is how the library is told to choose."""
+    if value is None:
+        return 0
+    if not isinstance(value, (int, np.integer)) or not 1 <= value < end:
+        raise UsageError(f"{name} is {value!r}: it must be None or an integer from 1 to {end - 1}")
+    return int(value)
+
+
+def memory_bytes(memory: int | str | None) -> int:
+    """Bytes, from what triangulate() takes as `memory`."""
+    if not isinstance(memory, str):
+        return positive(memory, "memory", 2**63)
+    parts = re.fullmatch(r"(\d+(?:\.\d+)?)([KMGT]?)", memory)
+    if not parts:
+        raise UsageError(f"memory is {memory!r}: it must be a number of bytes, or like '800M' or '4G'")
+    return positive(int(float(parts[1]) * 1024 ** " KMGT".index(parts[2] or " ")), "memory", 2**63)

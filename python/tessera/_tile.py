@@ -1,0 +1,92 @@
+"""One tile of a triangulation."""
+from __future__ import annotations
+
+import types
+import typing
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _tessera
+
+
+class Tile:
+    """One tile: its n points, its own and those of other tiles that its cells need, and its m cells.
+
+    The arrays are read-only views of the tile's memory, not copies. Each of them keeps that memory alive, also when the
+    Tile is gone. `cells[~ghost]`, over all tiles, are the triangulation, each cell once.
+    """
+
+    def __init__(self, tile: _tessera.Tile | types.SimpleNamespace):
+        self._tile = tile
+
+    @property
+    def id(self) -> int:
+        """The tile's number, unique in the triangulation."""
+        return self._tile.id
+
+    @property
+    def dim(self) -> int:
+        """2 or 3."""
+        return self._tile.dimension
+
+    @property
+    def points(self) -> npt.NDArray[np.float64]:
+        """Coordinates, n x dim, in input units, bit for bit those of the input."""
+        return self._tile.points
+
+    @property
+    def ids(self) -> npt.NDArray[np.int64]:
+        """The rank of each point in the whole input, counted from 0 over all files: n. Of arrays: the row."""
+        return self._tile.ids
+
+    @property
+    def foreign(self) -> npt.NDArray[np.bool_]:
+        """True for points that another tile owns: n. `points[~foreign]`, over all tiles, are the vertices, each once."""
+        return self._tile.foreign
+
+    @property
+    def cells(self) -> npt.NDArray[np.int32]:
+        """Triangles or tetrahedra as rows of `points`: m x (dim+1). All positively oriented: det(p1-p0, ...) > 0."""
+        return self._tile.cells
+
+    @property
+    def ghost(self) -> npt.NDArray[np.bool_]:
+        """True for cells that are here as a copy and belong to another tile: m."""
+        return self._tile.ghost
+
+    @property
+    def neighbors(self) -> npt.NDArray[np.int32] | None:
+        """The cell of this tile across the facet opposite each vertex: m x (dim+1). None when they were not kept.
+
+        -1 is outside the convex hull, -2 a cell that only other tiles hold. When no vertex of the facet is the tile's
+        own, -2 may also be outside.
+        """
+        neighbors = self._tile.neighbors
+        return neighbors if len(neighbors) == len(self._tile.cells) else None
+
+    @property
+    def attributes(self) -> dict[str, np.ndarray]:
+        """The attributes of the points that triangulate() was asked for, by name: n values each, of their file's type."""
+        return self._tile.attributes
+
+    def __reduce__(self) -> tuple[typing.Any, ...]:
+        return loaded_tile, (self.id, self.dim, *map(np.array, (self.points, self.ids, self.foreign, self.cells, self.ghost,
+                                                                self._tile.neighbors)),
+                             {name: np.array(values) for name, values in self.attributes.items()})
+
+    def __repr__(self) -> str:
+        return f"<tessera.Tile {self.id}: {len(self.points)} points, {len(self.cells)} {cell_word(self.dim)}>"
+
+
+def loaded_tile(id: int, dim: int, points: np.ndarray, ids: np.ndarray, foreign: np.ndarray, cells: np.ndarray,
+                ghost: np.ndarray, neighbors: np.ndarray, attributes: dict[str, np.ndarray]) -> Tile:
+    """A tile that was pickled: of arrays, which need no result folder."""
+    for array in (points, ids, foreign, cells, ghost, neighbors, *attributes.values()):
+        array.setflags(write=False)
+    return Tile(types.SimpleNamespace(id=id, dimension=dim, points=points, ids=ids, foreign=foreign, cells=cells,
+                                      ghost=ghost, neighbors=neighbors, attributes=attributes))
+
+
+def cell_word(dim: int) -> str:
+    return "triangles" if dim == 2 else "tetrahedra"

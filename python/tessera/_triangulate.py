@@ -1,0 +1,140 @@
+"""From points or files to a triangulation in tiles, and what is known before."""
+from __future__ import annotations
+
+import json
+import typing
+import warnings
+
+import numpy.typing as npt
+
+from . import _tessera
+from ._errors import UsageError
+from ._options import file_names, job_options, point_array
+from ._progress import Progress
+from ._triangulation import Path, Triangulation
+
+
+def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: int | None = None,
+                max_points_per_tile: int | None = None, folder: Path | None = None, overwrite: bool = False,
+                threads: int | None = None, memory: int | str | None = None, attributes: typing.Iterable[str] = (),
+                neighbors: bool = True, skip_invalid: bool = False,
+                progress: typing.Callable[[Progress], object] | None = None, recursive: bool = False, *,
+                tiles: int | None = None, partition: str = "kdtree", crop: typing.Sequence[float] | None = None,
+                classes: typing.Iterable[int] = (), resolution: float | None = None, crs: Path | None = None,
+                heights: bool = True, input_list: Path | None = None, resume: bool = False) -> Triangulation:
+    """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
+
+    Parameters
+    ----------
+    source
+        Points: an array or a DataFrame, n x 2 or n x 3, of any numbers and any strides. It is used in place when it is
+        float64 and C-contiguous, and must then not change meanwhile; otherwise it is converted. Numbers that float64
+        would round (int64 beyond 2^53, longdouble) are refused: the result is exact for the points given.
+        Or files: a path, a folder, a pattern ("block/*.laz"), or a list of them, which together make one cloud.
+    dim
+        2 or 3. None: the number of columns; for files 3, or 2 when they hold x and y alone. Files with z are
+        triangulated by x and y with dim=2.
+    max_points_per_tile
+        A tile is worked on in memory, at about 700 bytes a point. None: chosen from memory and threads.
+    tiles
+        The number of tiles, instead of their size.
+    partition
+        "kdtree", "grid", "octree" or "random".
+    folder
+        The result folder, which stays, for tessera.open() and the programs in docs/formats.md. None: a temporary
+        folder, removed with the Triangulation; tiles that were read stay good.
+    overwrite
+        Replace an earlier result in `folder`. Otherwise that is an error.
+    resume
+        Of files: go on with the unfinished run of the same job in `folder`, or start one; and when it is interrupted,
+        leave in `folder` what there is of it.
+    threads
+        None: all processors this process may use.
+    memory
+        Bytes, or "800M", "4G" (2^20, 2^30). None: 70 % of what is free.
+    crop
+        (xmin, ymin, xmax, ymax), or in 3D (xmin, ymin, zmin, xmax, ymax, zmax): points outside are left out.
+    crs
+        The coordinate system of all points, whatever files say: "EPSG:n", WKT, or a file with one. None: what they say.
+    classes
+        Of files: points of these LAS classes only, [2, 9].
+    resolution
+        Of COPC files: the octree levels down to the first whose points are at most so far apart. None: all.
+    heights
+        Of files in 2D: keep z as the attribute "z".
+    attributes
+        Of the points, from files: ["intensity", "classification"], or "all". See Tile.attributes.
+    neighbors
+        Keep the neighbours of cells: 33 bytes a tetrahedron on disk instead of 17.
+    skip_invalid
+        Leave points with NaN or infinite coordinates out. Otherwise they are an error.
+    progress
+        Called some ten times a second, in this thread, with a Progress. What it raises ends the job and comes out.
+    recursive
+        Take the files in subfolders of folders, too.
+    input_list
+        A text file that names more files, one a line; relative ones begin at its folder.
+
+    Returns
+    -------
+    Triangulation
+
+    Raises
+    ------
+    Error
+        One of its subclasses, with a sentence. Nothing half-written is left.
+    KeyboardInterrupt
+        On Ctrl-C, within a moment, when called in the main thread. Nothing half-written is left.
+
+    The GIL is released while the engine works. Warns with a UserWarning of what is doubtful in files.
+
+    Examples
+    --------
+    >>> import numpy as np, tessera
+    >>> t = tessera.triangulate(np.random.default_rng(1).random((1000, 3)), max_points_per_tile=300)
+    >>> t.n_vertices, len(t) > 1
+    (1000, True)
+    >>> sum(len(tile.cells[~tile.ghost]) for tile in t) == t.n_cells
+    True
+    """
+    options = job_options(dim, max_points_per_tile=max_points_per_tile, folder=folder, overwrite=overwrite,
+                          threads=threads, memory=memory, attributes=attributes, neighbors=neighbors,
+                          skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
+                          classes=classes, resolution=resolution, crs=crs, heights=heights, input_list=input_list,
+                          resume=resume)
+    if progress is not None and not callable(progress):
+        raise UsageError("progress must be callable")
+    report = None if progress is None else lambda *figures: progress(Progress(*figures))
+
+    files = file_names(source, input_list)
+    if files is not None:
+        return Triangulation(_tessera.triangulate_files(files, options, report, warn))
+    points = point_array(source)
+    if dim not in (None, points.shape[1]):
+        raise UsageError(f"dim is {dim}, but points have {points.shape[1]} columns: pass points[:, :{dim}]")
+    options.dimension(points.shape[1])
+    if attributes or classes:
+        raise UsageError("attributes and classes are of files: index your own arrays with Tile.ids")
+    return Triangulation(_tessera.triangulate_points(points, options, report, warn))
+
+
+def info(source: Path | typing.Sequence[Path] = (), dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:
+    """What `tessera info --json` says: of files, what is in them and what triangulating them would take; of a result
+    folder, what it is. Reads no more than headers and a sample.
+
+    Parameters
+    ----------
+    source
+        Files, as of triangulate(), or one result folder.
+    dim, options
+        As of triangulate(): they say what would be triangulated, and how.
+    """
+    files = file_names(source, options.get("input_list"))
+    if files is None:
+        raise UsageError("info() is of files: it takes a path, a pattern, or a list of them")
+    return json.loads(_tessera.describe(files, job_options(dim, **options)))
+
+
+def warn(sentence: str) -> None:
+    """Where triangulate() was called."""
+    warnings.warn(sentence, stacklevel=3)
