@@ -20,6 +20,11 @@ class TESSERA_PUBLIC Delaunay {
   // length that does not fit, bad_input for coordinates that are not finite and for points on one line or plane,
   // memory for more cells than 2^29, interrupted.
   Delaunay(std::span<const double> coordinates, int dimension, std::stop_token stop = {});
+  // One that was there, of what its functions below gave, without triangulating again. REQUIRES that they are. Failure:
+  // usage for lengths, indices and coordinates that cannot be.
+  static Delaunay restore(std::span<const double> points, int dimension, std::span<const std::int32_t> simplices,
+                          std::span<const std::int32_t> neighbors,
+                          std::span<const std::pair<std::int32_t, std::int32_t>> duplicates);
   ~Delaunay();
   Delaunay(Delaunay&&) noexcept;
   Delaunay& operator=(Delaunay&&) noexcept;
@@ -41,6 +46,7 @@ class TESSERA_PUBLIC Delaunay {
 
  private:
   struct Impl;
+  explicit Delaunay(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

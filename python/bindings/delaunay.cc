@@ -7,6 +7,7 @@
 #include "python/bindings/interruptible.h"
 #include "python/bindings/simplices.h"
 #include "python/bindings/views.h"
+#include "python/bindings/weights.h"
 
 namespace tessera::python {
 namespace {
@@ -37,6 +38,28 @@ Indices find_simplex(const Delaunay& delaunay, const Coordinates& queries) {
     check_signals();
   }
   return found;
+}
+
+py::array_t<double> weights(const Delaunay& delaunay, const Coordinates& queries, const Indices& found) {
+  const py::ssize_t corners = delaunay.dimension() + 1;
+  py::array_t<double> out({found.size(), corners});
+  const std::span<double> values{out.mutable_data(), static_cast<std::size_t>(out.size())};
+  const auto from = span_of(queries);
+  const auto in = span_of(found);
+  const py::gil_scoped_release release;
+  barycentric_weights(delaunay.points(), delaunay.simplices(), delaunay.dimension(), from, in, values);
+  return out;
+}
+
+using Pair = std::pair<std::int32_t, std::int32_t>;
+static_assert(sizeof(Pair) == 2 * sizeof(std::int32_t));
+
+std::unique_ptr<Delaunay> restore(const Coordinates& points, const Indices& simplices, const Indices& neighbors,
+                                  const Indices& duplicates) {
+  const auto pairs = reinterpret_cast<const Pair*>(duplicates.data());
+  const std::span<const Pair> equal{pairs, static_cast<std::size_t>(duplicates.size()) / 2};
+  return std::make_unique<Delaunay>(Delaunay::restore(span_of(points), static_cast<int>(points.shape(1)),
+                                                      span_of(simplices), span_of(neighbors), equal));
 }
 
 py::array_t<double> transform(const Delaunay& delaunay) {
@@ -91,6 +114,8 @@ void bind_delaunay(py::module_& module) {
                              })
       .def_property_readonly("duplicates", &duplicates_view)
       .def("find_simplex", &find_simplex, py::arg("queries").noconvert())
+      .def_static("restore", &restore)
+      .def("weights", &weights, py::arg("queries").noconvert(), py::arg("found").noconvert())
       .def("transform", &transform)
       .def("vertex_neighbors", &neighbors_of_vertices);
 }

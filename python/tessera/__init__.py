@@ -15,6 +15,7 @@ from . import _tessera
 from ._delaunay import Delaunay
 from ._errors import (BadInputError, CorruptError, Error, InternalError, InterruptedJobError, IoError, MemoryLimitError,
                       NotDelaunayError, UsageError)
+from ._interpolate import LinearNDInterpolator
 from ._progress import Progress
 from ._tile import Tile
 from ._triangulate import info, triangulate
@@ -22,7 +23,7 @@ from ._triangulation import Proof, Tiles, Triangulation, open
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "open", "info", "Triangulation", "Tile", "Tiles", "Progress", "Proof", "Delaunay", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "open", "info", "Triangulation", "Tile", "Tiles", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # What help() and messages call them.
 for _public in __all__:

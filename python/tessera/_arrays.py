@@ -1,4 +1,6 @@
 """Coordinates to what the library takes: float64, C-contiguous, and not one bit changed on the way."""
+import decimal
+import numbers
 import typing
 
 import numpy as np
@@ -9,28 +11,60 @@ from ._errors import UsageError
 def exact_float64(values: typing.Any, name: str) -> np.ndarray:
     """`values` as a C-contiguous float64 array: itself when it is one, otherwise a copy.
 
-    Any bool, integer or float type, byte order and strides; whatever numpy.asarray takes, lists of lists too.
-    UsageError for other types, for masked entries, and for numbers that float64 would round (int64 and uint64 beyond
-    2^53, longdouble): equal points must stay equal, different ones different. `name` is the argument's, for the sentence.
+    Any bool, integer or float type, byte order and strides; whatever numpy.asarray takes, lists of lists too; arrays of
+    Python's numbers (int, float, Fraction, Decimal); DataFrames, column by column, each of its own type.
+    UsageError for other types, for masked and missing entries, and for numbers that float64 would round (integers
+    beyond 2^53, longdouble): equal points must stay equal, different ones different. `name` is the argument's, for the
+    sentence.
     """
+    if hasattr(values, "columns") and hasattr(values, "iloc"):  # as one array it would be rounded to a common type
+        columns = [exact_float64(values.iloc[:, i], f"{name}[{column!r}]") for i, column in enumerate(values.columns)]
+        return np.column_stack(columns) if columns else np.empty((len(values), 0))
     if np.ma.is_masked(values):
         raise UsageError(f"{name} has masked entries: leave those rows out")
     try:
         given = np.asarray(values)
+        if isinstance(values, (list, tuple)) and given.dtype == np.float64:
+            each = np.asarray(values, object)
+            if any(isinstance(number, numbers.Integral) and abs(number) > 2**53 for number in each.flat):
+                given = each  # of integers and floats together NumPy makes floats
     except ValueError as error:  # rows of different lengths
         raise UsageError(f"{name} is no array of numbers: {error}") from None
+    if given.dtype.kind == "O":
+        return exact_numbers(given, name)
     if given.dtype.kind not in "buif":
         raise UsageError(f"{name} must hold integers or floats, not {given.dtype}")
     exact = np.require(given, np.float64, ["C", "ALIGNED"])
     # longdouble has the 64 bits of both: on x86 for its mantissa, on others 113.
     if np.promote_types(given.dtype, np.float64) != np.float64 or is_wide_integer(given):
         wide = given.astype(np.longdouble)
-        changed = (wide != exact) & ~np.isnan(wide)
-        if changed.any():
-            at = tuple(int(i) for i in np.argwhere(changed)[0])
-            raise UsageError(f"{name}{list(at)} is {given[at]!r}, which no float64 equals ({changed.sum()} such numbers): "
-                             "tessera is exact and does not round; subtract an offset, or convert them yourself")
+        refuse_rounded((wide != exact) & ~np.isnan(wide), given, name)
     return exact
+
+
+def exact_numbers(given: np.ndarray, name: str) -> np.ndarray:
+    """The same of an array of objects."""
+    exact = np.empty(given.shape)
+    rounded = np.zeros(given.shape, bool)
+    for at, number in np.ndenumerate(given):
+        if not isinstance(number, (numbers.Real, decimal.Decimal, np.bool_)):
+            raise UsageError(f"{name}{list(at)} is {number!r}: it must be a number")
+        try:
+            exact[at] = number
+        except OverflowError:
+            rounded[at] = True
+        else:
+            rounded[at] = exact[at].item() != number and number == number
+    refuse_rounded(rounded, given, name)
+    return exact
+
+
+def refuse_rounded(rounded: np.ndarray, given: np.ndarray, name: str) -> None:
+    """UsageError when an entry of `rounded` is True, with the first such number."""
+    if rounded.any():
+        at = tuple(int(i) for i in np.argwhere(rounded)[0])
+        raise UsageError(f"{name}{list(at)} is {given[at]!r}, which no float64 equals ({rounded.sum()} such numbers): "
+                         "tessera is exact and does not round; subtract an offset, or convert them yourself")
 
 
 def is_wide_integer(array: np.ndarray) -> bool:

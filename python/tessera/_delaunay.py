@@ -47,7 +47,7 @@ class Delaunay:
     - 3D simplices are positively oriented too, and the facets of `convex_hull` consistently.
     - `equations`, `plane_distance`, `lift_points`, `paraboloid_scale`, `paraboloid_shift` and `good` describe Qhull's
       paraboloid and are not there; neither is `add_points`. SciPy's own interpolators use them, so they do not take this
-      object: `transform` and `find_simplex` interpolate in three lines, see docs/python.md.
+      object: LinearNDInterpolator here does.
 
     Examples
     --------
@@ -178,7 +178,15 @@ class Delaunay:
         """Does nothing: SciPy's ends incremental work, which there is none of."""
 
     def __reduce__(self) -> tuple[typing.Any, ...]:
-        return Delaunay, (np.asarray(self.points),)
+        """Pickled are the arrays: what is loaded is not triangulated again."""
+        return restored, tuple(map(np.array, (self.points, self.simplices, self.neighbors, self._delaunay.duplicates)))
 
     def __repr__(self) -> str:
         return f"<tessera.Delaunay of {self.npoints} points: {self.nsimplex} {cell_word(self.ndim)}>"
+
+
+def restored(points: np.ndarray, simplices: np.ndarray, neighbors: np.ndarray, duplicates: np.ndarray) -> Delaunay:
+    """A Delaunay that was pickled."""
+    tri = Delaunay.__new__(Delaunay)
+    tri._delaunay = _tessera.Delaunay.restore(points, simplices, neighbors, duplicates)
+    return tri

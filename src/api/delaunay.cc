@@ -1,5 +1,6 @@
 #include "tessera/delaunay.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -43,6 +44,7 @@ struct Delaunay::Impl {
   std::vector<std::pair<std::int32_t, std::int32_t>> duplicates;
   std::optional<SimplexFinder> finder;
 
+  Impl(std::span<const double> coordinates, int dim) : dimension(dim), points(coordinates.begin(), coordinates.end()) {}
   Impl(std::span<const double> coordinates, int dim, const std::stop_token& stop)
       : dimension(dim), points(coordinates.begin(), coordinates.end()) {
     LoadedTile ordered = order_points(labelled(coordinates, dim), dim);
@@ -75,6 +77,34 @@ Delaunay::Delaunay(std::span<const double> coordinates, int dimension, std::stop
           throw Failure(Cause::memory, "the array: has more than 2^31 points; use triangulate()");
         return std::make_unique<Impl>(coordinates, dimension, stop);
       })) {}
+Delaunay::Delaunay(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Delaunay Delaunay::restore(std::span<const double> points, int dimension, std::span<const std::int32_t> simplices,
+                           std::span<const std::int32_t> neighbors,
+                           std::span<const std::pair<std::int32_t, std::int32_t>> duplicates) {
+  return guarded([&] {
+    const std::size_t d = dimension == 2 ? 2 : 3, corners = d + 1, n = points.size() / d;
+    const auto below = [](std::size_t end, std::int32_t least) {
+      return [=](std::int32_t i) { return i >= least && (i < 0 || static_cast<std::size_t>(i) < end); };
+    };
+    const auto is_point = below(n, 0);
+    const bool fits = dimension == static_cast<int>(d) && points.size() % d == 0 && !simplices.empty() &&
+                      simplices.size() % corners == 0 && neighbors.size() == simplices.size() &&
+                      std::all_of(simplices.begin(), simplices.end(), is_point) &&
+                      std::all_of(neighbors.begin(), neighbors.end(), below(simplices.size() / corners, -1)) &&
+                      std::all_of(duplicates.begin(), duplicates.end(),
+                                  [&](const auto& pair) { return is_point(pair.first) && is_point(pair.second); }) &&
+                      std::all_of(points.begin(), points.end(), [](double x) { return std::isfinite(x); });
+    if (!fits) throw Failure(Cause::usage, "these arrays are not those of a Delaunay triangulation");
+    auto impl = std::make_unique<Impl>(points, dimension);
+    impl->simplices.assign(simplices.begin(), simplices.end());
+    impl->neighbors.assign(neighbors.begin(), neighbors.end());
+    impl->duplicates.assign(duplicates.begin(), duplicates.end());
+    impl->finder.emplace(SimplexArrays{dimension, impl->points, impl->simplices, impl->neighbors});
+    return Delaunay(std::move(impl));
+  });
+}
+
 Delaunay::~Delaunay() = default;
 Delaunay::Delaunay(Delaunay&&) noexcept = default;
 Delaunay& Delaunay::operator=(Delaunay&&) noexcept = default;

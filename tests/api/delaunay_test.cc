@@ -215,5 +215,26 @@ TEST(Delaunay, StopsSoonAfterItIsAsked) {
   EXPECT_STREQ(failure.what(), "stopped, as was requested");
 }
 
+TEST(RestoredDelaunay, IsTheOneThatWasThere) {
+  for (const int dimension : {2, 3}) {
+    auto points = testing::cloud("lattice", dimension, 300);
+    points.insert(points.end(), points.begin(), points.begin() + 3 * dimension);
+    const Delaunay made(points, dimension);
+    const auto again =
+        Delaunay::restore(made.points(), dimension, made.simplices(), made.neighbors(), made.duplicates());
+    EXPECT_EQ(testing::cells_of(again), testing::cells_of(made));
+    EXPECT_EQ(again.duplicates().size(), 3u);
+    std::vector<std::int32_t> expected(points.size() / static_cast<std::size_t>(dimension)), found(expected.size());
+    made.find_simplex(points, expected);
+    again.find_simplex(points, found);
+    EXPECT_EQ(found, expected);
+    const auto refused = testing::failure_of([&] {
+      Delaunay::restore(made.points().first(made.points().size() / 2), dimension, made.simplices(), made.neighbors(),
+                        {});
+    });
+    EXPECT_EQ(refused.cause(), Cause::usage) << "it has vertices that are no points";
+  }
+}
+
 }  // namespace
 }  // namespace tessera

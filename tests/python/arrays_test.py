@@ -1,5 +1,8 @@
 """Arrays of all kinds come in, and none is rounded."""
+import decimal
+import fractions
 import gc
+import importlib.util
 import sys
 import unittest
 
@@ -49,6 +52,62 @@ class Arrays(unittest.TestCase):
         exact = [*rows, [5, 2**60]]
         self.assert_same(np.array(exact, "q"), np.array(exact, float))
         self.assert_same(np.array([*rows, [-(2**63), 2**62]], "q"), np.array([*rows, [-(2.0**63), 2.0**62]]))
+
+    def test_arrays_of_objects_are_taken_number_by_number(self):
+        half = fractions.Fraction(1, 2)
+        self.assert_same(LATTICE.astype(object))
+        self.assert_same([[0, half], [decimal.Decimal("0.25"), 1], [2**80, True], [np.float32(3), np.int8(-4)]],
+                         np.array([[0, 0.5], [0.25, 1], [2.0**80, 1], [3, -4]]))
+        for number, at in ((fractions.Fraction(1, 3), "no float64"), (decimal.Decimal("0.1"), "no float64"), (10**400, "no float64"),
+                           (2**53 + 1, "no float64"), (None, "must be a number"), ("1", "must be a number"), (1j, "must be a number")):
+            points = np.array([[0, 0], [1, 0], [0, 1], [5, number]], object)
+            with self.subTest(number), self.assertRaisesRegex(tessera.UsageError, rf"^points\[3, 1\] is .*{at}"):
+                tessera.Delaunay(points)
+
+    def test_integers_beside_floats_are_not_rounded_on_the_way(self):
+        with self.assertRaisesRegex(tessera.UsageError, r"points\[3, 0\] is 9007199254740993, which no float64"):
+            tessera.Delaunay([[0, 0.5], [1, 0], [0, 1], [2**53 + 1, 3]])
+        self.assert_same([[0, 0.5], [1, 0], [0, 1], [2**60, 3]], np.array([[0, 0.5], [1, 0], [0, 1], [2.0**60, 3]]))
+
+    def check_frames(self, frame_of):
+        """`frame_of` makes a DataFrame of columns by name."""
+        points = clouds.random(60, 3)
+        frame = frame_of({"x": points[:, 0], "y": points[:, 1], "z": points[:, 2]})
+        self.assert_same(frame, points)
+        np.testing.assert_array_equal(tessera.triangulate(frame).points(), points)
+        f = tessera.LinearNDInterpolator(frame, frame["z"])
+        np.testing.assert_array_equal(f(frame), points[:, 2])
+        np.testing.assert_array_equal(f(frame["x"], frame["y"], frame["z"]), points[:, 2])
+        mixed = frame_of({"x": np.array([0, 1, 0, 2**53 + 1]), "y": np.array([0, 0, 1, 1.5])})
+        with self.assertRaisesRegex(tessera.UsageError, r"points\['x'\]\[3\] is 9007199254740993, which no float64"):
+            tessera.Delaunay(mixed)
+        with self.assertRaisesRegex(tessera.UsageError, r"points\['y'\] must hold integers or floats, not <U1"):
+            tessera.Delaunay(frame_of({"x": np.arange(3.0), "y": np.array(["a", "b", "c"])}))
+
+    def test_frames_are_taken_column_by_column(self):
+        class Frame:  # as much of pandas as is used: columns of their own types, by position
+            def __init__(self, columns):
+                self.columns, self.values = list(columns), list(columns.values())
+                self.iloc = self
+
+            def __len__(self):
+                return len(self.values[0])
+
+            def __getitem__(self, key):
+                return self.values[self.columns.index(key) if isinstance(key, str) else key[1]]
+
+        self.check_frames(Frame)
+
+    @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
+    def test_frames_of_pandas(self):
+        import pandas
+        points = clouds.random(60, 2)
+        frame = pandas.DataFrame(points, columns=["x", "y"], index=range(100, 160))
+        self.assert_same(frame, points)
+        self.assert_same(frame.convert_dtypes(), points)
+        np.testing.assert_array_equal(tessera.LinearNDInterpolator(frame, frame["y"])(frame), points[:, 1])
+        with self.assertRaisesRegex(tessera.UsageError, "must be a number"):
+            tessera.Delaunay(pandas.DataFrame({"x": [0, 1, None, 2], "y": [0, 0, 1, 1]}, dtype="Int64"))
 
     def test_what_is_no_array_of_numbers_is_refused(self):
         for points in (np.zeros((4, 2), complex), [["a", "b"]], [[1, 2], [3]], np.array([[None, 1]]), {1, 2}, None,

@@ -22,7 +22,7 @@ class Guide(unittest.TestCase):
             os.symlink(IGN, "block")
             given = {"np": np, "tessera": tessera}
             self.assertEqual(doctest.testfile(str(GUIDE), module_relative=False, globs=given).failed, 0)
-            for public in (tessera.triangulate, tessera.Delaunay):
+            for public in (tessera.triangulate, tessera.Delaunay, tessera.LinearNDInterpolator):
                 for test in doctest.DocTestFinder().find(public, globs=given):
                     runner = doctest.DocTestRunner()
                     self.assertEqual(runner.run(test).failed, 0)

@@ -1,5 +1,6 @@
 """Processes around the library: forked ones, fresh ones, pools of them."""
 import concurrent.futures
+import importlib.util
 import multiprocessing
 import threading
 import unittest
@@ -41,6 +42,14 @@ class Processes(unittest.TestCase):
     def test_a_pool_of_the_default_kind_triangulates(self):
         with multiprocessing.Pool(2) as pool:
             self.assertEqual(pool.map_async(digest_of, [self.points] * 3).get(120), [self.digest] * 3)
+
+    @unittest.skipUnless(importlib.util.find_spec("joblib"), "joblib is not installed")
+    def test_joblib_triangulates(self):
+        import joblib
+        for backend in ("loky", "multiprocessing", "threading"):
+            with joblib.parallel_backend(backend, n_jobs=2):
+                digests = joblib.Parallel()(joblib.delayed(digest_of)(self.points) for _ in range(3))
+            self.assertEqual(digests, [self.digest] * 3)
 
     def test_a_forked_child_shares_what_its_parent_has(self):
         t, whole = tessera.triangulate(self.points, max_points_per_tile=300), tessera.Delaunay(self.points)
