@@ -19,7 +19,7 @@ build=(
   pybind11-dev python3-dev                  # the Python package
 )
 test=(
-  python3-scipy                             # what the Python package is compared with
+  python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   gdal-bin python3-gdal python3-gmsh        # read exports back
 )
 demo=(xvfb xauth)

@@ -22,23 +22,6 @@ Result<KernelKind> parse_kernel(const std::string& text) {
   return error(Errc::usage, "'" + text + "' is no kernel; there are flat and cgal");
 }
 
-Result<Returns> parse_returns(const std::string& text) {
-  if (text == "all") return Returns::all;
-  if (text == "first") return Returns::first;
-  if (text == "last") return Returns::last;
-  if (text == "single") return Returns::single;
-  return error(Errc::usage, "'" + text + "' is none of all, first, last and single");
-}
-
-Result<std::vector<std::string>> parse_flags(const std::string& text) {
-  BOOST_OUTCOME_TRY(names, parse_names(text));
-  for (const auto& name : names) {
-    if (std::find(point_flags.begin(), point_flags.end(), name) == point_flags.end())
-      return error(Errc::usage, "'" + name + "' is none of withheld, synthetic, overlap and key_point");
-  }
-  return std::move(names);
-}
-
 }  // namespace
 
 void add_cloud_options(Command& command) {
@@ -109,9 +92,13 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   options.cloud.recursive = recursive;
   BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
   options.cloud.classes = classes.value_or(std::vector<int>{});
-  BOOST_OUTCOME_TRY(returns, settings.get("returns", parse_returns));
+  BOOST_OUTCOME_TRY(returns, settings.get("returns", [](const std::string& text) { return parse_returns(text); }));
   options.cloud.returns = returns.value_or(Returns::all);
-  BOOST_OUTCOME_TRY(without, settings.get("without", parse_flags));
+  BOOST_OUTCOME_TRY(without, settings.get("without", [](const std::string& text) -> Result<std::vector<std::string>> {
+    BOOST_OUTCOME_TRY(flags, parse_names(text));
+    BOOST_OUTCOME_TRYV(check_flags(flags));
+    return std::move(flags);
+  }));
   options.cloud.without = without.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
   options.cloud.crs = crs.value_or("");

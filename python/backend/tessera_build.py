@@ -1,0 +1,111 @@
+"""Makes wheels: `pip install .` calls it (PEP 517, see pyproject.toml), and the CMake target `wheel`.
+
+A wheel holds the package with the C++ library inside. What that links beside it are libraries of the system, named in the
+wheel's metadata (Requires-External): Debian's, which pip cannot install.
+"""
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import tempfile
+import zipfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """The hook of PEP 517: configures and builds in build/wheel."""
+    build = SOURCE / "build" / "wheel"
+    run("cmake", "-S", SOURCE, "-B", build, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DTESSERA_TESTS=OFF",
+        "-DTESSERA_BENCH=OFF", "-DTESSERA_PYTHON=ON", f"-DPython3_EXECUTABLE={sys.executable}")
+    run("cmake", "--build", build, "--target", "tessera_python")
+    return pack(build, pathlib.Path(wheel_directory))
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """The hook of PEP 517: what git knows of."""
+    name = f"tessera-{version()}"
+    target = pathlib.Path(sdist_directory) / f"{name}.tar.gz"
+    files = subprocess.run(["git", "-C", SOURCE, "ls-files", "-z"], check=True, capture_output=True).stdout.decode()
+    with tarfile.open(target, "w:gz") as archive:
+        for file in filter(None, files.split("\0")):
+            archive.add(SOURCE / file, f"{name}/{file}")
+        information = metadata([]).encode()
+        header = tarfile.TarInfo(f"{name}/PKG-INFO")
+        header.size = len(information)
+        archive.addfile(header, io.BytesIO(information))
+    return target.name
+
+
+def pack(build, directory, cmake="cmake"):
+    """The wheel of what stands built in the folder `build`, written to `directory`. Its name."""
+    with tempfile.TemporaryDirectory() as held:
+        stage = pathlib.Path(held)
+        for component in ("library", "python"):  # installed: without the paths of the build, and stripped
+            run(cmake, "--install", build, "--component", component, "--prefix", stage, "--strip")
+        (module,) = stage.rglob("_tessera*.so")
+        library = next(stage.rglob("libtessera.so")).resolve()
+        (soname,) = dynamic(library, "SONAME")
+        files = {f"tessera/{path.name}": path.read_bytes() for path in module.parent.iterdir() if path.is_file()}
+        files[f"tessera/{soname}"] = library.read_bytes()
+        external = {name for path in (module, library) for name in dynamic(path, "NEEDED")} - {soname}
+
+    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    tag = f"{python}-{python}-{re.sub('[-.]', '_', sysconfig.get_platform())}"
+    information = f"tessera-{version()}.dist-info"
+    files[f"{information}/METADATA"] = metadata(sorted(external)).encode()
+    files[f"{information}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: tessera\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()
+    files[f"{information}/LICENSE"] = (SOURCE / "LICENSE").read_bytes()
+    record = "".join(f"{name},sha256={checksum(content)},{len(content)}\n" for name, content in sorted(files.items()))
+    files[f"{information}/RECORD"] = f"{record}{information}/RECORD,,\n".encode()
+
+    target = directory / f"tessera-{version()}-{tag}.whl"
+    unfinished = target.with_suffix(".new")
+    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED) as wheel:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name)  # of 1980: equal contents are equal wheels
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.external_attr = (0o755 if ".so" in name else 0o644) << 16
+            wheel.writestr(entry, content)
+    os.replace(unfinished, target)
+    return target.name
+
+
+def version():
+    return re.search(r"project\(tessera VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
+
+
+def metadata(external):
+    major, minor = sys.version_info[:2]
+    return "".join(["Metadata-Version: 2.1\nName: tessera\n", f"Version: {version()}\n",
+                    "Summary: Exact Delaunay triangulations in 2D and 3D, of any size\nLicense: GPL-3.0-or-later\n",
+                    f"Requires-Python: =={major}.{minor}.*\nRequires-Dist: numpy\n",
+                    *(f"Requires-External: {name}\n" for name in external),
+                    "Description-Content-Type: text/markdown\n\n", (SOURCE / "docs" / "python.md").read_text()])
+
+
+def dynamic(file, kind):
+    """The names that a shared library has for an entry of its dynamic section."""
+    text = subprocess.run(["readelf", "-dW", file], check=True, capture_output=True, text=True).stdout
+    return re.findall(rf"\({kind}\).*\[(.*)\]", text)
+
+
+def checksum(content):
+    return base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
+
+
+def run(*command):
+    subprocess.run([*map(str, command)], check=True, stdout=sys.stderr)
+
+
+if __name__ == "__main__":
+    build_folder, output, cmake_program = sys.argv[1:]
+    print(pathlib.Path(output) / pack(pathlib.Path(build_folder), pathlib.Path(output), cmake_program))
