@@ -71,6 +71,10 @@ class TESSERA_PUBLIC TriangulationOptions {
   TriangulationOptions& heights(bool heights);
   // Points of these LAS classes only; empty: all.
   TriangulationOptions& classes(std::vector<int> classes);
+  // Of each pulse the "first", "last" or "single" return only; "all", the default.
+  TriangulationOptions& returns(const std::string& which);
+  // No points with one of these flags: "withheld", "synthetic", "overlap", "key_point".
+  TriangulationOptions& without(std::vector<std::string> flags);
   // COPC: the octree levels down to the first whose points are at most so far apart, and no finer; 0: all.
   TriangulationOptions& resolution(double distance);
   // Of the points, to be kept; "all" for all there are.

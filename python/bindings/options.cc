@@ -37,6 +37,8 @@ void bind_options(py::module_& module) {
       .def("crs", setter(&Options::crs))
       .def("heights", setter(&Options::heights))
       .def("classes", setter(&Options::classes))
+      .def("returns", setter(&Options::returns))
+      .def("without", setter(&Options::without))
       .def("resolution", setter(&Options::resolution))
       .def("attributes", setter(&Options::attributes))
       .def("recursive", setter(&Options::recursive))

@@ -21,7 +21,8 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 attributes: typing.Iterable[str] = (), neighbors: bool = True, skip_invalid: bool = False,
                 recursive: bool = False, tiles: int | None = None, partition: str = "kdtree",
                 crop: typing.Sequence[float] | None = None, classes: typing.Iterable[int] = (),
-                resolution: float | None = None, crs: Path | None = None, heights: bool = True,
+                returns: str = "all", without: typing.Iterable[str] = (), resolution: float | None = None,
+                crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
     """The options of triangulate(); `dim` None: as the files have it."""
     options = _tessera.Options()
@@ -46,6 +47,8 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
     if crop is not None:
         options.crop(exact_float64(crop, "crop").ravel().tolist())
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
+    options.returns(returns)
+    options.without([without] if isinstance(without, str) else list(without))
     if resolution is not None:
         if not 0 < resolution < math.inf:
             raise UsageError(f"resolution is {resolution!r}: it must be None or a distance above 0")

@@ -20,8 +20,9 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 neighbors: bool = True, skip_invalid: bool = False,
                 progress: typing.Callable[[Progress], object] | None = None, recursive: bool = False, *,
                 tiles: int | None = None, partition: str = "kdtree", crop: typing.Sequence[float] | None = None,
-                classes: typing.Iterable[int] = (), resolution: float | None = None, crs: Path | None = None,
-                heights: bool = True, input_list: Path | None = None, resume: bool = False) -> Triangulation:
+                classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
+                resolution: float | None = None, crs: Path | None = None, heights: bool = True,
+                input_list: Path | None = None, resume: bool = False) -> Triangulation:
     """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
 
     Parameters
@@ -58,6 +59,10 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         The coordinate system of all points, whatever files say: "EPSG:n", WKT, or a file with one. None: what they say.
     classes
         Of files: points of these LAS classes only, [2, 9].
+    returns
+        Of files: the "first", "last" or "single" return of each pulse only, or "all".
+    without
+        Of files: no points with one of these flags, ["withheld", "synthetic", "overlap", "key_point"].
     resolution
         Of COPC files: the octree levels down to the first whose points are at most so far apart. None: all.
     heights
@@ -100,8 +105,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     options = job_options(dim, max_points_per_tile=max_points_per_tile, folder=folder, overwrite=overwrite,
                           threads=threads, memory=memory, attributes=attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
-                          classes=classes, resolution=resolution, crs=crs, heights=heights, input_list=input_list,
-                          resume=resume)
+                          classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
+                          heights=heights, input_list=input_list, resume=resume)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))

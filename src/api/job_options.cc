@@ -42,6 +42,8 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.partition = checked(parse_partition_kind(asked.partition), "partition");
   if (!asked.crop.empty()) job.cloud.crop = checked(crop_box(asked.crop, dimension == 2 ? 2 : 3), "crop");
   if (!asked.crs.empty()) job.cloud.crs = checked(parse_crs(asked.crs), "crs");
+  job.cloud.returns = checked(parse_returns(asked.returns), "returns");
+  if (const Status known = check_flags(job.cloud.without); !known) checked(Result<int>(known.error()), "without");
   const auto is_class = [](int number) { return number >= 0 && number <= 255; };
   require(std::all_of(job.cloud.classes.begin(), job.cloud.classes.end(), is_class),
           option("class") + ": LAS has the classes 0 to 255");

@@ -78,6 +78,14 @@ TriangulationOptions& TriangulationOptions::classes(std::vector<int> classes) {
   impl_->job.cloud.classes = std::move(classes);
   return *this;
 }
+TriangulationOptions& TriangulationOptions::returns(const std::string& which) {
+  impl_->returns = which;
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::without(std::vector<std::string> flags) {
+  impl_->job.cloud.without = std::move(flags);
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::resolution(double distance) {
   impl_->job.cloud.resolution = distance;
   return *this;

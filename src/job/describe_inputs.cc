@@ -102,8 +102,8 @@ Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, Job
   return describe_points(counted);
 }
 
-Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options, const DescribeOptions& how,
-                                      const std::stop_token& stop) {
+Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options,
+                                      const DescribeOptions& how, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options, stop));
   DescribedPoints counted;
   if (how.statistics) {

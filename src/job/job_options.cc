@@ -1,5 +1,6 @@
 #include "src/job/job_options.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 namespace tessera {
@@ -50,6 +51,22 @@ Result<Box> crop_box(std::span<const double> numbers, int dimension) {
     }
   }
   return box;
+}
+
+Result<Returns> parse_returns(std::string_view text) {
+  if (text == "all") return Returns::all;
+  if (text == "first") return Returns::first;
+  if (text == "last") return Returns::last;
+  if (text == "single") return Returns::single;
+  return error(Errc::usage, "'" + std::string(text) + "' is none of all, first, last and single");
+}
+
+Status check_flags(const std::vector<std::string>& names) {
+  for (const auto& name : names) {
+    if (std::find(point_flags.begin(), point_flags.end(), name) == point_flags.end())
+      return error(Errc::usage, "'" + name + "' is none of withheld, synthetic, overlap and key_point");
+  }
+  return success();
 }
 
 }  // namespace tessera

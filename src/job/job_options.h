@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/base/result.h"
@@ -29,6 +30,11 @@ std::string options_key(const JobOptions& options);
 // Four numbers, xmin, ymin, xmax, ymax, mean any z; six, in 3D, xmin, ymin, zmin, xmax, ymax, zmax. Error usage, with
 // the end of a sentence: another number of them, NaN, an empty box.
 Result<Box> crop_box(std::span<const double> numbers, int dimension);
+
+// "all", "first", "last", "single". Error usage, with the end of a sentence, here and below.
+Result<Returns> parse_returns(std::string_view text);
+// Whether these are flags that LAS has.
+Status check_flags(const std::vector<std::string>& names);
 
 constexpr std::uint32_t threads_max = 1024;
 constexpr std::uint64_t tiles_max = 1'000'000;  // file names have six digits
