@@ -3,10 +3,14 @@
 
 #include <caf/all.hpp>
 #include <cstdio>
+#include <future>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "actors/coordinator.h"
 #include "actors/node_actor.h"
+#include "actors/run_owner.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/harness/clouds.h"
@@ -37,6 +41,21 @@ class NarrowParts final : public PartSource {
   DiskParts disk_;
 };
 
+// Waits for the end.
+class Waiting final : public RunOwner {
+ public:
+  void progressed(const RunProgress&) override {}
+  void stored(const TileDone&) override {}
+  void ended(RunEnded end) noexcept override {
+    const auto told = end_;
+    told->set_value(std::move(end));
+  }
+  RunEnded wait() { return end_->get_future().get(); }
+
+ private:
+  std::shared_ptr<std::promise<RunEnded>> end_ = std::make_shared<std::promise<RunEnded>>();
+};
+
 std::size_t heap_bytes() {
   const auto now = ::mallinfo2();
   return now.uordblks + now.hblkhd;
@@ -62,16 +81,12 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   Config config;
   caf::actor_system system(config);
   const std::size_t before = heap_bytes();
-  caf::scoped_actor self(system);
-  const NodeHandle node = self->spawn<NodeActor>(NodeOptions{.memory_bytes = job.spec.memory_bytes, .hooks = {}},
-                                                 std::make_shared<NarrowParts>(run));
-  self->spawn<Coordinator, caf::monitored>(std::move(job), caf::actor_cast<caf::actor>(self.ptr()),
-                                           std::vector<NodeHandle>{node});
-  bool running = true;
-  self->receive_while(running)([](const RunProgress&) {}, [](const TileDone&) {},
-                               [](const RunEnded& ended) { EXPECT_EQ(ended.failure.text, ""); },
-                               [&](const caf::down_msg&) { running = false; });
-  caf::anon_send_exit(node, caf::exit_reason::user_shutdown);
+  const NodeHandle node = system.spawn<NodeActor>(NodeOptions{.memory_bytes = job.spec.memory_bytes, .hooks = {}},
+                                                  std::make_shared<NarrowParts>(run));
+  Waiting owner;
+  system.spawn<Coordinator>(std::move(job), owner, std::vector<NodeHandle>{node});
+  EXPECT_EQ(owner.wait().failure.text, "");
+  caf::anon_send(node, Leave{});
   EXPECT_GT(quiet, before);
   return quiet - before;
 }
@@ -79,7 +94,7 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
 // Actors, counters, schedule, and what tiles know of each other and the seeds: 100,000 tiles take 0.4 GB at most.
 TEST(TileMemory, IsLessThan4KiBForATileAsleep) {
   for (const int dimension : {2, 3}) {
-    constexpr std::uint32_t few = 50, many = 250;
+    constexpr std::uint32_t few = 50, many = 550;
     const std::size_t bytes = (bytes_when_quiet(dimension, many) - bytes_when_quiet(dimension, few)) / (many - few);
     std::printf("%dD: %zu bytes a tile\n", dimension, bytes);
     EXPECT_LT(bytes, 4096u);
