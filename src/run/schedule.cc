@@ -31,9 +31,11 @@ void Schedule::enter(Stage stage) {
   for (std::uint32_t t = 0; t < tiles_.size(); ++t) link(TileId{t});
 }
 
-std::uint64_t Schedule::weight(const Tile& tile) const {
-  // An empty batch counts, too: it must be processed. One in memory counts double, for waking costs time.
-  return (tile.mail.points + tile.mail.batches) * (tile.place == Place::awake ? 2 : 1);
+// In memory, those with the shortest chain come first; behind them those asleep with most mail, for waking costs time.
+// An empty batch counts, too: it must be processed.
+Schedule::Mail Schedule::place(TileId t) const {
+  const Tile& tile = tiles_[t.value];
+  return {tile.place == Place::awake ? ~tile.mail.hops : 0, tile.mail.points + tile.mail.batches, t};
 }
 
 bool Schedule::pending(const Tile& tile) const {
@@ -46,7 +48,7 @@ bool Schedule::pending(const Tile& tile) const {
 void Schedule::unlink(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  ready_.erase({~tile.mail.hops, weight(tile), t});
+  ready_.erase(place(t));
   if (tile.place == Place::awake) awake_.erase({tile.mail.points, ~tile.memory, t});
   pending_.erase({tile.place != Place::awake, t});
 }
@@ -54,8 +56,7 @@ void Schedule::unlink(TileId t) {
 void Schedule::link(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep))
-    ready_.insert({~tile.mail.hops, weight(tile), t});
+  if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep)) ready_.insert(place(t));
   if (tile.place == Place::awake) awake_.insert({tile.mail.points, ~tile.memory, t});
   if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
 }

@@ -2,8 +2,8 @@
 // it says what to do. Every step takes time in the logarithm of the number of tiles.
 //
 // stage      | what is granted
-// exchanging | begin to every tile, then splay: first those with the shortest chain of mail behind them, of these those
-//            | with most mail; sleep where room is needed
+// exchanging | begin to every tile, then splay: first those in memory with the shortest chain of mail behind them, of
+//            | these those with most mail; then those asleep with most mail; sleep where room is needed
 // settling   | settle to the tiles in memory
 // collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
 // suspending | sleep to all tiles in memory
@@ -85,13 +85,13 @@ class Schedule {
     Place place = Place::none;
     bool working = false, is_stored = false, settled = false;
   };
-  using Mail = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // ~hops, weight, tile
+  using Mail = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
   using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;  // mail, ~memory, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
   void unlink(TileId tile);
   void link(TileId tile);
-  std::uint64_t weight(const Tile& tile) const;
+  Mail place(TileId tile) const;
   bool pending(const Tile& tile) const;
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
