@@ -71,6 +71,26 @@ class Headers(unittest.TestCase):
         self.compile(names, "-fsyntax-only")
         self.compile(names[::-1], "-fsyntax-only")
 
+    def test_an_older_language_is_refused_first_and_by_name(self):
+        for header in HEADERS:
+            with tempfile.TemporaryDirectory() as folder:
+                source = pathlib.Path(folder) / "old.cc"
+                source.write_text(f'#include "tessera/{header.name}"\n')
+                done = subprocess.run([COMPILER, "-std=c++17", "-fsyntax-only", "-I", SOURCE / "include", source],
+                                      capture_output=True, text=True)
+                first = next(line for line in done.stderr.splitlines() if "error" in line)
+                self.assertRegex(first, "#error .*need C\\+\\+20: compile with -std=c\\+\\+20", header.name)
+
+    def test_the_preprocessor_knows_the_version(self):
+        project = re.search(r"project\(tessera VERSION (\d+)\.(\d+)\.(\d+)", (SOURCE / "CMakeLists.txt").read_text())
+        text = (SOURCE / "include/tessera/version.h").read_text()
+        self.assertEqual(re.findall(r"define TESSERA_VERSION_(?:MAJOR|MINOR|PATCH) (\d+)", text), [*project.groups()])
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder) / "version.cc"
+            source.write_text('#include "tessera/version.h"\n#if TESSERA_VERSION < TESSERA_VERSION_NUMBER(0, 1, 0) || '
+                              'TESSERA_VERSION >= TESSERA_VERSION_NUMBER(1000, 0, 0)\n#error\n#endif\n')
+            output_of(COMPILER, "-std=c++20", "-fsyntax-only", "-I", SOURCE / "include", source)
+
     def test_they_need_no_other_library(self):
         used = self.compile(["tessera.h"], "-M").replace("\\\n", " ").split()[2:]
         system = [path for path in used if not path.startswith(f"{SOURCE}/")]
@@ -86,12 +106,14 @@ class Installation(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory(dir=BUILD)
         cls.root = pathlib.Path(cls.folder.name)
         output_of(CMAKE, "--install", BUILD, "--prefix", cls.root / "prefix")
-        cls.example = cls.root / "example"
+        cls.documents = cls.root / "prefix/share/doc/tessera"
+        cls.example = cls.root / "volume"
         flags = " ".join(["-Wall -Wextra -Wpedantic -Werror", *FLAGS])
-        output_of(CMAKE, "-S", SOURCE / "examples/volume", "-B", cls.example, "-DCMAKE_BUILD_TYPE=Release",
-                  f"-DCMAKE_CXX_COMPILER={COMPILER}", f"-DCMAKE_CXX_FLAGS={flags}",
-                  f"-DCMAKE_PREFIX_PATH={cls.root / 'prefix'}")
-        output_of(CMAKE, "--build", cls.example)
+        for name in ("volume", "ground"):
+            output_of(CMAKE, "-S", cls.documents / "examples" / name, "-B", cls.root / name, "-DCMAKE_BUILD_TYPE=Release",
+                      f"-DCMAKE_CXX_COMPILER={COMPILER}", f"-DCMAKE_CXX_FLAGS={flags}",
+                      f"-DCMAKE_PREFIX_PATH={cls.root / 'prefix'}")
+            output_of(CMAKE, "--build", cls.root / name)
 
     @classmethod
     def tearDownClass(cls):
@@ -112,6 +134,39 @@ class Installation(unittest.TestCase):
         done = subprocess.run([self.example / "volume", "/nowhere.las"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 4)
         self.assertIn("volume: /nowhere.las: cannot be opened", done.stderr)
+
+    def test_the_other_example_proves_and_exports_the_ground(self):
+        said = output_of(self.root / "ground/ground", SOURCE / "data/ign/ign_77050_627755.las", self.root / "ground.ply")
+        self.assertRegex(said, r"^\d+ of \d+ points, \d+ triangles, \d+ checks passed\n$")
+        self.assertTrue((self.root / "ground.ply").read_bytes().startswith(b"ply\n"))
+        done = subprocess.run([self.root / "ground/ground", "/nowhere.las", "x.ply"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 4)
+
+    def test_documents_licence_and_a_sample_configuration_are_installed_with_their_links(self):
+        for name in ("LICENSE", "CHANGELOG.md", "config/tessera.toml", "docs/library.md"):
+            self.assertEqual((self.documents / name).read_bytes(), (SOURCE / name).read_bytes())
+        links = re.findall(r"\]\(([^)#:]+)\)", (self.documents / "README.md").read_text())
+        self.assertGreater(len(links), 5)
+        self.assertEqual([link for link in links if not (self.documents / link).exists()], [])
+        said = output_of(self.root / "prefix/bin/tessera", "triangulate", "--help", "--config", self.documents / "config/tessera.toml")
+        self.assertIn("--output", said)
+
+    def test_what_was_installed_is_uninstalled(self):
+        prefix = self.root / "gone"
+        (prefix / "lib").mkdir(parents=True)
+        (prefix / "lib/of_another").write_text("stays")
+        manifest = BUILD / "install_manifest.txt"
+        before = manifest.read_bytes()
+        output_of(CMAKE, "--install", BUILD, "--prefix", prefix)
+        kept = self.root / "manifest.txt"
+        kept.write_bytes(manifest.read_bytes())
+        manifest.write_bytes(before)  # what the target `uninstall` would remove is none of this test's business
+        output_of(CMAKE, "-D", f"MANIFEST={kept}", "-P", SOURCE / "cmake/uninstall.cmake")
+        self.assertEqual([path for path in prefix.rglob("*") if path.is_file() or path.name == "tessera"],
+                         [prefix / "lib/of_another"])
+        done = subprocess.run([CMAKE, "-D", f"MANIFEST={self.root / 'none'}", "-P", SOURCE / "cmake/uninstall.cmake"],
+                              capture_output=True, text=True)
+        self.assertIn("nothing has been installed from here", done.stderr)
 
     def test_a_version_with_another_minor_number_is_not_found(self):
         folder = self.root / "other"
