@@ -20,6 +20,7 @@ namespace tessera {
 // `t.tile(i).cells()` would outlive both: name the tile first.
 class TESSERA_PUBLIC Tile {
  public:
+  // Programs have its size compiled in: it stays as it is.
   struct Field {
     std::string name;
     std::string type;                   // NumPy's name: "uint8", "int16", "float64", ...

@@ -42,8 +42,8 @@ class TileStorage {
   virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
 };
 
-// Forgets what only a tile that is not stored needs, and what is as large as its points. Its foreign vertices stay until
-// the run folder goes.
+// Forgets what only a tile that is not stored needs, and what is as large as its points. Its foreign vertices stay
+// until the run folder goes.
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
 // Whether a settled run has left what a tile is built from by itself. Whether it is sound, reading it will tell: once.

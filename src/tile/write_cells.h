@@ -17,10 +17,10 @@ inline constexpr std::uint32_t mixed_row = std::uint32_t{1} << 31;
 // own + 1 + k foreign vertex k.
 struct CellOrder {
   std::span<const CellRow> rows;
-  std::span<const std::uint32_t> order;   // row | mixed_row
-  std::span<const std::uint32_t> end;     // by own vertex: where those end in `order` whose least vertex it is
-  std::span<const std::uint32_t> index;   // by k: the vertex in the mesh, own or more
-  std::span<const TileId> owners;         // by vertex in the mesh
+  std::span<const std::uint32_t> order;  // row | mixed_row
+  std::span<const std::uint32_t> end;    // by own vertex: where those end in `order` whose least vertex it is
+  std::span<const std::uint32_t> index;  // by k: the vertex in the mesh, own or more
+  std::span<const TileId> owners;        // by vertex in the mesh
   TileId self;
 };
 

@@ -1,11 +1,15 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/files/checksum.h"
@@ -30,6 +34,26 @@ TEST_F(Files, AWholeFileReplacesTheOldOneAndLeavesNoTemporaryName) {
   ASSERT_TRUE(write_whole(path, std::string_view("short")));
   EXPECT_EQ(text_of(path), "short");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder()), fs::directory_iterator()), 1);
+}
+
+TEST_F(Files, AForkedChildLeavesItsParentsTemporaryOnesAlone) {
+  const auto path = folder() / "file";
+  std::optional<TemporaryFile> file(path);
+  ASSERT_TRUE(write_whole(path, std::string_view("the parent's")));
+  std::optional<TemporaryFolder> below = std::move(TemporaryFolder::make(folder() / "below")).value();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    { const TemporaryFolder moved = std::move(*below); }
+    file.reset();
+    below.reset();
+    ::_exit(0);
+  }
+  ASSERT_EQ(::waitpid(child, nullptr, 0), child);
+  EXPECT_TRUE(fs::exists(path));
+  EXPECT_TRUE(fs::exists(folder() / "below"));
+  file.reset();
+  below.reset();
+  EXPECT_TRUE(fs::is_empty(folder()));
 }
 
 TEST_F(Files, ErrorsNameTheFileThatWasWantedAndWhatTheSystemSays) {
