@@ -47,6 +47,23 @@ struct ClassificationState {
   ByteInContext bytes;
 };
 
+// Byte 15 of a record: four flags of the point, scan direction, edge of the flight line. Between them stands the
+// channel, which the first layer says; here its bits are 0.
+struct FlagsState {
+  using Value = std::uint8_t;
+  static constexpr bool keeps_own_last = false, extra_byte = false;
+  explicit FlagsState(Value) {}
+  Value next(ArithmeticDecoder& decoder, const PointStep&, Value last) {
+    auto& model = models_[(last & 15u) | (last >> 2 & 48u)];
+    if (!model) model = std::make_unique<SymbolModel<64>>();
+    const unsigned flags = decoder.symbol(*model);
+    return static_cast<Value>((flags & 15u) | (flags & 48u) << 2);
+  }
+
+ private:
+  std::array<std::unique_ptr<SymbolModel<64>>, 64> models_;
+};
+
 struct IntensityState {
   using Value = std::uint16_t;
   static constexpr bool keeps_own_last = false, extra_byte = false;

@@ -92,7 +92,7 @@ class LayeredDecoder : public ChunkDecoder {
     xy_.emplace(ByteFeed(source_, xy_bytes.begin, xy_bytes.end), record);
     BOOST_OUTCOME_TRYV(add<ZState>(lengths, record, 8));
     BOOST_OUTCOME_TRYV(add<ClassificationState>(lengths, record, 16));
-    BOOST_OUTCOME_TRYV(take(lengths));  // flags, which no attribute shows
+    BOOST_OUTCOME_TRYV(add<FlagsState>(lengths, record, 15));
     BOOST_OUTCOME_TRYV(add<IntensityState>(lengths, record, 12));
     BOOST_OUTCOME_TRYV(add<ScanAngleState>(lengths, record, 18));
     BOOST_OUTCOME_TRYV(add<UserDataState>(lengths, record, 17));
