@@ -36,7 +36,8 @@ class Layer {
 
 // `State` has the models of one channel: Value next(decoder, step, last) gives the value after `last`, and
 // State(Value) begins a channel. A channel that appears first takes the last value of the channel before it. An empty
-// layer says that all values are that of the first point.
+// layer says that all values are that of the first point. in_record(value, step), if there is one, adds what the first
+// layer has said.
 template <class State>
 class ChannelLayer : public Layer {
  public:
@@ -55,7 +56,8 @@ class ChannelLayer : public Layer {
   void decode(std::span<const PointStep> steps, std::byte* records, std::size_t stride) override {
     std::byte* to = records + at_;
     for (const auto& step : steps) {
-      const Value value = empty_ ? first_ : next(step);
+      Value value = empty_ ? first_ : next(step);
+      if constexpr (requires { State::in_record(value, step); }) value = State::in_record(value, step);
       std::memcpy(to, &value, sizeof value);
       to += stride;
     }

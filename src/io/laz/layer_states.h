@@ -48,7 +48,7 @@ struct ClassificationState {
 };
 
 // Byte 15 of a record: four flags of the point, scan direction, edge of the flight line. Between them stands the
-// channel, which the first layer says; here its bits are 0.
+// channel, which the first layer says.
 struct FlagsState {
   using Value = std::uint8_t;
   static constexpr bool keeps_own_last = false, extra_byte = false;
@@ -58,6 +58,9 @@ struct FlagsState {
     if (!model) model = std::make_unique<SymbolModel<64>>();
     const unsigned flags = decoder.symbol(*model);
     return static_cast<Value>((flags & 15u) | (flags & 48u) << 2);
+  }
+  static Value in_record(Value value, const PointStep& step) {
+    return static_cast<Value>((value & 0xCFu) | step.channel << 4);
   }
 
  private:
