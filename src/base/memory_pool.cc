@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <cstring>
 #include <mutex>
 #include <new>
 #include <utility>
@@ -13,6 +15,12 @@ namespace tessera {
 namespace {
 
 constexpr std::size_t page = 4096;
+// Up to here the allocator serves: the arrays of small tiles would cost more system calls and page faults than work,
+// and a process may have 65,530 mappings.
+constexpr std::size_t small_bytes = std::size_t{128} << 10;
+constexpr std::size_t alignment = 64;
+
+bool is_small(const Mapping& mapping) { return mapping.reserved <= small_bytes; }
 
 std::size_t rounded(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
@@ -104,7 +112,13 @@ Pool& pool() {
 
 Mapping map_memory(std::size_t bytes) {
   Mapping mapping;
-  bytes = rounded(std::max(bytes, page));
+  if (bytes <= small_bytes) {
+    mapping.reserved = (std::max<std::size_t>(bytes, 1) + alignment - 1) / alignment * alignment;
+    mapping.at = static_cast<std::byte*>(std::aligned_alloc(alignment, mapping.reserved));
+    if (!mapping.at) throw std::bad_alloc();
+    return mapping;
+  }
+  bytes = rounded(bytes);
   if (pool().take(bytes, mapping)) return mapping;
   void* at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();
@@ -113,6 +127,13 @@ Mapping map_memory(std::size_t bytes) {
 }
 
 void grow_mapping(Mapping& mapping, std::size_t bytes) {
+  if (is_small(mapping)) {
+    const Mapping larger = map_memory(bytes);
+    std::memcpy(larger.at, mapping.at, mapping.reserved);
+    std::free(mapping.at);
+    mapping = larger;
+    return;
+  }
   bytes = rounded(bytes);
   void* at = mremap(mapping.at, mapping.reserved, bytes, MREMAP_MAYMOVE);
   if (at == MAP_FAILED) throw std::bad_alloc();
@@ -121,7 +142,9 @@ void grow_mapping(Mapping& mapping, std::size_t bytes) {
 }
 
 void unmap_memory(Mapping& mapping, std::size_t used) noexcept {
-  if (mapping.at) {
+  if (is_small(mapping)) {
+    std::free(mapping.at);
+  } else {
     mapping.touched = std::min(std::max(mapping.touched, rounded(used)), mapping.reserved);
     pool().give(mapping);
   }
@@ -129,6 +152,7 @@ void unmap_memory(Mapping& mapping, std::size_t used) noexcept {
 }
 
 void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexcept {
+  if (is_small(mapping)) return;
   const std::size_t from = (kept + page - 1) / page * page;
   const std::size_t to = std::min(std::max(rounded(used), mapping.touched), mapping.reserved);
   if (from < to) madvise(mapping.at + from, to - from, MADV_DONTNEED);
@@ -136,6 +160,7 @@ void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexce
 }
 
 void release_pages(const Mapping& mapping, std::size_t bytes) noexcept {
+  if (is_small(mapping)) return;
   const std::size_t whole = std::min(bytes, mapping.reserved) / page * page;
   if (whole > 0) madvise(mapping.at, whole, MADV_DONTNEED);
 }

@@ -24,8 +24,21 @@ constexpr const char* name_of(Phase phase) {
 struct Span {
   Phase phase;
   TileId tile;
-  std::uint32_t thread;   // 0..threads-1
-  double begin_s, end_s;  // since the job began
+  std::uint32_t thread;     // 0..threads-1
+  double begin_s, end_s;    // since the job began
+  std::uint32_t times = 1;  // so many spans of this thread and phase, the first of which was for this tile
+};
+
+// A hundred thousand tiles work a million times: of a timeline of any length some 50,000 spans are kept. Short ones of
+// a thread and a phase, with short pauses between them, become one.
+class Timeline {
+ public:
+  void add(const Span& span);
+  const std::vector<Span>& spans() const { return spans_; }
+
+ private:
+  std::vector<Span> spans_;
+  double short_s_ = 0;
 };
 
 struct Progress {
@@ -45,16 +58,16 @@ struct Progress {
 
   void add_span(const Span& span) {
     const std::lock_guard lock(mutex_);
-    spans_.push_back(span);
+    timeline_.add(span);
   }
   std::vector<Span> spans() const {
     const std::lock_guard lock(mutex_);
-    return spans_;
+    return timeline_.spans();
   }
 
  private:
   mutable std::mutex mutex_;
-  std::vector<Span> spans_;
+  Timeline timeline_;
 };
 
 }  // namespace tessera

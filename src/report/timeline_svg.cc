@@ -11,23 +11,17 @@ namespace {
 constexpr double row = 22, gap = 6, top = 6, pixels = 1000;
 constexpr int label_px = 72;  // left of the drawing: report_style.cc leaves as much room
 
-struct Bar {
-  Span first;
-  double end_s;
-  std::size_t spans = 1;
-};
-
 // The spans of one thread, merged where neither their ends nor the pauses between them could be seen.
-std::vector<Bar> merge(std::vector<Span> spans, double pixel_s) {
+std::vector<Span> merge(std::vector<Span> spans, double pixel_s) {
   std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.begin_s < b.begin_s; });
-  std::vector<Bar> bars;
+  std::vector<Span> bars;
   for (const auto& span : spans) {
-    if (!bars.empty() && bars.back().first.phase == span.phase && span.begin_s - bars.back().end_s < pixel_s &&
-        (bars.back().first.tile == span.tile || span.end_s - span.begin_s < 2 * pixel_s)) {
+    if (!bars.empty() && bars.back().phase == span.phase && span.begin_s - bars.back().end_s < pixel_s &&
+        (bars.back().tile == span.tile || span.end_s - span.begin_s < 2 * pixel_s)) {
       bars.back().end_s = std::max(bars.back().end_s, span.end_s);
-      ++bars.back().spans;
+      bars.back().times += span.times;
     } else {
-      bars.push_back({span, span.end_s});
+      bars.push_back(span);
     }
   }
   return bars;
@@ -73,14 +67,14 @@ std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
     svg += "<text x=\"" + std::to_string(-label_px) + "\" y=\"" + fixed(y + row * 0.7, 1) + "\">thread " +
            std::to_string(thread) + "</text>\n";
     for (const auto& bar : merge(list, total_s / pixels)) {
-      const double x = at(bar.first.begin_s);
-      const std::string what = bar.spans == 1 || bar.first.phase == Phase::triangulating
-                                   ? "tile " + to_string(bar.first.tile)
-                                   : std::to_string(bar.spans) + " times";
-      svg += "<rect class=\"p-" + std::string(name_of(bar.first.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" +
-             fixed(y, 1) + "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" +
-             fixed(row, 0) + "\"><title>" + name_of(bar.first.phase) + ", " + what + ": " +
-             fixed(bar.first.begin_s, 3) + " to " + fixed(bar.end_s, 3) + " s</title></rect>\n";
+      const double x = at(bar.begin_s);
+      const std::string what = bar.times == 1 || bar.phase == Phase::triangulating
+                                   ? "tile " + to_string(bar.tile)
+                                   : std::to_string(bar.times) + " times";
+      svg += "<rect class=\"p-" + std::string(name_of(bar.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" + fixed(y, 1) +
+             "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" + fixed(row, 0) +
+             "\"><title>" + name_of(bar.phase) + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
+             fixed(bar.end_s, 3) + " s</title></rect>\n";
     }
     y += row + gap;
   }

@@ -1,0 +1,39 @@
+#include "src/base/progress.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <tuple>
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t spans_max = 50'000;
+constexpr double parts_of_the_whole = 4096;  // finer than any screen
+
+void merge(std::vector<Span>& spans, double short_s) {
+  const auto order = [](const Span& s) { return std::tuple(s.thread, s.phase, s.begin_s); };
+  std::sort(spans.begin(), spans.end(), [&](const Span& a, const Span& b) { return order(a) < order(b); });
+  std::size_t kept = 0;
+  for (const Span& span : spans) {
+    Span* const last = kept > 0 ? &spans[kept - 1] : nullptr;
+    if (last && last->thread == span.thread && last->phase == span.phase && span.begin_s - last->end_s < short_s &&
+        span.end_s - span.begin_s < short_s) {
+      last->end_s = std::max(last->end_s, span.end_s);
+      last->times += span.times;
+    } else {
+      spans[kept++] = span;
+    }
+  }
+  spans.resize(kept);
+}
+
+}  // namespace
+
+void Timeline::add(const Span& span) {
+  spans_.push_back(span);
+  if (spans_.size() < spans_max) return;
+  short_s_ = std::max({short_s_, span.end_s / parts_of_the_whole, 1e-6});
+  for (merge(spans_, short_s_); spans_.size() > spans_max / 2; merge(spans_, short_s_)) short_s_ *= 2;
+}
+
+}  // namespace tessera
