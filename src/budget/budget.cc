@@ -53,9 +53,9 @@ std::uint64_t fixed_bytes(std::uint32_t threads) {
   return 25 * mib + threads * (3 * mib / 2);
 }
 
-std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads) {
+std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::uint64_t tiles) {
   // An eighth for tiles that are falling asleep or waking up, and for holes between small arrays.
-  return beside(memory_bytes, fixed_bytes(threads)) / 8 * 7;
+  return beside(memory_bytes, fixed_bytes(threads) + tiles * tile_bytes) / 8 * 7;
 }
 
 std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
@@ -71,7 +71,9 @@ bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, Kerne
     points += n;
     largest = std::max(largest, n);
   }
-  return whole_bytes(points, largest, needs(dimension, kernel), threads) <= for_tiles(memory_bytes, threads);
+  const auto tiles =
+      static_cast<std::uint64_t>(std::count_if(tile_points.begin(), tile_points.end(), [](auto n) { return n > 0; }));
+  return whole_bytes(points, largest, needs(dimension, kernel), threads) <= for_tiles(memory_bytes, threads, tiles);
 }
 
 std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes) {
@@ -97,9 +99,9 @@ Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint6
   const std::uint64_t tile = std::min(points, tile_points);
   const std::uint64_t tiles = tile == 0 ? 0 : (points + tile - 1) / tile;
   const auto busy = static_cast<std::uint32_t>(std::min<std::uint64_t>(threads, tiles));
-  const std::uint64_t base = fixed_bytes(threads);
+  const std::uint64_t base = fixed_bytes(threads) + tiles * tile_bytes;
   Phases all;
-  all.whole = whole_bytes(points, tile, need, threads) <= for_tiles(memory_bytes, threads);
+  all.whole = whole_bytes(points, tile, need, threads) <= for_tiles(memory_bytes, threads, tiles);
   const std::uint64_t kept = points * (all.whole ? need.whole : need.image);
   const std::uint64_t collect = all.whole ? need.collect_whole : need.collect;
   all.routing = fixed_bytes(0) + reading_threads(memory_bytes, threads) * reading_thread_bytes +

@@ -27,46 +27,78 @@ std::uint64_t largest_need(int dimension, KernelKind kernel) {
   return std::max(need.triangulate, need.image + need.collect);
 }
 
-// Points a tile may have so that every thread works on one and there is as much room for tiles that are awake.
-std::uint64_t fitting(int dimension, KernelKind kernel, std::uint32_t threads, std::uint64_t memory_bytes) {
-  return for_tiles(memory_bytes, threads) / 2 / (std::max(1u, threads) * largest_need(dimension, kernel));
+// As for_tiles(), but nothing when there is nothing left.
+std::uint64_t left_for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::uint64_t tiles) {
+  const std::uint64_t taken = fixed_bytes(threads) + tiles * tile_bytes;
+  return memory_bytes > taken ? std::min((memory_bytes - taken) / 8 * 7, for_tiles(memory_bytes, threads, tiles)) : 0;
+}
+
+// Points a tile may have so that every thread works on one and there is as much room for tiles that are awake. 0 when
+// there are too many tiles for that, however large they are. The larger, the fewer: what fits those that would fit if
+// they were none is a bound, and so is what fits those that come of a bound.
+std::uint64_t fitting(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
+                      std::uint64_t memory_bytes) {
+  const auto fits = [&](std::uint64_t tiles) {
+    return left_for_tiles(memory_bytes, threads, tiles) / 2 / (std::max(1u, threads) * largest_need(dimension, kernel));
+  };
+  std::uint64_t bound = fits(0);
+  while (bound > 0) {
+    const std::uint64_t next = fits(points / bound + 1);
+    if (next >= bound) break;
+    bound = std::min(next, bound - bound / 64 - 1);
+  }
+  return bound;
+}
+
+// The least whole MiB with which it holds; it holds with more than that, too.
+template <class Holds>
+std::uint64_t least_memory(Holds holds) {
+  std::uint64_t below = 0, above = mib;
+  while (!holds(above)) {
+    below = above;
+    above *= 2;
+  }
+  while (above - below > mib) {
+    const std::uint64_t middle = (below + above) / 2 / mib * mib;
+    (holds(middle) ? above : below) = middle;
+  }
+  return above;
 }
 
 }  // namespace
-
-std::uint64_t least_memory(int dimension, KernelKind kernel, std::uint64_t tile_points, std::uint32_t threads) {
-  const std::uint64_t tiles = 2 * tile_points * std::max(1u, threads) * largest_need(dimension, kernel);
-  std::uint64_t bytes = (fixed_bytes(threads) + tiles / 7 * 8) / mib * mib;
-  while (fitting(dimension, kernel, threads, bytes) < tile_points) bytes += mib;  // rounding, a step or two
-  return bytes;
-}
 
 Result<std::uint64_t> tile_limit(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
                                  std::uint64_t memory_bytes) {
   // A cloud smaller than the smallest tile is one tile, and needs no more than it.
   const auto needed = std::clamp<std::uint64_t>(points, 100, smallest_tile);
-  if (memory_bytes < least_memory(dimension, kernel, needed, threads)) {
+  const auto enough = [&](std::uint64_t bytes) { return fitting(dimension, kernel, points, threads, bytes) >= needed; };
+  if (!enough(memory_bytes)) {
     return error(Errc::memory, option("memory") + " is too small for " + threads_text(threads) +
                                    " with tiles of even " + std::to_string(needed) + " points each; give at least " +
-                                   in_mebibytes(least_memory(dimension, kernel, needed, threads)) +
+                                   in_mebibytes(least_memory(enough)) +
                                    (threads == 1 ? "" : ", or fewer " + option("threads")));
   }
   const std::uint64_t busy = std::max(worthwhile_tile, points / (4 * threads) + 1);
-  const std::uint64_t fits = fitting(dimension, kernel, threads, memory_bytes);
-  return std::min({std::max(fits, needed), largest_tile(dimension), busy});
+  return std::min({fitting(dimension, kernel, points, threads, memory_bytes), largest_tile(dimension), busy});
 }
 
-Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
+Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tiles, std::uint32_t threads,
                  std::uint64_t memory_bytes) {
   // One at a time may be worked on while all others sleep: the threads wait for it.
-  const std::uint64_t tiles = points * largest_need(dimension, kernel);
-  if (tiles <= for_tiles(memory_bytes, threads) && memory_bytes >= least_memory(dimension, kernel, 100, threads))
-    return success();
-  const std::uint64_t least =
-      std::max(fixed_bytes(threads) + tiles / 7 * 8 + 7, least_memory(dimension, kernel, 100, threads));
-  return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " + in_mebibytes(tiles) +
+  const std::uint64_t bytes = points * largest_need(dimension, kernel);
+  const auto enough = [&](std::uint64_t memory) {
+    return bytes <= left_for_tiles(memory, threads, tiles) && fitting(dimension, kernel, 100, threads, memory) >= 100;
+  };
+  if (enough(memory_bytes)) return success();
+  const std::string least = in_mebibytes(least_memory(enough));
+  if (bytes < tiles * tile_bytes) {
+    return error(Errc::memory, std::to_string(tiles) + " tiles need about " + in_mebibytes(tiles * tile_bytes) +
+                                   " of memory beside their points, which " + option("memory") +
+                                   " does not allow; ask for fewer tiles, or give at least " + least);
+  }
+  return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " + in_mebibytes(bytes) +
                                  " of memory, which " + option("memory") +
-                                 " does not allow; ask for smaller tiles, or give at least " + in_mebibytes(least));
+                                 " does not allow; ask for smaller tiles, or give at least " + least);
 }
 
 }  // namespace tessera::budget

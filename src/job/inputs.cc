@@ -30,8 +30,9 @@ Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud) 
   } else if (limit == 0) {
     return budget::tile_limit(dimension, options.kernel, points, options.threads, options.memory_bytes);
   }
-  BOOST_OUTCOME_TRYV(
-      budget::tile_fits(dimension, options.kernel, std::min(limit, points), options.threads, options.memory_bytes));
+  const std::uint64_t tiles = options.tiles > 0 ? options.tiles : points / std::max<std::uint64_t>(1, limit) + 1;
+  BOOST_OUTCOME_TRYV(budget::tile_fits(dimension, options.kernel, std::min(limit, points), tiles, options.threads,
+                                       options.memory_bytes));
   return limit;
 }
 

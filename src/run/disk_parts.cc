@@ -85,7 +85,9 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
                                  spec.threads, reduce ? 0 : spec.memory_bytes / 4);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
-  part->schedule.memory_bytes = budget::for_tiles(spec.memory_bytes, spec.threads);
+  const auto tiles =
+      static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
+  part->schedule.memory_bytes = budget::for_tiles(spec.memory_bytes, spec.threads, tiles);
   part->schedule.begin_bytes = needs.triangulate;
   part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
   part->schedule.kernel = spec.kernel;
@@ -98,8 +100,6 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
   context.incarnations = spec.incarnations;
   context.storage = &part->storage;
-  const auto tiles =
-      static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
   part->points = std::move(points);
   // Mail of an earlier process was for tiles that are no more.

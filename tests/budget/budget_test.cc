@@ -22,9 +22,10 @@ constexpr KernelKind flat = KernelKind::flat;
 TEST(TileLimit, TilesOfAllThreadsFitInMemoryTogether) {
   for (const std::uint64_t memory : {gib / 2, gib, 4 * gib, 64 * gib}) {
     for (const std::uint32_t threads : {1u, 2u, 8u, 16u}) {
-      const auto limit = tile_limit(3, flat, 1'000'000'000, threads, memory);
+      const auto limit = tile_limit(3, flat, 100'000'000, threads, memory);
       ASSERT_TRUE(limit);
-      EXPECT_LE(limit.value() * threads * needs(3, flat).triangulate, for_tiles(memory, threads));
+      EXPECT_LE(limit.value() * threads * needs(3, flat).triangulate,
+                for_tiles(memory, threads, 100'000'000 / limit.value()));
       EXPECT_GE(limit.value(), 10'000u);
       EXPECT_LE(limit.value(), 1'000'000u);
     }
@@ -57,19 +58,31 @@ TEST(TileLimit, TooLittleMemoryIsRefusedWithAFigureThatWouldDo) {
 
 TEST(TileFits, ATileTooLargeIsRefusedWithAFigureThatWouldDo) {
   for (const std::uint64_t points : {50u, 200'000u, 10'000'000u}) {
-    const auto fits = tile_fits(3, flat, points, 2, 20 * mib);
+    const auto fits = tile_fits(3, flat, points, 1, 2, 20 * mib);
     ASSERT_FALSE(fits);
     EXPECT_EQ(fits.error().code, Errc::memory);
-    EXPECT_TRUE(tile_fits(3, flat, points, 2, figure_in(fits.error().where, "at least ")));
-    EXPECT_FALSE(tile_fits(3, flat, points, 2, figure_in(fits.error().where, "at least ") - 2 * mib));
+    EXPECT_TRUE(tile_fits(3, flat, points, 1, 2, figure_in(fits.error().where, "at least ")));
+    EXPECT_FALSE(tile_fits(3, flat, points, 1, 2, figure_in(fits.error().where, "at least ") - 2 * mib));
   }
+}
+
+TEST(TileFits, ManyTilesAreRefusedWithAFigureThatWouldDo) {
+  EXPECT_TRUE(tile_fits(3, flat, 100, 20'000, 2, 200 * mib));
+  const auto fits = tile_fits(3, flat, 100, 20'000, 2, 100 * mib);
+  ASSERT_FALSE(fits);
+  EXPECT_NE(fits.error().where.find("20000 tiles need about 79M"), std::string::npos) << fits.error().where;
+  const std::uint64_t least = figure_in(fits.error().where, "at least ");
+  EXPECT_TRUE(tile_fits(3, flat, 100, 20'000, 2, least));
+  EXPECT_FALSE(tile_fits(3, flat, 100, 20'000, 2, least - mib));
+  // So many come of a large cloud by themselves.
+  EXPECT_FALSE(tile_limit(3, flat, 10'000'000'000, 2, 200 * mib));
 }
 
 TEST(Budget, EveryPartIsLessThanTheMemoryHoweverSmall) {
   for (const std::uint64_t memory : {mib, 16 * mib, 40 * mib, gib, 100 * gib}) {
     for (const std::uint32_t threads : {1u, 64u}) {
-      EXPECT_GT(for_tiles(memory, threads), 0u);
-      EXPECT_LT(for_tiles(memory, threads), memory);
+      EXPECT_GT(for_tiles(memory, threads, 1000), 0u);
+      EXPECT_LT(for_tiles(memory, threads, 0), memory);
       EXPECT_LE(route_buffer_bytes(memory) + refine_bytes(memory), memory);
       EXPECT_LE(reading_threads(memory, threads), threads);
       EXPECT_GE(reading_threads(memory, threads), 1u);

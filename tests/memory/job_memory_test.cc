@@ -60,7 +60,11 @@ class MemoryInJob : public ::testing::TestWithParam<Case> {
     options_.memory_bytes = memory_bytes;
     if (c.short_of_memory) {
       options_.keep = Keep::reduced;
-      options_.memory_bytes = budget::least_memory(c.dimension, c.kernel, cloud.size() / tiles + 1, threads);
+      // The least that is accepted.
+      const std::uint64_t points = cloud.size() / tiles + 1;
+      for (options_.memory_bytes = 1 << 20;
+           !budget::tile_fits(c.dimension, c.kernel, points, tiles, threads, options_.memory_bytes);)
+        options_.memory_bytes += 1 << 20;
     }
   }
 
