@@ -1,7 +1,6 @@
 #include "actors/tile_actor.h"
 
-#include <malloc.h>
-
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -114,6 +113,7 @@ void TileActor::work(Work work) {
   };
   TileReport report;
   report.span = {self_.tile, work, thread_number(), since_opened(), 0};
+  const std::uint64_t before = state_.memory();
   try {
     if (Status done = perform(work); !done) report.failure = failure_of(std::move(done).error());
     for (Batch& batch : state_.take_outgoing()) {
@@ -124,7 +124,7 @@ void TileActor::work(Work work) {
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
-  if (part_->context.reduce) malloc_trim(0);  // what the work has left behind in pools, where nobody else finds it
+  part_->heap_trim.worked_on(std::max(before, state_.memory()));
   report.span.end_us = since_opened();
   // After the batches were posted: what is on its way counts as sent before the part can ask.
   const Totals totals = state_.totals();

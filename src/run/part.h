@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/run/heap_trim.h"
 #include "src/run/schedule.h"
 #include "src/run/tile_state.h"
 
@@ -49,7 +50,8 @@ struct Part {
   ScheduleOptions schedule;
   std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
   std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
-  bool settled = false;               // all was quiet once, and each tile not stored has left what it is built from
+  HeapTrim heap_trim;
+  bool settled = false;  // all was quiet once, and each tile not stored has left what it is built from
 };
 
 // How a node comes by its parts: from a run folder in production, from memory in the harness.
