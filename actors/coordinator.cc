@@ -167,8 +167,8 @@ void Coordinator::show_progress(PartProgress& message) {
     progress.sum.points_begun += p.progress.points_begun;
     progress.sum.tiles_stored += p.progress.tiles_stored;
     progress.sum.tiles_asleep += p.progress.tiles_asleep;
-    progress.sum.batches_sent += p.progress.batches_sent;
-    progress.sum.batches_processed += p.progress.batches_processed;
+    progress.sum.updates_sent += p.progress.updates_sent;
+    progress.sum.updates_processed += p.progress.updates_processed;
     progress.sum.points_sent += p.progress.points_sent;
     progress.sum.memory_bytes += p.progress.memory_bytes;
   }
@@ -203,8 +203,8 @@ void Coordinator::ended(PartEnded& message) {
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
   sum_.points += message.points;
-  sum_.batches += message.batches;
-  sum_.rounds = std::max(sum_.rounds, message.rounds);
+  sum_.updates += message.updates;
+  sum_.hops = std::max(sum_.hops, message.hops);
   sum_.most_received = std::max(sum_.most_received, message.most_received);
   sum_.sleeps += message.sleeps;
   sum_.begin_us += message.begin_us;

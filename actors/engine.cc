@@ -52,8 +52,8 @@ void show(const RunProgress& from, double opened_s, Progress& to) {
   to.tiles_triangulated = static_cast<std::uint32_t>(sum.tiles_begun);
   to.tiles_stored = static_cast<std::uint32_t>(sum.tiles_stored);
   to.tiles_asleep = static_cast<std::uint32_t>(sum.tiles_asleep);
-  to.batches_sent = sum.batches_sent;
-  to.batches_processed = sum.batches_processed;
+  to.updates_sent = sum.updates_sent;
+  to.updates_processed = sum.updates_processed;
   to.points_sent = sum.points_sent;
   to.memory_bytes = sum.memory_bytes;
   for (const WorkSpan& span : sum.spans) {
@@ -74,8 +74,8 @@ RunSummary summary_of(const RunEnded& ended, std::vector<TileDone> done) {
     summary.cells += tile.entry.main_cells;
   }
   summary.exchange.points = ended.sum.points;
-  summary.exchange.batches = ended.sum.batches;
-  summary.exchange.rounds = ended.sum.rounds;
+  summary.exchange.updates = ended.sum.updates;
+  summary.exchange.hops = ended.sum.hops;
   summary.exchange.most_received = ended.sum.most_received;
   summary.exchange.sleeps = ended.sum.sleeps;
   summary.exchange.work = {seconds(ended.sum.begin_us), seconds(ended.sum.splay_us), seconds(ended.sum.collect_us)};

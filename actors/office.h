@@ -1,4 +1,4 @@
-// Where batches go: to a tile of this node at once, to another node's part in a parcel. One per part, made before its
+// Where updates go: to a tile of this node at once, to another node's part in a parcel. One per part, made before its
 // tiles, the same ever after. The test network, when there is one, gets everything first.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace tessera {
 // What only the harness sets.
 struct Hooks {
   std::function<void(const std::string&)> trace;  // hears of every step
-  NetworkHandle network;                          // delays and reorders batches; delivers them to parts
+  NetworkHandle network;                          // delays and reorders updates; delivers them to parts
 
   template <class Text>
   void tell(Text text) const {
@@ -34,15 +34,15 @@ struct Office {
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();
 
   template <class Self>
-  void post(Self* sender, Batch batch) const {
-    const TileId to = batch.to.tile;
+  void post(Self* sender, Update update) const {
+    const TileId to = update.to.tile;
     if (hooks.network) {
-      sender->send(hooks.network, caf::actor_cast<caf::actor>(parts[spec.node_of(to).value]), std::move(batch));
+      sender->send(hooks.network, caf::actor_cast<caf::actor>(parts[spec.node_of(to).value]), std::move(update));
     } else if (tiles[to.value]) {
-      sender->send(tiles[to.value], std::move(batch));
+      sender->send(tiles[to.value], std::move(update));
     } else {
       Parcel parcel;
-      parcel.batches.push_back(std::move(batch));
+      parcel.updates.push_back(std::move(update));
       sender->send(parts[spec.node_of(to).value], std::move(parcel));
     }
   }

@@ -93,7 +93,7 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](Parcel& parcel) { deliver(parcel); },
       [this](const MailNotice& notice) {
-        schedule_.mail(notice.tile, {notice.batches, notice.points, notice.bytes, notice.hops});
+        schedule_.mail(notice.tile, {notice.updates, notice.points, notice.bytes, notice.hops});
         dispatch();
       },
       [this](TileReport& report) {
@@ -128,19 +128,19 @@ void PartActor::open(const BeginPart& begin) {
   }
 }
 
-// What another node says is never a reason to stop this one: a batch for nobody ends the job, not the process.
+// What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
 void PartActor::deliver(Parcel& parcel) {
   if (failure_ || !opened_) return;  // mail of a job that is over; before Begin nobody has this handle
-  for (Batch& batch : parcel.batches) {
-    const TileId to = batch.to.tile;
-    const bool sound = knows(to) && batch.from.tile.value < part_->points.size();
+  for (Update& update : parcel.updates) {
+    const TileId to = update.to.tile;
+    const bool sound = knows(to) && update.from.tile.value < part_->points.size();
     if (!sound) {
       stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
                                                 ", which it does not have")));
       dispatch();
       return;
     }
-    send(office_->tiles[to.value], std::move(batch));
+    send(office_->tiles[to.value], std::move(update));
   }
 }
 
@@ -149,18 +149,18 @@ void PartActor::take(TileReport& report) {
   office_->hooks.tell([&] {
     return name_of(self_) + ": tile " + std::to_string(span.tile.value) + " has done " + tessera::name_of(span.work) +
            ": sent " + std::to_string(report.sent) + ", processed " + std::to_string(report.processed) +
-           ", batches waiting " + std::to_string(report.waiting.batches);
+           ", updates waiting " + std::to_string(report.waiting.updates);
   });
   Figures& tile = tiles_[span.tile.value];
   totals_.sent += report.sent - tile.totals.sent;
   totals_.processed += report.processed - tile.totals.processed;
   tile.totals = {report.sent, report.processed};
-  sum_.batches += report.batches - tile.batches;
-  tile.batches = report.batches;
+  sum_.updates += report.updates - tile.updates;
+  tile.updates = report.updates;
   sum_.points += report.points;
   sum_.points -= tile.points;
   tile.points = report.points;
-  sum_.rounds = std::max<std::uint64_t>(sum_.rounds, report.hops);
+  sum_.hops = std::max<std::uint64_t>(sum_.hops, report.hops);
   sum_.most_received = std::max(sum_.most_received, report.points.received);
   const std::uint64_t us = span.end_us - span.begin_us;
   tile.microseconds += us;
@@ -169,7 +169,7 @@ void PartActor::take(TileReport& report) {
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
-                 {report.waiting.batches, report.waiting.points, report.waiting.bytes, report.waiting.hops},
+                 {report.waiting.updates, report.waiting.points, report.waiting.bytes, report.waiting.hops},
                  report.storing);
   if (span.work == Work::begin) {
     ++progress_.tiles_begun;
@@ -247,8 +247,8 @@ void PartActor::tell_progress(bool now) {
   if (!coordinator_ || (!now && time - progress_told_ < progress_interval_)) return;
   progress_told_ = time;
   progress_.tiles_asleep = schedule_.asleep();
-  progress_.batches_sent = totals_.sent;
-  progress_.batches_processed = totals_.processed;
+  progress_.updates_sent = totals_.sent;
+  progress_.updates_processed = totals_.processed;
   progress_.points_sent = sum_.points.sent;
   progress_.memory_bytes = schedule_.memory();
   send(coordinator_, progress_);

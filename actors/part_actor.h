@@ -9,7 +9,7 @@
 // exchanging | Settle        | grant settle to every tile in memory; PartSettled when all have
 // opened, settling | Collect | grant collect to every tile that is not stored
 // collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
-// any        | Parcel        | hand its batches to the tiles
+// any        | Parcel        | hand its updates to the tiles
 // any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
 //                            | grant nothing more; PartEnded with the first failure once nothing is under way
@@ -64,7 +64,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   struct Figures {  // of one tile
     Totals totals;
     ExchangeCounts points;
-    std::uint64_t batches = 0, microseconds = 0;
+    std::uint64_t updates = 0, microseconds = 0;
   };
 
   NodeId self_;

@@ -11,7 +11,7 @@
 #include "src/base/figures.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
-#include "src/run/batch.h"
+#include "src/run/update.h"
 #include "src/run/work.h"
 #include "src/store/tile_store.h"
 
@@ -34,7 +34,7 @@ struct Grant {
 // tile -> part: what waits for it, since more has come.
 struct MailNotice {
   TileId tile;
-  std::uint64_t batches = 0, points = 0, bytes = 0;
+  std::uint64_t updates = 0, points = 0, bytes = 0;
   std::uint32_t hops = 0;
 };
 
@@ -53,8 +53,8 @@ struct TileReport {
   std::uint64_t memory = 0;   // held, mail not counted
   std::uint64_t storing = 0;  // bytes of the mesh that is on its way to the store
   MailNotice waiting;
-  std::uint64_t sent = 0, processed = 0;  // batches, per living peers
-  std::uint64_t batches = 0;              // ever sent
+  std::uint64_t sent = 0, processed = 0;  // updates, per living peers
+  std::uint64_t updates = 0;              // ever sent
   std::uint32_t hops = 0;
   ExchangeCounts points;
 };
@@ -72,9 +72,9 @@ struct TileStored {
   TileEntry entry;
 };
 
-// part -> part of another node: batches for tiles that live there.
+// part -> part of another node: updates for tiles that live there.
 struct Parcel {
-  std::vector<Batch> batches;
+  std::vector<Update> updates;
 };
 
 // coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
@@ -124,7 +124,7 @@ struct PartSettled {
 struct PartProgress {
   NodeId node;
   std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0, tiles_asleep = 0;
-  std::uint64_t batches_sent = 0, batches_processed = 0, points_sent = 0, memory_bytes = 0;
+  std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0, memory_bytes = 0;
   std::vector<WorkSpan> spans;  // since the last one
 };
 // part -> coordinator: a tile is in the store.
@@ -136,7 +136,7 @@ struct PartEnded {
   NodeId node;
   Failure failure;
   ExchangeCounts points;
-  std::uint64_t batches = 0, rounds = 0, sleeps = 0, most_received = 0;
+  std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
 };
 
@@ -146,13 +146,13 @@ struct Cancel {};
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
 struct Leave {};
 
-using TileHandle = caf::typed_actor<caf::reacts_to<Batch>, caf::reacts_to<Grant>, caf::reacts_to<Leave>>;
+using TileHandle = caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Leave>>;
 using PartHandle =
     caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
                      caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<MailNotice>,
                      caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>>;
-// What stands between tiles in the harness: a batch, and the part that it is for.
-using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Batch>, caf::reacts_to<caf::tick_atom>>;
+// What stands between tiles in the harness: an update, and the part that it is for.
+using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<Leave>>;
 using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartBegun>, caf::reacts_to<PartIdle>,

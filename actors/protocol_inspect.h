@@ -22,13 +22,13 @@ typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
 TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(Grant, x.work)
-TESSERA_MESSAGE(MailNotice, x.tile, x.batches, x.points, x.bytes, x.hops)
+TESSERA_MESSAGE(MailNotice, x.tile, x.updates, x.points, x.bytes, x.hops)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
-TESSERA_MESSAGE(TileReport, x.span, x.failure, x.memory, x.storing, x.waiting, x.sent, x.processed, x.batches, x.hops,
+TESSERA_MESSAGE(TileReport, x.span, x.failure, x.memory, x.storing, x.waiting, x.sent, x.processed, x.updates, x.hops,
                 x.points)
 TESSERA_MESSAGE(TileFailed, x.tile, x.failure)
 TESSERA_MESSAGE(TileStored, x.tile, x.failure, x.entry)
-TESSERA_MESSAGE(Parcel, x.batches)
+TESSERA_MESSAGE(Parcel, x.updates)
 TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator)
 TESSERA_MESSAGE(BeginPart, x.parts, x.settled)
 TESSERA_MESSAGE(Probe, x.wave)
@@ -41,10 +41,10 @@ TESSERA_MESSAGE(PartBegun, x.node)
 TESSERA_MESSAGE(PartIdle, x.node)
 TESSERA_MESSAGE(PartTally, x.node, x.wave, x.idle, x.sent, x.processed)
 TESSERA_MESSAGE(PartSettled, x.node)
-TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.batches_sent,
-                x.batches_processed, x.points_sent, x.memory_bytes, x.spans)
+TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
+                x.updates_processed, x.points_sent, x.memory_bytes, x.spans)
 TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
-TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.batches, x.rounds, x.sleeps, x.most_received, x.begin_us,
+TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.updates, x.hops, x.sleeps, x.most_received, x.begin_us,
                 x.splay_us, x.collect_us)
 TESSERA_MESSAGE(Cancel)
 TESSERA_MESSAGE(Leave)
@@ -67,16 +67,16 @@ inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
   return caf::error{};
 }
 
-// Batches: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
-inline caf::error inspect(caf::serializer& f, Batch& x) {
+// Updates: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
+inline caf::error inspect(caf::serializer& f, Update& x) {
   std::uint64_t n = x.points.size();
   if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
-inline caf::error inspect(caf::deserializer& f, Batch& x) {
+inline caf::error inspect(caf::deserializer& f, Update& x) {
   std::uint64_t n = 0;
   if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
-  if (n > batch_points_max) return caf::sec::invalid_argument;  // before memory is taken
+  if (n > update_points_max) return caf::sec::invalid_argument;  // before memory is taken
   x.points.resize(n);
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
@@ -85,7 +85,7 @@ inline caf::error inspect(caf::deserializer& f, Batch& x) {
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera, first_custom_type_id)
 CAF_ADD_TYPE_ID(tessera, (tessera::Abort))
-CAF_ADD_TYPE_ID(tessera, (tessera::Batch))
+CAF_ADD_TYPE_ID(tessera, (tessera::Update))
 CAF_ADD_TYPE_ID(tessera, (tessera::BeginPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Cancel))
 CAF_ADD_TYPE_ID(tessera, (tessera::Collect))

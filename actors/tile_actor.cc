@@ -84,9 +84,9 @@ TileActor::behavior_type TileActor::make_behavior() {
   set_error_handler(
       [this](caf::scheduled_actor*, caf::error& reason) { fail(lost("a message of " + name_of(self_.tile), reason)); });
   return {
-      [this](Batch& batch) {
-        office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(batch); });
-        if (Status kept = state_.receive(std::move(batch)); !kept) return fail(failure_of(std::move(kept).error()));
+      [this](Update& update) {
+        office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
+        if (Status kept = state_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
         const std::uint64_t bytes = state_.mail_memory();
         const std::uint32_t hops = state_.waiting_hops();
         if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes && hops == hops_told_) return;
@@ -103,7 +103,7 @@ TileActor::behavior_type TileActor::make_behavior() {
 }
 
 MailNotice TileActor::waiting() const {
-  return {self_.tile, state_.waiting_batches(), state_.waiting_points(), state_.mail_memory(), state_.waiting_hops()};
+  return {self_.tile, state_.waiting_updates(), state_.waiting_points(), state_.mail_memory(), state_.waiting_hops()};
 }
 
 void TileActor::work(Work work) {
@@ -116,9 +116,9 @@ void TileActor::work(Work work) {
   const std::uint64_t before = state_.memory();
   try {
     if (Status done = perform(work); !done) report.failure = failure_of(std::move(done).error());
-    for (Batch& batch : state_.take_outgoing()) {
-      office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(batch); });
-      office_->post(this, std::move(batch));
+    for (Update& update : state_.take_outgoing()) {
+      office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
+      office_->post(this, std::move(update));
     }
   } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
     report.failure =
@@ -126,17 +126,17 @@ void TileActor::work(Work work) {
   }
   part_->heap_trim.worked_on(std::max(before, state_.memory()));
   report.span.end_us = since_opened();
-  // After the batches were posted: what is on its way counts as sent before the part can ask.
+  // After the updates were posted: what is on its way counts as sent before the part can ask.
   const Totals totals = state_.totals();
   report.sent = totals.sent;
   report.processed = totals.processed;
-  report.batches = state_.batches_sent();
+  report.updates = state_.updates_sent();
   report.memory = state_.memory() - state_.mail_memory();
   report.storing = mesh_ ? mesh_->bytes() : 0;
   report.waiting = waiting();
   report.hops = state_.hops();
   report.points = state_.counts();
-  told_ = report.waiting.batches > 0;
+  told_ = report.waiting.updates > 0;
   bytes_told_ = report.waiting.bytes;
   hops_told_ = report.waiting.hops;
   send(office_->part, std::move(report));

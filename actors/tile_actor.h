@@ -1,9 +1,9 @@
 // A tile as an actor: TileState behind messages.
 //
 // message | effect                                                      | answer to the part
-// Batch   | keep the points                                             | MailNotice, once per silence, hop and 64 KiB
-// begin   | triangulate and announce, or begin from an image            | TileReport, batches to other tiles
-// splay   | process all mail                                            | TileReport, batches to other tiles
+// Update   | keep the points                                             | MailNotice, once per silence, hop and 64 KiB
+// begin   | triangulate and announce, or begin from an image            | TileReport, updates to other tiles
+// splay   | process all mail                                            | TileReport, updates to other tiles
 // sleep   | write the state to scratch, free it                         | TileReport
 // settle  | write down what makes the tile independent of the others    | TileReport
 // collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer

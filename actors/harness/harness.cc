@@ -12,7 +12,7 @@
 #include "actors/harness/seeded_scheduler.h"
 #include "actors/harness/setting.h"
 #include "actors/node_actor.h"
-#include "src/harness/reference.h"
+#include "src/reference/reference.h"
 
 namespace tessera {
 namespace {
@@ -28,7 +28,7 @@ class DeterministicConfig : public caf::actor_system_config {
   }
 };
 
-// The truth about batches, beside what the tiles count.
+// The truth about updates, beside what the tiles count.
 class Truth final : public ExchangeWatch {
  public:
   explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
@@ -63,7 +63,7 @@ class Truth final : public ExchangeWatch {
 struct Outcome {
   std::string failure;  // of the harness: what must not be
   std::optional<RunEnded> ended;
-  std::uint64_t steps = 0, batches = 0;
+  std::uint64_t steps = 0, updates = 0;
 };
 
 class Owner final : public RunOwner {
@@ -114,7 +114,7 @@ class Life {
       const Turn ours(options_.memory_faults, false);
       tell("coordinator: quiet");
       if (network_state.held > 0 || truth_.under_way() != 0) {
-        outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " batches not processed";
+        outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " updates not processed";
       }
     };
     storage_.take_reads();
@@ -139,7 +139,7 @@ class Life {
     do {
       scheduler.run_all();
     } while (storage_.lose_pending());
-    outcome.batches = truth_.sent();
+    outcome.updates = truth_.sent();
     if (outcome.failure.empty() && end != End::kill && !outcome.ended) {
       outcome.failure = "no end after " + std::to_string(outcome.steps) + " steps";
     }
@@ -204,7 +204,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     const bool out_of_memory = allocations_failed() > failed_before;
     if (out_of_memory) ++lives_max;
     report.steps += outcome.steps;
-    report.batches += outcome.batches;
+    report.updates += outcome.updates;
     if (!outcome.failure.empty()) return fail(outcome.failure);
     if (outcome.ended) {
       report.waves += outcome.ended->waves;

@@ -13,7 +13,7 @@
 namespace tessera {
 
 struct HarnessOptions {
-  std::string kind = "uniform";  // src/harness/clouds.h
+  std::string kind = "uniform";  // src/reference/clouds.h
   int dimension = 3;
   std::size_t points = 40;
   std::uint32_t tiles = 7;
@@ -29,8 +29,8 @@ struct HarnessOptions {
 
 struct HarnessReport {
   std::uint64_t seeds = 0;  // that passed
-  std::uint64_t steps = 0;  // messages handled
-  std::uint64_t batches = 0, waves = 0, sleeps = 0, spills = 0;
+  std::uint64_t steps = 0;  // actor messages handled
+  std::uint64_t updates = 0, waves = 0, sleeps = 0, spills = 0;
   std::uint64_t failures = 0;  // runs that a fault ended, with an error
   std::uint64_t restarts = 0, settled_restarts = 0;
   std::uint64_t mended = 0;  // runs that were begun again for damage found late
@@ -42,7 +42,7 @@ struct HarnessReport {
 // The seed decides, each independently: cloud, schedule, delays, the number of grants under way, the memory budget
 // (some force every tile to sleep after each step, some a part of them), whether tiles are reduced, how much mail they
 // keep in memory, whether they announce, nodes and who lives where, how late meshes are stored, faults and restarts. At
-// every step the counters of all tiles differ by the batches that are under way.
+// every step the counters of all tiles differ by the updates that are under way.
 HarnessReport run_harness(const HarnessOptions& options);
 
 }  // namespace tessera

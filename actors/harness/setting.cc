@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "src/harness/clouds.h"
+#include "src/reference/clouds.h"
 #include "src/run/touching.h"
 #include "src/tiling/seed_finder.h"
 #include "src/tiling/span_finder.h"
@@ -82,7 +82,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     s.spec.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
   s.context.incarnations = s.spec.incarnations;
-  // Some networks are so slow that whole waves pass while a batch is on its way.
+  // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
   return s;

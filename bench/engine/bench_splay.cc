@@ -115,15 +115,15 @@ class Exchange {
 
  private:
   std::tuple<std::uint32_t, std::uint64_t, std::uint32_t> rank(std::uint32_t t) const {
-    return {~tiles_[t]->waiting_hops(), tiles_[t]->waiting_points() + tiles_[t]->waiting_batches(), t};
+    return {~tiles_[t]->waiting_hops(), tiles_[t]->waiting_points() + tiles_[t]->waiting_updates(), t};
   }
 
   Status post(TileState& from) {
-    for (Batch& batch : from.take_outgoing()) {
-      const std::uint32_t to = batch.to.tile.value;
+    for (Update& update : from.take_outgoing()) {
+      const std::uint32_t to = update.to.tile.value;
       ready_.erase(rank(to));
       ++messages_;
-      BOOST_OUTCOME_TRYV(tiles_[to]->receive(std::move(batch)));
+      BOOST_OUTCOME_TRYV(tiles_[to]->receive(std::move(update)));
       ready_.insert(rank(to));
     }
     return success();

@@ -11,8 +11,8 @@
 #include "bench/engine/cgal_sequential.h"
 #include "src/base/option.h"
 #include "src/generate/generate.h"
-#include "src/job/inputs.h"
 #include "src/job/job.h"
+#include "src/job/open_cloud.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
@@ -76,8 +76,8 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
       100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.exchange.points.sent),
       static_cast<unsigned long long>(s.exchange.points.received),
       static_cast<unsigned long long>(s.exchange.points.inserted),
-      static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.batches),
-      static_cast<unsigned long long>(s.exchange.rounds), static_cast<unsigned long long>(s.exchange.waves),
+      static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.updates),
+      static_cast<unsigned long long>(s.exchange.hops), static_cast<unsigned long long>(s.exchange.waves),
       static_cast<unsigned long long>(s.exchange.most_received));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
               static_cast<unsigned long long>(s.cells), static_cast<double>(s.peak_memory_bytes) / (1 << 20));

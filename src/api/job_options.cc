@@ -35,8 +35,8 @@ JobOptions job_options(const TriangulationOptions& options) {
   if (job.threads == 0) job.threads = usable_processors();
   job.cloud.threads = job.threads;
   if (job.memory_bytes == 0) job.memory_bytes = default_memory();
-  require(job.tiles <= tiles_max,
-          option("tiles") + ": more than " + std::to_string(tiles_max) + " tiles are not possible");
+  require(job.tiles <= Partition::tiles_max,
+          option("tiles") + ": more than " + std::to_string(Partition::tiles_max) + " tiles are not possible");
   require(job.tiles == 0 || job.max_points_per_tile == 0,
           option("tiles") + " and " + option("max-points-per-tile") + " contradict each other: give one of them");
   job.partition = checked(parse_partition_kind(asked.partition), "partition");

@@ -14,8 +14,8 @@
 #include "src/base/option.h"
 #include "src/io/npy/array_source.h"
 #include "src/job/describe.h"
-#include "src/job/inputs.h"
 #include "src/job/job.h"
+#include "src/job/open_cloud.h"
 #include "tessera/triangulation.h"
 
 namespace tessera {

@@ -15,14 +15,14 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
-#include "src/harness/clouds.h"
+#include "src/reference/clouds.h"
 #include "src/report/human.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::int64_t points_max = 1'000'000;  // the comparison keeps every cell in memory
-constexpr std::int64_t tiles_max = 4096;
+constexpr std::int64_t harness_tiles_max = 4096;
 constexpr std::int64_t nodes_max = 64;
 
 // "17" or "1..1000", inclusive.
@@ -57,7 +57,7 @@ Result<HarnessOptions> read_options(Settings& settings) {
   options.dimension = static_cast<int>(dimension.value_or(options.dimension));
   BOOST_OUTCOME_TRY(points, settings.get("points", integer(options.dimension + 1, points_max)));
   if (points) options.points = static_cast<std::size_t>(*points);
-  BOOST_OUTCOME_TRY(tiles, settings.get("tiles", integer(1, tiles_max)));
+  BOOST_OUTCOME_TRY(tiles, settings.get("tiles", integer(1, harness_tiles_max)));
   if (tiles) options.tiles = static_cast<std::uint32_t>(*tiles);
   BOOST_OUTCOME_TRY(nodes, settings.get("nodes", integer(1, nodes_max)));
   if (nodes) options.nodes = static_cast<std::uint32_t>(*nodes);
@@ -91,7 +91,7 @@ Result<HarnessReport> run_seeds(const HarnessOptions& options) {
     auto report = run_harness(one);
     sum.seeds += report.seeds;
     sum.steps += report.steps;
-    sum.batches += report.batches;
+    sum.updates += report.updates;
     sum.waves += report.waves;
     sum.sleeps += report.sleeps;
     sum.spills += report.spills;
@@ -115,15 +115,15 @@ Status run_harness_command(Settings& settings) {
   }
   if (output.json) {
     const nlohmann::ordered_json object{
-        {"event", "harness"},        {"seeds", report.seeds},       {"steps", report.steps},
-        {"batches", report.batches}, {"waves", report.waves},       {"sleeps", report.sleeps},
-        {"spills", report.spills},   {"failures", report.failures}, {"restarts", report.restarts}};
+        {"event", "harness"},         {"seeds", report.seeds},       {"steps", report.steps},
+        {"messages", report.updates}, {"waves", report.waves},       {"sleeps", report.sleeps},
+        {"spills", report.spills},    {"failures", report.failures}, {"restarts", report.restarts}};
     std::printf("%s\n", object.dump().c_str());
   } else if (!output.quiet) {
     std::printf(
-        "%s seeds passed: %s messages handled, %s batches of points, %s collections of counters, %s sleeps, "
+        "%s seeds passed: %s steps, %s messages with points, %s collections of counters, %s sleeps, "
         "%s spills of mail, %s runs ended by faults, %s resumed (%s settled)\n",
-        grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.batches).c_str(),
+        grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.updates).c_str(),
         grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
         grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str());
   }

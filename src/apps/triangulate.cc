@@ -15,8 +15,8 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/triangulate_options.h"
-#include "src/job/inputs.h"
 #include "src/job/job.h"
+#include "src/job/open_cloud.h"
 #include "src/report/progress_display.h"
 #include "src/report/summary.h"
 

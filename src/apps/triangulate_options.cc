@@ -65,8 +65,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   BOOST_OUTCOME_TRY(limit, settings.get("max-points-per-tile", or_auto(parse_positive_count, 0)));
   options.max_points_per_tile = limit.value_or(0);
   BOOST_OUTCOME_TRY(tiles, settings.get("tiles", or_auto(parse_positive_count, 0)));
-  if (tiles.value_or(0) > tiles_max) {
-    return error(Errc::usage, "--tiles: more than " + std::to_string(tiles_max) + " tiles are not possible");
+  if (tiles.value_or(0) > Partition::tiles_max) {
+    return error(Errc::usage, "--tiles: more than " + std::to_string(Partition::tiles_max) + " tiles are not possible");
   }
   options.tiles = static_cast<std::uint32_t>(tiles.value_or(0));
   BOOST_OUTCOME_TRY(partition,

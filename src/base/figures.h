@@ -39,8 +39,8 @@ struct PhaseSeconds {
 
 struct ExchangeFigures {
   ExchangeCounts points;
-  std::uint64_t batches = 0;        // messages with points between tiles
-  std::uint64_t rounds = 0;         // the longest chain of batches that caused one another
+  std::uint64_t updates = 0;        // messages with points between tiles
+  std::uint64_t hops = 0;           // the longest chain of updates that caused one another
   std::uint64_t most_received = 0;  // points that any one tile was told of, repeats included
   std::uint64_t waves = 0;          // collections of counters until quiet was proved
   std::uint64_t sleeps = 0;         // times a tile was put to sleep on disk

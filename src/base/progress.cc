@@ -10,12 +10,12 @@ namespace {
 constexpr std::size_t spans_max = 50'000;
 constexpr double parts_of_the_whole = 4096;  // finer than any screen
 
-void merge(std::vector<Span>& spans, double short_s) {
-  const auto order = [](const Span& s) { return std::tuple(s.thread, s.phase, s.begin_s); };
-  std::sort(spans.begin(), spans.end(), [&](const Span& a, const Span& b) { return order(a) < order(b); });
+void merge(std::vector<PhaseSpan>& spans, double short_s) {
+  const auto order = [](const PhaseSpan& s) { return std::tuple(s.thread, s.phase, s.begin_s); };
+  std::sort(spans.begin(), spans.end(), [&](const PhaseSpan& a, const PhaseSpan& b) { return order(a) < order(b); });
   std::size_t kept = 0;
-  for (const Span& span : spans) {
-    Span* const last = kept > 0 ? &spans[kept - 1] : nullptr;
+  for (const PhaseSpan& span : spans) {
+    PhaseSpan* const last = kept > 0 ? &spans[kept - 1] : nullptr;
     if (last && last->thread == span.thread && last->phase == span.phase && span.begin_s - last->end_s < short_s &&
         span.end_s - span.begin_s < short_s) {
       last->end_s = std::max(last->end_s, span.end_s);
@@ -29,7 +29,7 @@ void merge(std::vector<Span>& spans, double short_s) {
 
 }  // namespace
 
-void Timeline::add(const Span& span) {
+void Timeline::add(const PhaseSpan& span) {
   spans_.push_back(span);
   if (spans_.size() < spans_max) return;
   short_s_ = std::max({short_s_, span.end_s / parts_of_the_whole, 1e-6});

@@ -21,7 +21,7 @@ constexpr const char* name_of(Phase phase) {
 }
 
 // A span of time in which one thread worked on one tile: the report's timeline.
-struct Span {
+struct PhaseSpan {
   Phase phase;
   TileId tile;
   std::uint32_t thread;     // 0..threads-1
@@ -33,11 +33,11 @@ struct Span {
 // a thread and a phase, with short pauses between them, become one.
 class Timeline {
  public:
-  void add(const Span& span);
-  const std::vector<Span>& spans() const { return spans_; }
+  void add(const PhaseSpan& span);
+  const std::vector<PhaseSpan>& spans() const { return spans_; }
 
  private:
-  std::vector<Span> spans_;
+  std::vector<PhaseSpan> spans_;
   double short_s_ = 0;
 };
 
@@ -51,16 +51,16 @@ struct Progress {
   std::atomic<std::uint32_t> tiles_triangulated{0};
   std::atomic<std::uint32_t> tiles_stored{0};
   std::atomic<std::uint32_t> tiles_asleep{0};
-  std::atomic<std::uint64_t> batches_sent{0};  // batches_sent - batches_processed are in flight
-  std::atomic<std::uint64_t> batches_processed{0};
+  std::atomic<std::uint64_t> updates_sent{0};  // updates_sent - updates_processed are in flight
+  std::atomic<std::uint64_t> updates_processed{0};
   std::atomic<std::uint64_t> points_sent{0};
   std::atomic<std::uint64_t> memory_bytes{0};  // what the node believes its tiles hold
 
-  void add_span(const Span& span) {
+  void add_span(const PhaseSpan& span) {
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
   }
-  std::vector<Span> spans() const {
+  std::vector<PhaseSpan> spans() const {
     const std::lock_guard lock(mutex_);
     return timeline_.spans();
   }

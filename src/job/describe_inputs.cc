@@ -9,8 +9,8 @@
 #include "src/io/cloud/inputs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_points.h"
-#include "src/job/inputs.h"
-#include "src/job/plan.h"
+#include "src/job/estimate.h"
+#include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/tiling/partition.h"
 
@@ -67,32 +67,32 @@ std::string to_text(const budget::Phases& phases) {
 }
 
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.
-struct Plan {
+struct Forecast {
   std::uint64_t limit = 0;
   std::uint32_t tiles = 1;
   Bounds sampled;
   Estimate cost;
 };
 
-Result<Plan> plan(const JobOptions& options, const Cloud& cloud, std::uint64_t points) {
+Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::uint64_t points) {
   constexpr std::size_t sample_wanted = 100'000;
-  Plan plan;
+  Forecast made;
   BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
-  plan.limit = limit;
+  made.limit = limit;
   BOOST_OUTCOME_TRY(sample, cloud.sample(sample_wanted));
-  for (const auto& p : sample) plan.sampled.add(p);
+  for (const auto& p : sample) made.sampled.add(p);
   const int dimension = options.cloud.dimension;
   if (!sample.empty()) {
-    plan.tiles =
-        (options.tiles > 0 ? Partition::build_tiles(options.partition, dimension, sample, plan.sampled, options.tiles)
-                           : Partition::build(options.partition, dimension, sample, plan.sampled, points, limit))
+    made.tiles =
+        (options.tiles > 0 ? Partition::build_tiles(options.partition, dimension, sample, made.sampled, options.tiles)
+                           : Partition::build(options.partition, dimension, sample, made.sampled, points, limit))
             .tiles();
   }
-  plan.cost = estimate(dimension, options.kernel, points, limit, options.neighbors, row_bytes(cloud.schema()),
+  made.cost = estimate(dimension, options.kernel, points, limit, options.neighbors, row_bytes(cloud.schema()),
                        {.memory_bytes = options.memory_bytes, .threads = options.threads});
   for (const auto& file : cloud.files())
-    if (!file.packing.empty()) plan.cost.temporary_bytes += file.content_bytes;
-  return plan;
+    if (!file.packing.empty()) made.cost.temporary_bytes += file.content_bytes;
+  return made;
 }
 
 Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud,
@@ -111,22 +111,22 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
     counted = std::move(described);
   }
   const auto points = expected_points(cloud.files());
-  BOOST_OUTCOME_TRY(planned, plan(options, cloud, points));
-  const auto& cost = planned.cost;
+  BOOST_OUTCOME_TRY(expected, forecast(options, cloud, points));
+  const auto& cost = expected.cost;
   if (how.json) {
     Json files = Json::array();
     for (const auto& file : cloud.files()) files.push_back(to_json(file));
     return Json{{"files", files},
                 {"points", points},
                 {"statistics", counted.json},
-                {"sampled_bounds", to_json(planned.sampled)},
+                {"sampled_bounds", to_json(expected.sampled)},
                 {"crs", cloud.crs()},
                 {"crs_name", crs_title(cloud.crs())},
                 {"warnings", cloud.warnings()},
                 {"dimension", options.cloud.dimension},
                 {"partition", name_of(options.partition)},
-                {"max_points_per_tile", planned.limit},
-                {"tiles", planned.tiles},
+                {"max_points_per_tile", expected.limit},
+                {"tiles", expected.tiles},
                 {"threads", options.threads},
                 {"memory_budget_bytes", options.memory_bytes},
                 {"estimate",
@@ -150,8 +150,8 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   text += "Triangulated in " + std::to_string(options.cloud.dimension) + "D on " + std::to_string(options.threads) +
           (options.threads == 1 ? " thread" : " threads") + " with " + human_bytes(options.memory_bytes) +
           " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " +
-          to_text(planned.sampled) + " (of a sample)\n  tiles       " + std::to_string(planned.tiles) + " (" +
-          name_of(options.partition) + ", at most " + grouped(planned.limit) + " points each)\n  cells       " +
+          to_text(expected.sampled) + " (of a sample)\n  tiles       " + std::to_string(expected.tiles) + " (" +
+          name_of(options.partition) + ", at most " + grouped(expected.limit) + " points each)\n  cells       " +
           human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + " (" + to_text(cost.phases) +
           ")\n  disk        " + human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
           " while it works\n  time        " + human_seconds(cost.seconds) + "\n";

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/job/inputs.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
+#include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/run/duplicates.h"
 
@@ -76,11 +76,11 @@ Result<RoutedRun> routed_run(const JobOptions& options, const Cloud& cloud, Resu
 }
 
 // Threads are numbered as they first work for any job of this process.
-std::vector<Span> with_threads_from_0(std::vector<Span> spans) {
+std::vector<PhaseSpan> with_threads_from_0(std::vector<PhaseSpan> spans) {
   std::map<std::uint32_t, std::uint32_t> numbers;
-  for (const Span& span : spans) numbers[span.thread] = 0;
+  for (const PhaseSpan& span : spans) numbers[span.thread] = 0;
   for (std::uint32_t next = 0; auto& [thread, number] : numbers) number = next++;
-  for (Span& span : spans) span.thread = numbers[span.thread];
+  for (PhaseSpan& span : spans) span.thread = numbers[span.thread];
   return spans;
 }
 

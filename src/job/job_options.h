@@ -37,6 +37,5 @@ Result<Returns> parse_returns(std::string_view text);
 Status check_flags(const std::vector<std::string>& names);
 
 constexpr std::uint32_t threads_max = 1024;
-constexpr std::uint64_t tiles_max = 1'000'000;  // file names have six digits
 
 }  // namespace tessera

@@ -53,12 +53,12 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
   const ExchangeFigures& e = summary.exchange;
   const auto number = [](std::uint64_t n) { return static_cast<double>(n); };
   manifest.figures = {{"threads", number(summary.threads)},
-                      {"messages", number(e.batches)},
+                      {"messages", number(e.updates)},
                       {"points_sent", number(e.points.sent)},
                       {"points_received", number(e.points.received)},
                       {"points_inserted", number(e.points.inserted)},
                       {"points_kept", number(e.points.kept)},
-                      {"rounds", number(e.rounds)},
+                      {"rounds", number(e.hops)},
                       {"most_received", number(e.most_received)},
                       {"sleeps", number(e.sleeps)},
                       {"triangulating_cpu_s", e.work.triangulating},
@@ -68,7 +68,7 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
 }
 
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
-                     std::vector<Span> spans) {
+                     std::vector<PhaseSpan> spans) {
   ReportData report;
   report.summary = summary;
   report.version = manifest.software_version;

@@ -22,6 +22,6 @@ JobSummary summary_of(const JobOptions& options, const std::filesystem::path& ou
 // What the manifest keeps of the summary, for people.
 void add_figures(const JobSummary& summary, Manifest& manifest);
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,
-                     std::vector<Span> spans);
+                     std::vector<PhaseSpan> spans);
 
 }  // namespace tessera

@@ -44,9 +44,10 @@ struct alignas(32) CellRow {
 };
 using CellRows = flat::Array<CellRow>;
 
-// Cells that a kernel has handed out and forgotten. Frozen cell f has vertices[(d + 1) * f ...].
-struct FrozenCells {
-  static constexpr std::uint32_t open = ~std::uint32_t{0};  // the cell across this facet stays in the kernel
+// Cells that no point will ever be in conflict with. Cell f has vertices[(d + 1) * f ...]. A kernel that hands them out
+// and forgets them has frozen them.
+struct FinalCells {
+  static constexpr std::uint32_t open = ~std::uint32_t{0};  // the cell across this facet is not final
   BigVector<Vertex> vertices;
   BigVector<std::uint32_t> neighbors;  // indices in this list, or open
 };
@@ -123,11 +124,11 @@ class Kernel {
   virtual CellRows take_cells() = 0;
 
   // The cells that may still change. Goes from the infinite vertex and the vertices that are not local through every
-  // cell that is not settled; a cell with a vertex that is infinite or not local never is, the others are asked. What
-  // lies behind settled cells is not visited: work follows the number of open cells, not the size of the tile. Returns
+  // cell that is not final; a cell with a vertex that is infinite or not local never is, the others are asked. What
+  // lies behind final cells is not visited: work follows the number of open cells, not the size of the tile. Returns
   // d+1 vertices a cell. When `all` is given it becomes cells(), and `open` tells for each whether it was returned.
   // REQUIRES: dimension() == max_dimension().
-  virtual std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all = nullptr,
+  virtual std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all = nullptr,
                                       std::vector<std::uint8_t>* open = nullptr) = 0;
 
   // Whether freeze() is there.
@@ -138,8 +139,8 @@ class Kernel {
   // lies across the facets of the hole.
   // REQUIRES: can_freeze(), dimension() == max_dimension(), nothing was frozen since build() or load(); and from one of
   // the cells that stay all of them can be reached through facets, as when those with a circumsphere in a convex region
-  // are settled and no vertex in it is not local.
-  virtual FrozenCells freeze(const std::function<bool(const Vertex*)>& settled) = 0;
+  // are final and no vertex in it is not local.
+  virtual FinalCells freeze(const std::function<bool(const Vertex*)>& is_final) = 0;
 
   virtual KernelImage save() const = 0;
   // Replaces the content. The image must come from save(): it is checked for range, not for geometry; false if it

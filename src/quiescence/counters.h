@@ -40,7 +40,7 @@ class PeerCounters {
  private:
   struct Count {
     Peer peer;
-    std::uint32_t sent = 0, processed = 0;  // a batch tells of something new: there are fewer than vertices
+    std::uint32_t sent = 0, processed = 0;  // an update tells of something new: there are fewer than vertices
   };
   std::vector<Count>::iterator place(Peer peer);
   Count& at(Peer peer);

@@ -81,10 +81,10 @@ std::string exchange(const JobSummary& s) {
                : " (" + number(fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) + " %") +
                      " of the vertices)";
   };
-  return "<p>" + number(e.batches) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
+  return "<p>" + number(e.updates) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
          ". Of " + number(e.points.received) + " received, " + number(e.points.inserted) + " were inserted and " +
          number(e.points.kept) + " kept; no tile was told of more than " + number(e.most_received) +
-         ". The longest chain of messages that caused one another: " + number(e.rounds) +
+         ". The longest chain of messages that caused one another: " + number(e.hops) +
          "; the counters were collected " + number(e.waves) + " times; tiles were put to sleep " + number(e.sleeps) +
          " times.</p>\n";
 }

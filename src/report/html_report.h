@@ -32,7 +32,7 @@ struct ReportData {
   bool boxes_disjoint = true;      // false for the random partition: no picture of tiles then
   Bounds bounds;                   // of all points
   std::vector<TileFigures> tiles;  // that hold points
-  std::vector<Span> spans;
+  std::vector<PhaseSpan> spans;
 };
 
 std::string html_report(const ReportData& data);
@@ -41,7 +41,7 @@ Status write_html_report(const std::filesystem::path& path, const ReportData& da
 
 // Rows for threads, time to the right, coloured by phase. Spans closer than a pixel are drawn as one. Times are places
 // in per cent, so that text keeps its size at any width. Empty when there are no spans.
-std::string timeline_svg(const std::vector<Span>& spans, double total_s);
+std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s);
 
 // The boxes of the tiles, clipped to the bounds, seen along the axis that is neither `across` nor `up`, each coloured
 // by its value in `values` (by position in `tiles`), from 0 to the greatest: tiles that hardly differ look alike.

@@ -11,9 +11,9 @@ namespace {
 
 double ratio(double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; }
 
-// A batch may be counted as processed before the look at batches_sent: never below zero.
+// An update may be counted as processed before the look at updates_sent: never below zero.
 std::uint64_t in_flight(const ProgressSnapshot& now) {
-  return now.batches_sent - std::min(now.batches_sent, now.batches_processed);
+  return now.updates_sent - std::min(now.updates_sent, now.updates_processed);
 }
 
 // Negative while too little is done to tell.
@@ -36,7 +36,7 @@ std::string figures(const ProgressSnapshot& before, const ProgressSnapshot& now)
   if (const double rate = points_per_second(before, now); rate > 0) {
     add(human_count(static_cast<std::uint64_t>(rate)) + " points/s");
   }
-  if (now.batches_sent > 0) add("in flight " + human_count(in_flight(now)));
+  if (now.updates_sent > 0) add("in flight " + human_count(in_flight(now)));
   if (now.memory_bytes > 0) add("memory " + human_bytes(now.memory_bytes));
   if (const double left = seconds_left(now); left >= 0) add("ETA " + human_seconds(left));
   return text;
@@ -60,8 +60,8 @@ ProgressSnapshot look(const Progress& progress, double elapsed_s) {
   now.tiles_triangulated = progress.tiles_triangulated;
   now.tiles_stored = progress.tiles_stored;
   now.tiles_asleep = progress.tiles_asleep;
-  now.batches_processed = progress.batches_processed;
-  now.batches_sent = progress.batches_sent;
+  now.updates_processed = progress.updates_processed;
+  now.updates_sent = progress.updates_sent;
   now.points_sent = progress.points_sent;
   now.memory_bytes = progress.memory_bytes;
   return now;
@@ -134,8 +134,8 @@ std::string progress_json(const ProgressSnapshot& before, const ProgressSnapshot
                               {"tiles_triangulated", now.tiles_triangulated},
                               {"tiles_stored", now.tiles_stored},
                               {"tiles_asleep", now.tiles_asleep},
-                              {"batches_sent", now.batches_sent},
-                              {"batches_in_flight", in_flight(now)},
+                              {"messages_sent", now.updates_sent},
+                              {"messages_in_flight", in_flight(now)},
                               {"points_sent", now.points_sent},
                               {"memory_bytes", now.memory_bytes}};
   const double left = seconds_left(now);

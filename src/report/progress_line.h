@@ -14,7 +14,7 @@ struct ProgressSnapshot {
   Phase phase = Phase::planning;
   std::uint64_t points_total = 0, points_routed = 0, points_triangulated = 0;
   std::uint32_t tiles_total = 0, tiles_triangulated = 0, tiles_stored = 0, tiles_asleep = 0;
-  std::uint64_t batches_sent = 0, batches_processed = 0, points_sent = 0;
+  std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0;
   std::uint64_t memory_bytes = 0;
 };
 

@@ -19,7 +19,7 @@ std::string summary_text(const JobSummary& s) {
   line("vertices", grouped(s.vertices));
   line(s.dimension == 3 ? "tetrahedra" : "triangles", grouped(s.cells));
   line("tiles", grouped(s.tiles) + (e.sleeps > 0 ? " (put to sleep " + grouped(e.sleeps) + " times)" : ""));
-  line("messages", grouped(e.batches) + " between tiles, with " + grouped(e.points.sent) + " points");
+  line("messages", grouped(e.updates) + " between tiles, with " + grouped(e.points.sent) + " points");
   std::string phases;
   for (const auto& [name, seconds] : s.seconds)
     phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds);
@@ -45,12 +45,12 @@ std::string summary_json(const JobSummary& s) {
                                     {"vertices", s.vertices},
                                     {"cells", s.cells},
                                     {"tiles", s.tiles},
-                                    {"messages", e.batches},
+                                    {"messages", e.updates},
                                     {"points_sent", e.points.sent},
                                     {"points_received", e.points.received},
                                     {"points_inserted", e.points.inserted},
                                     {"points_kept", e.points.kept},
-                                    {"rounds", e.rounds},
+                                    {"rounds", e.hops},
                                     {"most_received", e.most_received},
                                     {"waves", e.waves},
                                     {"sleeps", e.sleeps},

@@ -10,7 +10,7 @@ namespace tessera {
 namespace {
 
 constexpr double size_max = 460;
-constexpr std::size_t tiles_max = 20'000;  // more would be smaller than a pixel
+constexpr std::size_t tiles_drawn_max = 20'000;  // more would be smaller than a pixel
 
 // From dark violet over green to yellow: readable in print and by the colour-blind. Linear between the stops.
 constexpr std::array<std::array<double, 3>, 5> stops{
@@ -69,7 +69,7 @@ std::string tiles_svg(const ReportData& data, int across, int up, const std::vec
     return sign * std::max(data.tiles[a].box.lo[depth], data.bounds.lo[depth]) <
            sign * std::max(data.tiles[b].box.lo[depth], data.bounds.lo[depth]);
   });
-  if (order.size() > tiles_max) order.resize(tiles_max);
+  if (order.size() > tiles_drawn_max) order.resize(tiles_drawn_max);
 
   std::string svg = "<svg class=\"tiles\" viewBox=\"-2 -2 " + fixed(width + 4, 1) + " " + fixed(height + 4, 1) +
                     "\" style=\"max-width:" + fixed(width + 4, 0) + "px\" role=\"img\" aria-label=\"Tiles\">\n";

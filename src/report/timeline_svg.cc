@@ -12,9 +12,9 @@ constexpr double row = 22, gap = 6, top = 6, pixels = 1000;
 constexpr int label_px = 72;  // left of the drawing: report_style.cc leaves as much room
 
 // The spans of one thread, merged where neither their ends nor the pauses between them could be seen.
-std::vector<Span> merge(std::vector<Span> spans, double pixel_s) {
-  std::sort(spans.begin(), spans.end(), [](const Span& a, const Span& b) { return a.begin_s < b.begin_s; });
-  std::vector<Span> bars;
+std::vector<PhaseSpan> merge(std::vector<PhaseSpan> spans, double pixel_s) {
+  std::sort(spans.begin(), spans.end(), [](const PhaseSpan& a, const PhaseSpan& b) { return a.begin_s < b.begin_s; });
+  std::vector<PhaseSpan> bars;
   for (const auto& span : spans) {
     if (!bars.empty() && bars.back().phase == span.phase && span.begin_s - bars.back().end_s < pixel_s &&
         (bars.back().tile == span.tile || span.end_s - span.begin_s < 2 * pixel_s)) {
@@ -38,9 +38,9 @@ double tick_of(double total_s) {
 
 }  // namespace
 
-std::string timeline_svg(const std::vector<Span>& spans, double total_s) {
+std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s) {
   if (spans.empty()) return "";
-  std::map<std::uint32_t, std::vector<Span>> threads;
+  std::map<std::uint32_t, std::vector<PhaseSpan>> threads;
   for (const auto& span : spans) {
     threads[span.thread].push_back(span);
     total_s = std::max(total_s, span.end_s);

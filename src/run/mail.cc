@@ -7,53 +7,53 @@
 
 namespace tessera {
 
-Status Mail::add(Batch batch, TileStorage& storage) {
-  ++batches_;
-  points_ += batch.points.size();
-  held_points_ += batch.points.size();
-  held_.push_back(std::move(batch));
+Status Mail::add(Update update, TileStorage& storage) {
+  ++updates_;
+  points_ += update.points.size();
+  held_points_ += update.points.size();
+  held_.push_back(std::move(update));
   return held_points_ > points_max_ ? spill(storage) : success();
 }
 
 Status Mail::spill(TileStorage& storage) {
   FlatWriter out;
   out.reserve(held_points_ * sizeof(SharedPoint) + held_.size() * 32);
-  for (const Batch& batch : held_) {
-    out.value(batch.from);
-    out.value(batch.to);
-    out.value(batch.hops);
-    out.list(batch.points);
+  for (const Update& update : held_) {
+    out.value(update.from);
+    out.value(update.to);
+    out.value(update.hops);
+    out.list(update.points);
   }
-  std::vector<Batch>().swap(held_);
+  std::vector<Update>().swap(held_);
   held_points_ = 0;
   return storage.append(tile_, ScratchKind::mail, out.take());
 }
 
-Result<std::vector<Batch>> Mail::take(TileStorage& storage) {
-  std::vector<Batch> all;
-  if (held_.size() < batches_) {
+Result<std::vector<Update>> Mail::take(TileStorage& storage) {
+  std::vector<Update> all;
+  if (held_.size() < updates_) {
     BOOST_OUTCOME_TRY(pieces, storage.read(tile_, ScratchKind::mail));
-    all.reserve(batches_);
+    all.reserve(updates_);
     std::uint64_t points = held_points_;
     for (auto& piece : pieces) {
       FlatReader in(piece);
       while (!in.at_end()) {
-        Batch batch;
-        if (!in.value(batch.from) || !in.value(batch.to) || !in.value(batch.hops) || !in.list(batch.points)) break;
-        points += batch.points.size();
-        all.push_back(std::move(batch));
+        Update update;
+        if (!in.value(update.from) || !in.value(update.to) || !in.value(update.hops) || !in.list(update.points)) break;
+        points += update.points.size();
+        all.push_back(std::move(update));
       }
       std::vector<std::byte>().swap(piece);
     }
-    if (points != points_ || all.size() + held_.size() != batches_) {
+    if (points != points_ || all.size() + held_.size() != updates_) {
       return error(Errc::corrupt,
                    "tile " + std::to_string(tile_.value) + ": its mail on disk is not what was put there");
     }
     BOOST_OUTCOME_TRYV(storage.remove(tile_, ScratchKind::mail));
   }
-  for (Batch& batch : held_) all.push_back(std::move(batch));
-  std::vector<Batch>().swap(held_);
-  held_points_ = batches_ = points_ = 0;
+  for (Update& update : held_) all.push_back(std::move(update));
+  std::vector<Update>().swap(held_);
+  held_points_ = updates_ = points_ = 0;
   return all;
 }
 

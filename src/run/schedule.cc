@@ -32,10 +32,10 @@ void Schedule::enter(Stage stage) {
 }
 
 // In memory, those with the shortest chain come first; behind them those asleep with most mail, for waking costs time.
-// An empty batch counts, too: it must be processed.
-Schedule::Mail Schedule::place(TileId t) const {
+// An empty update counts, too: it must be processed.
+Schedule::Ready Schedule::place(TileId t) const {
   const Tile& tile = tiles_[t.value];
-  return {tile.place == Place::awake ? ~tile.mail.hops : 0, tile.mail.points + tile.mail.batches, t};
+  return {tile.place == Place::awake ? ~tile.mail.hops : 0, tile.mail.points + tile.mail.updates, t};
 }
 
 bool Schedule::pending(const Tile& tile) const {
@@ -56,7 +56,7 @@ void Schedule::unlink(TileId t) {
 void Schedule::link(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  if (tile.mail.batches > 0 && (tile.place == Place::awake || tile.place == Place::asleep)) ready_.insert(place(t));
+  if (tile.mail.updates > 0 && (tile.place == Place::awake || tile.place == Place::asleep)) ready_.insert(place(t));
   if (tile.place == Place::awake) awake_.insert({tile.mail.points, ~tile.memory, t});
   if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
 }

@@ -51,8 +51,8 @@ class Schedule {
 
   // Mail that waits for a tile, and the memory it takes.
   struct Waiting {
-    std::uint64_t batches = 0, points = 0, bytes = 0;
-    std::uint32_t hops = 0;  // of the longest chain of batches that ends with one of these
+    std::uint64_t updates = 0, points = 0, bytes = 0;
+    std::uint32_t hops = 0;  // of the longest chain of updates that ends with one of these
   };
   // What waits now, since more has come. Ignored while the tile works: its report will tell.
   void mail(TileId tile, const Waiting& waiting);
@@ -85,13 +85,13 @@ class Schedule {
     Place place = Place::none;
     bool working = false, is_stored = false, settled = false;
   };
-  using Mail = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
+  using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
   using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;  // mail, ~memory, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
   void unlink(TileId tile);
   void link(TileId tile);
-  Mail place(TileId tile) const;
+  Ready place(TileId tile) const;
   bool pending(const Tile& tile) const;
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
@@ -101,7 +101,7 @@ class Schedule {
   ScheduleOptions options_;
   std::vector<Tile> tiles_;
   Stage stage_ = Stage::exchanging;
-  std::set<Mail, std::greater<>> ready_;       // begun, idle, with mail
+  std::set<Ready, std::greater<>> ready_;      // begun, idle, with mail
   std::set<Rank> awake_;                       // idle and in memory: the first sleeps first
   std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled or collected; false: in memory
   std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before

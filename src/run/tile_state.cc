@@ -71,12 +71,12 @@ Result<bool> TileState::restore() {
   return true;
 }
 
-Status TileState::receive(Batch batch) {
+Status TileState::receive(Update update) {
   if (phase_ == Phase::gone) {
     return error(Errc::internal, "tile " + std::to_string(self_.tile.value) + " got mail after quiescence");
   }
-  waiting_hops_ = std::max(waiting_hops_, batch.hops);
-  return mail_.add(std::move(batch), *context_.storage);
+  waiting_hops_ = std::max(waiting_hops_, update.hops);
+  return mail_.add(std::move(update), *context_.storage);
 }
 
 Status TileState::splay() {
@@ -86,8 +86,8 @@ Status TileState::splay() {
   BOOST_OUTCOME_TRYV(insert(mail));
   triangulation_->introduce();
   imaged_ = false;
-  for (const Batch& batch : mail) {
-    counters_.add_processed(batch.from);
+  for (const Update& update : mail) {
+    counters_.add_processed(update.from);
     if (context_.watch) context_.watch->processed(self_, counters_.totals());
   }
   counts_ = triangulation_->counts();
@@ -96,7 +96,7 @@ Status TileState::splay() {
 
 // In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
 // beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region.
-Status TileState::insert(const std::vector<Batch>& mail) {
+Status TileState::insert(const std::vector<Update>& mail) {
   struct Item {
     std::uint64_t key;
     TileId from;
@@ -104,15 +104,15 @@ Status TileState::insert(const std::vector<Batch>& mail) {
   };
   Bounds bounds;
   std::size_t n = 0;
-  for (const Batch& batch : mail) {
-    n += batch.points.size();
-    for (const SharedPoint& p : batch.points) bounds.add(p.at);
+  for (const Update& update : mail) {
+    n += update.points.size();
+    for (const SharedPoint& p : update.points) bounds.add(p.at);
   }
   const HilbertKey key(bounds, context_.dimension);
   std::vector<Item> items;
   items.reserve(n);
-  for (const Batch& batch : mail) {
-    for (const SharedPoint& p : batch.points) items.push_back({key(p.at), batch.from.tile, &p});
+  for (const Update& update : mail) {
+    for (const SharedPoint& p : update.points) items.push_back({key(p.at), update.from.tile, &p});
   }
   std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
   Status done = success();
@@ -122,32 +122,32 @@ Status TileState::insert(const std::vector<Batch>& mail) {
   return done;
 }
 
-std::vector<Batch> TileState::take_outgoing() {
-  std::vector<Batch> out;
+std::vector<Update> TileState::take_outgoing() {
+  std::vector<Update> out;
   if (!triangulation_) return out;
   // What it has heard first, the seeds and what its neighbours announce, it processes together.
   if (triangulation_->due() && !std::exchange(called_, true)) {
     counters_.add_sent(self_);
-    ++batches_sent_;
+    ++updates_sent_;
     if (context_.watch) context_.watch->sent(self_, counters_.totals());
     out.push_back({self_, self_, hops_ + 1, {}});
   }
   for (auto& [tile, points] : triangulation_->take_updates()) {
     const Peer to{tile, context_.incarnations.empty() ? 0 : context_.incarnations[tile.value]};
     const std::size_t n = points.size();
-    for (std::size_t begin = 0; begin < n; begin += batch_points_max) {
-      const std::size_t end = std::min(n, begin + batch_points_max);
-      Batch batch{self_, to, hops_ + 1, {}};
+    for (std::size_t begin = 0; begin < n; begin += update_points_max) {
+      const std::size_t end = std::min(n, begin + update_points_max);
+      Update update{self_, to, hops_ + 1, {}};
       if (end - begin == n) {
-        batch.points = std::move(points);
+        update.points = std::move(points);
       } else {
         const auto first = points.begin();
-        batch.points.assign(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end));
+        update.points.assign(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end));
       }
       counters_.add_sent(to);
-      ++batches_sent_;
+      ++updates_sent_;
       if (context_.watch) context_.watch->sent(self_, counters_.totals());
-      out.push_back(std::move(batch));
+      out.push_back(std::move(update));
     }
   }
   return out;
@@ -215,9 +215,10 @@ Result<FinalCells> TileState::take_finals() {
       finals.vertices.size() != finals.neighbors.size() || finals.vertices.size() % corners != 0) {
     return damaged("list of final cells");
   }
-  const auto cells = static_cast<std::int64_t>(finals.vertices.size() / corners);
+  const std::size_t cells = finals.vertices.size() / corners;
   for (std::size_t i = 0; i < finals.vertices.size(); ++i) {
-    if (finals.vertices[i] >= own_points_ || finals.neighbors[i] < FinalCells::open || finals.neighbors[i] >= cells) {
+    const bool own = finals.vertices[i] != infinite_vertex && finals.vertices[i] <= own_points_;
+    if (!own || (finals.neighbors[i] != FinalCells::open && finals.neighbors[i] >= cells)) {
       return damaged("list of final cells");
     }
   }
@@ -239,13 +240,13 @@ Status TileState::build_settled() {
     if (!restored) return damaged("image");
   } else {
     if (pieces.size() != 1 || pieces[0].size() % sizeof(SharedPoint) != 0) return damaged("foreign vertices");
-    Batch batch;
-    batch.from = self_;
-    batch.points.resize(pieces[0].size() / sizeof(SharedPoint));
-    if (!batch.points.empty()) std::memcpy(batch.points.data(), pieces[0].data(), pieces[0].size());
+    Update update;
+    update.from = self_;
+    update.points.resize(pieces[0].size() / sizeof(SharedPoint));
+    if (!update.points.empty()) std::memcpy(update.points.data(), pieces[0].data(), pieces[0].size());
     pieces = {};
     BOOST_OUTCOME_TRYV(build(false));
-    BOOST_OUTCOME_TRYV(insert({std::move(batch)}));
+    BOOST_OUTCOME_TRYV(insert({std::move(update)}));
   }
   triangulation_->take_updates();  // everybody knows
   phase_ = Phase::awake;

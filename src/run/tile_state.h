@@ -14,14 +14,14 @@
 
 #include "src/base/result.h"
 #include "src/quiescence/counters.h"
-#include "src/run/batch.h"
 #include "src/run/mail.h"
 #include "src/run/tile_storage.h"
+#include "src/run/update.h"
 #include "src/tile/tile_triangulation.h"
 
 namespace tessera {
 
-// Hears of every batch: the harness checks that nothing is believed quiet that is not.
+// Hears of every update: the harness checks that nothing is believed quiet that is not.
 class ExchangeWatch {
  public:
   virtual ~ExchangeWatch() = default;
@@ -49,8 +49,8 @@ class TileState {
 
   // From the image an earlier process has left, if there is a sound one, else from the tile's points.
   Status begin();
-  Status receive(Batch batch);
-  // Processes all mail that waits. No batch is counted as processed before its points are in.
+  Status receive(Update update);
+  // Processes all mail that waits. No update is counted as processed before its points are in.
   Status splay();
   // Leaves an image on scratch, from which the tile also begins in a resumed run.
   Status sleep();
@@ -61,18 +61,18 @@ class TileState {
   // Frees the memory of a tile that need not be collected.
   void drop();
 
-  // Updates the others must get, by now counted as sent. None is larger than batch_points_max.
-  std::vector<Batch> take_outgoing();
+  // Updates the others must get, by now counted as sent. None is larger than update_points_max.
+  std::vector<Update> take_outgoing();
 
-  std::uint64_t waiting_batches() const { return mail_.batches(); }
+  std::uint64_t waiting_updates() const { return mail_.updates(); }
   std::uint64_t waiting_points() const { return mail_.points(); }
-  std::uint32_t waiting_hops() const { return waiting_hops_; }  // the longest chain that ends with a waiting batch
+  std::uint32_t waiting_hops() const { return waiting_hops_; }  // the longest chain that ends with a waiting update
   std::uint64_t mail_memory() const { return mail_.memory(); }
   Totals totals() const { return counters_.totals(); }
-  std::uint64_t batches_sent() const { return batches_sent_; }
+  std::uint64_t updates_sent() const { return updates_sent_; }
   std::size_t memory() const;
   const ExchangeCounts& counts() const { return counts_; }
-  std::uint32_t hops() const { return hops_; }  // the longest chain of batches that reached this tile
+  std::uint32_t hops() const { return hops_; }  // the longest chain of updates that reached this tile
 
  private:
   enum class Phase : std::uint8_t { fresh, awake, asleep, gone };
@@ -82,7 +82,7 @@ class TileState {
   Status build_settled();
   std::unique_ptr<TileTriangulation> load_image(std::vector<std::byte> bytes, std::uint64_t& own_points) const;
   Status wake();
-  Status insert(const std::vector<Batch>& mail);
+  Status insert(const std::vector<Update>& mail);
   Status put_finals(const FinalCells& finals);
   Result<FinalCells> take_finals();
   Error damaged(const char* what) const;
@@ -100,9 +100,9 @@ class TileState {
   bool earlier_ = false;  // it is an earlier process's, though
   std::uint64_t own_points_ = 0;
   Mail mail_;
-  std::uint32_t waiting_hops_ = 0;  // longest chain among waiting batches
+  std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates
   std::uint32_t hops_ = 0;
-  std::uint64_t batches_sent_ = 0;
+  std::uint64_t updates_sent_ = 0;
   PeerCounters counters_;
   ExchangeCounts counts_;
 };

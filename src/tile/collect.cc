@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -187,7 +186,7 @@ class MeshMaker {
         const std::uint32_t facet = n & ~across_frozen;
         check(facet < finals.neighbors.size() && finals.neighbors[facet] == FinalCells::open,
               "a facet of the hole is one of a final cell");
-        finals.neighbors[facet] = kept(c) ? -static_cast<std::int32_t>(c) - 2 : bordering_outside;
+        finals.neighbors[facet] = kept(c) ? kept_bit | static_cast<std::uint32_t>(c) : bordering_outside;
         n = 4 * (shift + facet / corners);
       }
     }
@@ -195,14 +194,14 @@ class MeshMaker {
     least_.resize(shift + count);
     for (std::size_t c = 0; c < count; ++c) {
       CellRow& row = cells[shift + c];
-      for (int i = 0; i < corners; ++i) row.vertices[i] = finals.vertices[c * corners + i] + 1;
+      for (int i = 0; i < corners; ++i) row.vertices[i] = finals.vertices[c * corners + i];
       keep(shift + c, extremes(row.vertices).first - 1, 0);
       for (int i = 0; i < corners; ++i) {
-        const std::int32_t n = finals.neighbors[c * corners + i];
-        if (n >= 0) {
-          row.neighbors[i] = 4 * (shift + static_cast<std::uint32_t>(n));
+        const std::uint32_t n = finals.neighbors[c * corners + i];
+        if (n < kept_bit) {
+          row.neighbors[i] = 4 * (shift + n);
         } else if (n != FinalCells::open) {
-          row.neighbors[i] = n == bordering_outside ? across_outside : 4 * static_cast<std::uint32_t>(-(n + 2));
+          row.neighbors[i] = n == bordering_outside ? across_outside : 4 * (n & ~kept_bit);
         } else {
           const auto border = borders_.find(facet_key(indices(shift + c), i));
           check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
@@ -249,7 +248,8 @@ class MeshMaker {
   }
 
   static constexpr std::uint32_t unused = ~0u;
-  static constexpr std::int32_t bordering_outside = std::numeric_limits<std::int32_t>::min();
+  // What facets of final cells are told they border, instead of `open`: a kept cell, or the outside.
+  static constexpr std::uint32_t kept_bit = std::uint32_t{1} << 31, bordering_outside = FinalCells::open - 1;
   CollectInput in_;
   const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
   TileMesh mesh_;

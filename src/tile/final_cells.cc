@@ -7,8 +7,8 @@ namespace tessera {
 
 FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& open, int dimension) {
   const int corners = dimension + 1;
-  std::vector<std::int32_t> place(open.size(), FinalCells::open);
-  std::int32_t kept = 0;
+  std::vector<std::uint32_t> place(open.size(), FinalCells::open);
+  std::uint32_t kept = 0;
   for (std::size_t c = 0; c < open.size(); ++c) {
     if (!open[c]) place[c] = kept++;
   }
@@ -18,18 +18,10 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
   for (std::size_t c = 0; c < open.size(); ++c) {
     if (open[c]) continue;
     for (int i = 0; i < corners; ++i) {
-      out.vertices.push_back(list.vertices[c * corners + i] - 1);
+      out.vertices.push_back(list.vertices[c * corners + i]);
       out.neighbors.push_back(place[list.neighbors[c * corners + i]]);
     }
   }
-  return out;
-}
-
-FinalCells final_cells_of(FrozenCells frozen) {
-  FinalCells out;
-  out.neighbors.assign(frozen.neighbors.begin(), frozen.neighbors.end());  // FrozenCells::open becomes open
-  out.vertices = std::move(frozen.vertices);
-  for (std::uint32_t& v : out.vertices) --v;
   return out;
 }
 

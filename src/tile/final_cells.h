@@ -11,18 +11,8 @@
 
 namespace tessera {
 
-// Cells over the tile's own points, as ranks in the order the points were given (0..n-1).
-struct FinalCells {
-  static constexpr std::int32_t open = -1;  // across this facet the cell is not final
-  BigVector<std::uint32_t> vertices;        // m x (d+1)
-  BigVector<std::int32_t> neighbors;        // m x (d+1): index in this list, or open
-};
-
-// The cells of `list` that are not `open`. They have vertices of the tile's own alone: vertex v has rank v-1.
+// The cells of `list` that are not `open`. They have vertices of the tile's own alone.
 FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& open, int dimension);
-
-// The cells that a kernel has frozen: the same, but for what they are counted from.
-FinalCells final_cells_of(FrozenCells frozen);
 
 // An unordered simplex as a key: its members sorted, padded by 0xffffffff in 2D.
 using CellKey = std::array<std::uint32_t, 4>;

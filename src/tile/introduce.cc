@@ -108,9 +108,9 @@ std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() {
 }
 
 // The published order: insert everything, simplify, then splay what survived.
-Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> batch) {
+Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> points) {
   std::vector<Vertex> around, added;
-  for (const SharedPoint& p : batch) {
+  for (const SharedPoint& p : points) {
     ++counts_.received;
     if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
     BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));

@@ -64,13 +64,14 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
   check(!reduced_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
-  const auto settled = [&](const Vertex* cell) { return surely_final(cell, points, box); };
-  return kernel_->can_freeze() ? freeze(points, settled) : build_reduced(points, settled);
+  const auto is_final = [&](const Vertex* cell) { return surely_final(cell, points, box); };
+  return kernel_->can_freeze() ? freeze(points, is_final) : build_reduced(points, is_final);
 }
 
 // The kernel forgets the final cells. What is left is loaded into a kernel that knows its vertices alone.
-FinalCells TileTriangulation::freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled) {
-  FinalCells finals = final_cells_of(kernel_->freeze(settled));
+FinalCells TileTriangulation::freeze(std::span<const Point> points,
+                                     const std::function<bool(const Vertex*)>& is_final) {
+  FinalCells finals = kernel_->freeze(is_final);
   KernelImage image = kernel_->save();
   kernel_.reset();
   const std::vector<Vertex> to = renumber(image.cells.vertices, points.size());
@@ -91,11 +92,11 @@ FinalCells TileTriangulation::freeze(std::span<const Point> points, const std::f
 
 // For a kernel that cannot forget cells: triangulates the vertices of the others again (Caraffa et al., section 2.3).
 FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
-                                            const std::function<bool(const Vertex*)>& settled) {
+                                            const std::function<bool(const Vertex*)>& is_final) {
   const int corners = options_.dimension + 1;
   CellList list;
   std::vector<std::uint8_t> open;
-  const std::vector<Vertex> open_cells = kernel_->explore(settled, &list, &open);
+  const std::vector<Vertex> open_cells = kernel_->explore(is_final, &list, &open);
   if (open_cells.size() == list.vertices.size()) return {};
   const Vertex before = kernel_->vertices();
   std::vector<Point> foreign;
@@ -202,9 +203,9 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
   }
 }
 
-Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> batch) {
-  if (options_.rule == ExchangeRule::published) return receive_published(from, batch);
-  for (const SharedPoint& p : batch) {
+Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> points) {
+  if (options_.rule == ExchangeRule::published) return receive_published(from, points);
+  for (const SharedPoint& p : points) {
     ++counts_.received;
     if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {

@@ -64,9 +64,9 @@ class TileTriangulation {
   // bounds, but for cells much larger than most. Only speeds things up. `points` as in triangulate().
   void announce(std::span<const Point> points, const Box& box);
 
-  // Takes in points from another tile; introduce() ends the batch. Error internal, with a sentence, when no sound peer
+  // Takes in points from another tile; introduce() ends a splay. Error internal, with a sentence, when no sound peer
   // can have sent them: a point that this tile owns, or other coordinates' twin under another id.
-  Status receive(TileId from, std::span<const SharedPoint> batch);
+  Status receive(TileId from, std::span<const SharedPoint> points);
 
   // The rule of the exchange, for all that has come since the last call: the neighbours of each are told to its owner.
   void introduce();
@@ -101,8 +101,8 @@ class TileTriangulation {
   bool load(std::vector<std::byte> bytes);
 
  private:
-  FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
-  FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& settled);
+  FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& is_final);
+  FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& is_final);
   std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
   Result<Vertex> add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
@@ -117,7 +117,7 @@ class TileTriangulation {
   bool told(TileId tile, Vertex v);
   SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
   void share(Vertex v, TileId tile);
-  Status receive_published(TileId from, std::span<const SharedPoint> batch);
+  Status receive_published(TileId from, std::span<const SharedPoint> points);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
   bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self; }
 

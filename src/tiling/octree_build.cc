@@ -41,15 +41,15 @@ class OctreeBuilder {
     }
   }
 
-  std::vector<SplitNode> by_limit(std::size_t limit, std::uint32_t tiles_max) {
+  std::vector<SplitNode> by_limit(std::size_t limit, std::uint32_t leaves_max) {
     std::vector<Cube> leaves;
-    std::queue<Cube> todo;  // by level, so that reaching tiles_max does not leave one corner unsplit
+    std::queue<Cube> todo;  // by level, so that reaching leaves_max does not leave one corner unsplit
     todo.push(root_);
     const std::size_t children = std::size_t{1} << dimension_;
     while (!todo.empty()) {
       const Cube cube = todo.front();
       todo.pop();
-      if (cube.points.size() > limit && leaves.size() + todo.size() + children <= tiles_max && splittable(cube)) {
+      if (cube.points.size() > limit && leaves.size() + todo.size() + children <= leaves_max && splittable(cube)) {
         for (Cube& child : split(cube)) todo.push(child);
       } else {
         leaves.push_back(cube);
@@ -160,8 +160,8 @@ class OctreeBuilder {
 }  // namespace
 
 std::vector<SplitNode> build_octree(int dimension, std::vector<Point> sample, const Bounds& bounds, std::size_t limit,
-                                    std::uint32_t tiles_max) {
-  return OctreeBuilder(dimension, std::move(sample), bounds).by_limit(limit, tiles_max);
+                                    std::uint32_t leaves_max) {
+  return OctreeBuilder(dimension, std::move(sample), bounds).by_limit(limit, leaves_max);
 }
 
 std::vector<SplitNode> build_octree_tiles(int dimension, std::vector<Point> sample, const Bounds& bounds,

@@ -24,7 +24,7 @@ Result<PartitionKind> parse_partition_kind(const std::string& name);
 //  (3) At most tiles_max tiles: larger requests are cut down to it.
 class Partition {
  public:
-  static constexpr std::uint32_t tiles_max = std::uint32_t{1} << 20;
+  static constexpr std::uint32_t tiles_max = 1'000'000;  // file names have six digits
 
   // `sample`: points spread like the cloud; `total`: points in the cloud; `limit`: points a tile should hold at most.
   // kdtree: median splits along the longest side of the sample's bounds. grid: equal boxes over `bounds`.

@@ -65,7 +65,8 @@ Result<Partition> Partition::from_json(const std::string& text) {
   std::int64_t dimension = 0;
   std::int64_t tiles = 0;
   if (!read_integer(root["dimension"], 2, 3, dimension)) return bad("dimension is not 2 or 3");
-  if (!read_integer(root["tiles"], 1, tiles_max, tiles)) return bad("tiles is not a number from 1 to 1048576");
+  if (!read_integer(root["tiles"], 1, tiles_max, tiles))
+    return bad("tiles is not a number from 1 to " + std::to_string(tiles_max));
   const json& splits = root["splits"];
   if (!splits.is_array()) return bad("splits is not a list");
   const std::int64_t rows = kind.value() == PartitionKind::random ? 0 : tiles - 1;

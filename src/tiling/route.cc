@@ -94,7 +94,7 @@ Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, con
   return survey;
 }
 
-Partition plan_partition(const Survey& survey, int dimension, const RouteOptions& options) {
+Partition choose_partition(const Survey& survey, int dimension, const RouteOptions& options) {
   Bounds bounds;
   for (const Point& p : survey.sample) bounds.add(p);
   if (options.tiles > 0) {
@@ -164,7 +164,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   {
     BOOST_OUTCOME_TRY(survey, survey_cloud(cloud, options, stop));
     progress.points_total = survey.total;
-    run.partition = plan_partition(survey, run.dimension, options);
+    run.partition = choose_partition(survey, run.dimension, options);
   }
   progress.tiles_total = run.partition.tiles();
 

@@ -57,9 +57,9 @@ std::vector<SplitNode> build_kd_tree(int dimension, std::vector<Point> sample, s
 std::vector<SplitNode> build_grid(int dimension, const Bounds& bounds, std::uint32_t tiles);
 
 // Splits the cube around `bounds` in 2^d equal ones, and so on while more than `limit` points of the sample are inside
-// and there are at most `tiles_max` leaves and 40 levels.
+// and there are at most `leaves_max` leaves and 40 levels.
 std::vector<SplitNode> build_octree(int dimension, std::vector<Point> sample, const Bounds& bounds, std::size_t limit,
-                                    std::uint32_t tiles_max);
+                                    std::uint32_t leaves_max);
 // The same, splitting the fullest leaf until there are at least `tiles`.
 std::vector<SplitNode> build_octree_tiles(int dimension, std::vector<Point> sample, const Bounds& bounds,
                                           std::uint32_t tiles);

@@ -11,8 +11,8 @@
 
 #include "src/files/names.h"
 #include "src/files/temporary.h"
-#include "src/harness/clouds.h"
 #include "src/io/npy/array_source.h"
+#include "src/reference/clouds.h"
 
 namespace tessera {
 namespace {

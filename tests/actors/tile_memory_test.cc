@@ -13,8 +13,8 @@
 #include "actors/run_owner.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
-#include "src/harness/clouds.h"
 #include "src/io/npy/array_source.h"
+#include "src/reference/clouds.h"
 #include "src/run/disk_parts.h"
 
 namespace tessera {

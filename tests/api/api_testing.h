@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/harness/clouds.h"
-#include "src/harness/reference.h"
+#include "src/reference/clouds.h"
+#include "src/reference/reference.h"
 #include "tessera/tessera.h"
 
 namespace tessera::testing {

@@ -8,7 +8,7 @@
 namespace tessera {
 namespace {
 
-Span span(std::uint32_t thread, double begin_s, double end_s) {
+PhaseSpan span(std::uint32_t thread, double begin_s, double end_s) {
   return {Phase::splaying, TileId{7}, thread, begin_s, end_s};
 }
 
@@ -27,7 +27,7 @@ TEST(Timeline, OfAMillionSpansKeepsFewAndLosesNone) {
   }
   std::uint64_t times = 0;
   double end_s = 0;
-  for (const Span& s : timeline.spans()) {
+  for (const PhaseSpan& s : timeline.spans()) {
     times += s.times;
     EXPECT_LE(s.begin_s, s.end_s);
     end_s = std::max(end_s, s.end_s);
@@ -41,7 +41,8 @@ TEST(Timeline, LongSpansStayAsTheyAreBesideManyShortOnes) {
   timeline.add({Phase::triangulating, TileId{3}, 0, 0, 100});
   for (int i = 0; i < 200'000; ++i) timeline.add(span(0, 100 + i * 1e-3, 100 + i * 1e-3 + 5e-4));
   int found = 0;
-  for (const Span& s : timeline.spans()) found += s.phase == Phase::triangulating && s.begin_s == 0 && s.end_s == 100;
+  for (const PhaseSpan& s : timeline.spans())
+    found += s.phase == Phase::triangulating && s.begin_s == 0 && s.end_s == 100;
   EXPECT_EQ(found, 1);
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "src/files/temporary.h"
-#include "src/harness/clouds.h"
-#include "src/harness/reference.h"
+#include "src/reference/clouds.h"
+#include "src/reference/reference.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"
 

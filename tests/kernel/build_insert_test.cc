@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "src/harness/clouds.h"
+#include "src/reference/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

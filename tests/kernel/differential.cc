@@ -95,7 +95,7 @@ std::string wrong_structure(const Kernel& kernel, const CellView& live, const Ce
         const std::size_t f = (n & ~across_frozen) / live.corners, k = (n & ~across_frozen) % live.corners;
         ++borders;
         if (f >= ice.size() || !common(live, c, i, ice, f, k)) return "the border of the hole is not common";
-        if (ice.across(f, k) != FrozenCells::open) return "a frozen cell does not know its border";
+        if (ice.across(f, k) != FinalCells::open) return "a frozen cell does not know its border";
       } else if (!mutual(live, c, i)) {
         return "neighbours are not mutual";
       }
@@ -104,7 +104,7 @@ std::string wrong_structure(const Kernel& kernel, const CellView& live, const Ce
   for (std::size_t c = 0; c < ice.size(); ++c) {
     if (!positive(kernel, ice.cell(c))) return "a frozen cell is not positive";
     for (std::size_t i = 0; i < ice.corners; ++i) {
-      if (ice.across(c, i) == FrozenCells::open) {
+      if (ice.across(c, i) == FinalCells::open) {
         ++opens;
       } else if (!mutual(ice, c, i)) {
         return "frozen neighbours are not mutual";
@@ -148,9 +148,9 @@ void KernelPair::remove(Vertex v) {
   if (flat_->dimension() != cgal_->dimension()) fail("another dimension after a removal");
 }
 
-void KernelPair::compare_open(const Settled& settled) {
+void KernelPair::compare_open(const IsFinal& is_final) {
   if (!full()) return;
-  const auto in_order = [&](const Vertex* v) { return settled(sorted(v, corners_).data()); };
+  const auto in_order = [&](const Vertex* v) { return is_final(sorted(v, corners_).data()); };
   CellList all;
   std::vector<std::uint8_t> flags;
   const auto open = cell_set(corners_, flat_->explore(in_order, &all, &flags));
@@ -163,10 +163,10 @@ void KernelPair::compare_open(const Settled& settled) {
   if (open != cell_set(corners_, flagged)) fail("explore() flags other cells than it finds");
 }
 
-void KernelPair::freeze(const Settled& settled) {
+void KernelPair::freeze(const IsFinal& is_final) {
   if (!full()) return;
-  compare_open(settled);
-  const auto in_order = [&](const Vertex* v) { return settled(sorted(v, corners_).data()); };
+  compare_open(is_final);
+  const auto in_order = [&](const Vertex* v) { return is_final(sorted(v, corners_).data()); };
   const std::vector<Vertex> open = flat_->explore(in_order);
   frozen_ = flat_->freeze(in_order);
   if (cell_set(corners_, flat_->cells().vertices) != cell_set(corners_, open)) {

@@ -14,7 +14,7 @@ namespace tessera::testing {
 class KernelPair {
  public:
   // Of a cell, by its vertices in ascending order: kernels list them in different ones.
-  using Settled = std::function<bool(const Vertex*)>;
+  using IsFinal = std::function<bool(const Vertex*)>;
 
   // `vectors`: whether the flat kernel may use vector instructions; in 2D it has none.
   explicit KernelPair(bool vectors, int dimension = 3);
@@ -23,9 +23,9 @@ class KernelPair {
   void insert(const Point& p, bool local, InsertMode mode);
   void remove(Vertex v);
   // What explore() finds and flags. Nothing while the points do not span everything.
-  void compare_open(const Settled& settled);
+  void compare_open(const IsFinal& is_final);
   // Freezes in the flat kernel alone, after comparing what is open. Nothing while the points do not span everything.
-  void freeze(const Settled& settled);
+  void freeze(const IsFinal& is_final);
   // The cells whose circumsphere is inside the box.
   void freeze(const Box& box);
   void save_and_load();
@@ -37,7 +37,7 @@ class KernelPair {
   void compare_cells();
 
   const Kernel& flat() const { return *flat_; }
-  const FrozenCells& frozen() const { return frozen_; }
+  const FinalCells& frozen() const { return frozen_; }
   std::size_t frozen_cells() const { return frozen_.vertices.size() / corners_; }
   // "", or the first difference.
   const std::string& wrong() const { return wrong_; }
@@ -50,7 +50,7 @@ class KernelPair {
 
   std::size_t corners_;  // of a cell
   std::unique_ptr<Kernel> flat_, cgal_;
-  FrozenCells frozen_;
+  FinalCells frozen_;
   std::string wrong_;
 };
 

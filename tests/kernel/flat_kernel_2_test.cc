@@ -74,7 +74,7 @@ TEST(FlatKernel2, BuildsWhatCgalBuildsOnLattices) {
   }
 }
 
-TEST(FlatKernel2, InsertsBatchesAsCgalOnLattices) {
+TEST(FlatKernel2, InsertsAsCgalOnLattices) {
   Rng rng(2);
   for (int round = 0; round < 10000 && !HasFatalFailure(); ++round) {
     const auto points = lattice_case(rng);
@@ -131,15 +131,15 @@ TEST(FlatKernel2, StarsNeighboursAndExplorationAreCgals) {
       pair.cgal->star(v, theirs);
       ASSERT_EQ(triangles(mine), triangles(theirs));
     }
-    const auto settled = [](const Vertex* v) { return (v[0] + v[1] + v[2]) % 3 != 0; };
+    const auto is_final = [](const Vertex* v) { return (v[0] + v[1] + v[2]) % 3 != 0; };
     CellList all;
     std::vector<std::uint8_t> open;
-    ASSERT_EQ(triangles(pair.flat->explore(settled, &all, &open)), triangles(pair.cgal->explore(settled)));
+    ASSERT_EQ(triangles(pair.flat->explore(is_final, &all, &open)), triangles(pair.cgal->explore(is_final)));
     std::vector<Vertex> flagged;
     for (std::size_t c = 0; c < open.size(); ++c) {
       if (open[c]) flagged.insert(flagged.end(), &all.vertices[3 * c], &all.vertices[3 * c] + 3);
     }
-    ASSERT_EQ(triangles(flagged), triangles(pair.flat->explore(settled)));
+    ASSERT_EQ(triangles(flagged), triangles(pair.flat->explore(is_final)));
   }
 }
 
@@ -218,7 +218,7 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
     const auto kernel = make_kernel(2, KernelKind::flat);
     kernel->build(inside);
     if (kernel->dimension() < 2) continue;
-    const auto settled = [&](const Vertex* v) {
+    const auto is_final = [&](const Vertex* v) {
       const Point a = kernel->point(v[0]), b = kernel->point(v[1]), c = kernel->point(v[2]);
       const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y, area = 2 * (bx * cy - by * cx);
       const double ux = (cy * (bx * bx + by * by) - by * (cx * cx + cy * cy)) / area;
@@ -226,10 +226,10 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       const double r = std::hypot(ux, uy) + 1e-6, x = a.x + ux, y = a.y + uy;
       return x - r > 3 && x + r < 10 && y - r > 1 && y + r < 9;
     };
-    const FrozenCells frozen = kernel->freeze(settled);
+    const FinalCells frozen = kernel->freeze(is_final);
     for (std::size_t f = 0; f < frozen.neighbors.size(); ++f) {
       const std::uint32_t next = frozen.neighbors[f];
-      if (next == FrozenCells::open) continue;
+      if (next == FinalCells::open) continue;
       ASSERT_LT(next, frozen.vertices.size() / 3);
       const auto begin = frozen.neighbors.begin() + 3 * next;
       ASSERT_EQ(std::count(begin, begin + 3, f / 3), 1);
@@ -263,12 +263,12 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       if (!(to & across_frozen)) continue;
       ++across;
       const std::uint32_t f = (to & ~across_frozen) / 3, k = (to & ~across_frozen) % 3;
-      ASSERT_EQ(frozen.neighbors[3 * f + k], FrozenCells::open);
+      ASSERT_EQ(frozen.neighbors[3 * f + k], FinalCells::open);
       ASSERT_EQ(frozen.vertices[3 * f + (k + 1) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 2) % 3]);
       ASSERT_EQ(frozen.vertices[3 * f + (k + 2) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 1) % 3]);
     }
     ASSERT_EQ(static_cast<std::ptrdiff_t>(across),
-              std::count(frozen.neighbors.begin(), frozen.neighbors.end(), FrozenCells::open));
+              std::count(frozen.neighbors.begin(), frozen.neighbors.end(), FinalCells::open));
   }
 }
 

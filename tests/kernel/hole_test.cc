@@ -50,7 +50,7 @@ struct Slab {
   // How many cells were frozen.
   std::size_t freeze(Kernel& kernel) const {
     const auto at = [&](Vertex v) { return kernel.point(v); };
-    const FrozenCells frozen = kernel.freeze([&](const Vertex* v) {
+    const FinalCells frozen = kernel.freeze([&](const Vertex* v) {
       const Ball ball = dimension == 3 ? circumsphere(at(v[0]), at(v[1]), at(v[2]), at(v[3]))
                                        : circumcircle(at(v[0]), at(v[1]), at(v[2]));
       return surely_inside(ball, box, dimension);

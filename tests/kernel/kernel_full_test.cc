@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "src/harness/clouds.h"
 #include "src/kernel/flat/flat_kernel.h"
+#include "src/reference/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

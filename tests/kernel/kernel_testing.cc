@@ -9,8 +9,8 @@
 #include <set>
 #include <span>
 
-#include "src/harness/clouds.h"
 #include "src/predicates/independent/predicates.h"
+#include "src/reference/clouds.h"
 
 namespace tessera::testing {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/harness/reference.h"
 #include "src/kernel/kernel.h"
+#include "src/reference/reference.h"
 
 namespace tessera::testing {
 

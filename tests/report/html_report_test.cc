@@ -116,7 +116,7 @@ TEST(HtmlReport, EveryThreadHasARowInTheTimeline) {
 }
 
 TEST(HtmlReport, AMillionSpansStayAFewThousandBars) {
-  std::vector<Span> spans;
+  std::vector<PhaseSpan> spans;
   for (int i = 0; i < 1'000'000; ++i)
     spans.push_back({Phase::splaying, static_cast<std::uint32_t>(i % 9), 0, i * 1e-4, i * 1e-4 + 5e-5});
   EXPECT_LT(timeline_svg(spans, 100).size(), 1u << 20);

@@ -19,8 +19,8 @@ ProgressSnapshot halfway() {
   now.points_triangulated = 500;
   now.tiles_total = 8;
   now.tiles_triangulated = 4;
-  now.batches_sent = 7;
-  now.batches_processed = 5;
+  now.updates_sent = 7;
+  now.updates_processed = 5;
   now.memory_bytes = 1 << 30;
   return now;
 }
@@ -63,8 +63,8 @@ TEST(Progress, TheLineTellsPhaseTilesMessagesMemoryAndTheTimeLeft) {
 
 TEST(Progress, MoreProcessedThanSentIsNoneInFlight) {  // the two counters are read one after the other
   auto now = halfway();
-  now.batches_processed = 9;
-  EXPECT_EQ(nlohmann::json::parse(progress_json({}, now))["batches_in_flight"], 0);
+  now.updates_processed = 9;
+  EXPECT_EQ(nlohmann::json::parse(progress_json({}, now))["messages_in_flight"], 0);
 }
 
 std::string shown(ProgressStyle style) {

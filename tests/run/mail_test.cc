@@ -29,8 +29,8 @@ class Scratch final : public TileStorage {
   Pieces pieces;
 };
 
-Batch batch(std::uint32_t from, std::size_t points) {
-  Batch b{{TileId{from}, 3}, {TileId{9}, 1}, from + 7, {}};
+Update update(std::uint32_t from, std::size_t points) {
+  Update b{{TileId{from}, 3}, {TileId{9}, 1}, from + 7, {}};
   for (std::size_t i = 0; i < points; ++i) b.points.push_back({{1.5, -2, 5e-324}, 100 * from + i, from, 0});
   return b;
 }
@@ -39,20 +39,20 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
   for (const std::uint64_t points_max : {0u, 4u, 100u}) {
     Scratch scratch;
     Mail mail(TileId{9}, points_max);
-    for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(mail.add(batch(from, from), scratch));
-    EXPECT_EQ(mail.batches(), 4u);
+    for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(mail.add(update(from, from), scratch));
+    EXPECT_EQ(mail.updates(), 4u);
     EXPECT_EQ(mail.points(), 6u);
     const auto taken = mail.take(scratch);
     ASSERT_TRUE(taken);
     ASSERT_EQ(taken.value().size(), 4u);
     for (std::uint32_t from = 0; from < 4; ++from) {
-      const Batch& b = taken.value()[from];
-      EXPECT_EQ(b.from, batch(from, from).from);
-      EXPECT_EQ(b.to, batch(from, from).to);
+      const Update& b = taken.value()[from];
+      EXPECT_EQ(b.from, update(from, from).from);
+      EXPECT_EQ(b.to, update(from, from).to);
       EXPECT_EQ(b.hops, from + 7);
-      EXPECT_EQ(b.points, batch(from, from).points);
+      EXPECT_EQ(b.points, update(from, from).points);
     }
-    EXPECT_EQ(mail.batches(), 0u);
+    EXPECT_EQ(mail.updates(), 0u);
     EXPECT_TRUE(scratch.pieces.empty());
     EXPECT_TRUE(mail.take(scratch).value().empty());
   }
@@ -62,8 +62,8 @@ TEST(Mail, HoldsNoMorePointsInMemoryThanItMay) {
   Scratch scratch;
   Mail mail(TileId{9}, 100);
   for (int i = 0; i < 1000; ++i) {
-    ASSERT_TRUE(mail.add(batch(1, 30), scratch));
-    EXPECT_LE(mail.memory(), 130 * sizeof(SharedPoint) + 16 * sizeof(Batch));
+    ASSERT_TRUE(mail.add(update(1, 30), scratch));
+    EXPECT_LE(mail.memory(), 130 * sizeof(SharedPoint) + 16 * sizeof(Update));
   }
   EXPECT_EQ(mail.points(), 30'000u);
   EXPECT_EQ(mail.take(scratch).value().size(), 1000u);
@@ -72,7 +72,7 @@ TEST(Mail, HoldsNoMorePointsInMemoryThanItMay) {
 TEST(Mail, WhatIsMissingOnScratchIsNoticed) {
   Scratch scratch;
   Mail mail(TileId{9}, 0);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(mail.add(batch(1, 5), scratch));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(mail.add(update(1, 5), scratch));
   scratch.pieces.pop_back();
   const auto taken = mail.take(scratch);
   ASSERT_FALSE(taken);

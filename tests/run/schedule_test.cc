@@ -40,7 +40,7 @@ TEST(Schedule, GrantsAsManyAsThereAreThreadsAndBeginsEveryTileFirst) {
   EXPECT_TRUE(schedule.idle());
 }
 
-TEST(Schedule, AnEmptyBatchIsProcessedToo) {
+TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
   Schedule schedule(options(1, 1000), {10});
   EXPECT_EQ(granted(schedule), "begin 0");
   schedule.done(TileId{0}, Work::begin, 100, {1, 0, 0});

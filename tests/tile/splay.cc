@@ -13,7 +13,7 @@
 namespace tessera::testing {
 namespace {
 
-struct Mail {
+struct Update {
   std::uint32_t from, to;
   std::vector<SharedPoint> points;
 };
@@ -102,7 +102,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     }
   }
   const Surroundings around(bounds, std::move(neighbours), std::move(chosen));
-  std::vector<Mail> mail;
+  std::vector<Update> mail;
   const auto post = [&](std::uint32_t from) {
     for (auto& [to, list] : tile[from].t->take_updates()) {
       if (!options.single_points) {
@@ -150,7 +150,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
       continue;
     }
     std::swap(mail[choice], mail.back());
-    Mail m = std::move(mail.back());
+    Update m = std::move(mail.back());
     mail.pop_back();
     if (!started[m.to]) {  // it keeps its mail until it has triangulated
       mail.push_back(std::move(m));

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "src/harness/clouds.h"
-#include "src/harness/reference.h"
+#include "src/reference/clouds.h"
+#include "src/reference/reference.h"
 #include "tests/tile/splay.h"
 
 namespace tessera::testing {

@@ -53,7 +53,7 @@ class Walls(unittest.TestCase):
         self.assertFalse(self.compiles("src/kernel/kernel.cc", "tests/kernel/kernel_testing.h"))
 
     def test_a_header_of_what_a_linked_library_links_privately_is_not_found(self):
-        self.assertFalse(self.compiles("src/job/plan.cc", "src/harness/clouds.h"))
+        self.assertFalse(self.compiles("src/job/estimate.cc", "src/reference/clouds.h"))
 
     def test_no_source_sees_the_folder_of_the_project(self):
         wrong = [f"{entry['file']}: {root}" for entry in COMMANDS for root in include_roots(entry)

@@ -159,7 +159,7 @@ Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std:
   hints.resolution = options_.resolution;
   if (spooled_[index]) return open_reader(share(spooled_[index]), schema, hints);
   BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints));
-  // The partition was planned from the first look at the file; another content would be routed by a wrong plan.
+  // The partition was chosen by the first look at the file; another content would be routed by a wrong one.
   if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
     return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
   return std::move(reader);

@@ -141,10 +141,10 @@ class CgalKernel final : public Kernel {
     return rows;
   }
 
-  std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
+  std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                               std::vector<std::uint8_t>* open) override {
-    enum : std::uint8_t { unseen, is_open, is_settled };
-    std::vector<Cell> seen;  // open ones and settled ones, to be unmarked
+    enum : std::uint8_t { unseen, marked_open, marked_final };
+    std::vector<Cell> seen;  // open ones and final ones, to be unmarked
     std::vector<Vertex> found;
     std::array<Vertex, d + 1> corner;
     const auto visit = [&](Cell c) {
@@ -154,29 +154,29 @@ class CgalKernel final : public Kernel {
         corner[i] = c->vertex(i)->info();
         all_local &= local_[corner[i]] != 0;
       }
-      c->mark = all_local && settled(corner.data()) ? is_settled : is_open;
+      c->mark = all_local && is_final(corner.data()) ? marked_final : marked_open;
       seen.push_back(c);
-      if (c->mark == is_open) found.insert(found.end(), corner.begin(), corner.end());
+      if (c->mark == marked_open) found.insert(found.end(), corner.begin(), corner.end());
     };
     for (Vertex v = 0; v < handles_.size(); ++v) {
       if (!local_[v] && alive(v)) Traits::for_each_incident_cell(t_, handles_[v], visit);
     }
     for (std::size_t next = 0; next < seen.size(); ++next) {
       const Cell c = seen[next];
-      if (c->mark != is_open) continue;
+      if (c->mark != marked_open) continue;
       for (int i = 0; i <= d; ++i) visit(c->neighbor(i));
     }
     if (all) {
       *all = cells();
       open->clear();
-      Traits::for_each_cell(t_, [&](Cell c) { open->push_back(c->mark == is_open); });
+      Traits::for_each_cell(t_, [&](Cell c) { open->push_back(c->mark == marked_open); });
     }
     for (const Cell c : seen) c->mark = unseen;
     return found;
   }
 
   bool can_freeze() const override { return false; }
-  FrozenCells freeze(const std::function<bool(const Vertex*)>&) override {
+  FinalCells freeze(const std::function<bool(const Vertex*)>&) override {
     check(false, "this kernel cannot freeze cells");
     return {};
   }

@@ -13,7 +13,7 @@ inline constexpr Word vertices_max = flat::cells_max / 2;
 
 inline constexpr Word next_of[3] = {1, 2, 0}, before[3] = {2, 0, 1};
 
-enum class State : Word { plain, open, settled, dead };  // open and settled: marks of one call; dead: a free slot
+enum class State : Word { plain, open, final, dead };  // open and final: marks of one call; dead: a free slot
 
 // Counterclockwise. Facet i is the edge from v[i + 1] to v[i + 2]. v[0] is never infinite.
 struct alignas(32) Cell {
@@ -32,8 +32,8 @@ struct alignas(32) Cell {
   }
   void free() { state = State::dead; }
   bool dead() const { return state == State::dead; }
-  void mark(bool is_open) { state = is_open ? State::open : State::settled; }
-  bool marked() const { return state == State::open || state == State::settled; }
+  void mark(bool is_open) { state = is_open ? State::open : State::final; }
+  bool marked() const { return state == State::open || state == State::final; }
   bool open() const { return state == State::open; }
   void unmark() { state = State::plain; }
   Vertex vertex(Word i) const { return v[i]; }

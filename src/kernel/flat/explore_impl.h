@@ -68,7 +68,7 @@ CellRows FlatKernel<Mesh>::take_cells() {
 }
 
 template <class Mesh>
-std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Vertex*)>& settled) {
+std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Vertex*)>& is_final) {
   Cell* const all = mesh_.cells.data();
   std::vector<Word> seen;
   const auto visit = [&](Word slot) {
@@ -76,7 +76,7 @@ std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Ver
     if (c.marked()) return;
     std::uint8_t labels = is_local_bit;
     for (const Vertex v : c.v) labels &= labels_[v];
-    c.mark(!labels || !settled(c.v));
+    c.mark(!labels || !is_final(c.v));
     seen.push_back(slot);
   };
   std::vector<Word> around, first;  // all of them before any is marked: marks stop the walk around a vertex
@@ -97,9 +97,9 @@ std::vector<Word> FlatKernel<Mesh>::mark_open(const std::function<bool(const Ver
 }
 
 template <class Mesh>
-std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
+std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                                               std::vector<std::uint8_t>* open) {
-  const std::vector<Word> seen = mark_open(settled);
+  const std::vector<Word> seen = mark_open(is_final);
   Array<Cell>& cells = mesh_.cells;
   if (all) {
     *all = this->cells();
@@ -121,10 +121,10 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
 // One pass in the order of the slots: a bit a cell and their ranks tell every cell's new number, so no cell needs to be
 // read twice, and what has been passed can be given back at once.
 template <class Mesh>
-FrozenCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& settled) {
+FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is_final) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
   mesh_.compact();
-  const std::vector<Word> seen = mark_open(settled);
+  const std::vector<Word> seen = mark_open(is_final);
   Array<Cell> old = mesh_.take_cells();
   const Word n = static_cast<Word>(old.size());
   Ranks open(n);
@@ -134,7 +134,7 @@ FrozenCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& s
   }
   open.count();
   const Word frozen = n - open.all();
-  FrozenCells out;
+  FinalCells out;
   out.vertices.reserve(std::size_t{corners} * frozen);
   out.neighbors.reserve(std::size_t{corners} * frozen);
   Array<Cell> rest;
@@ -152,7 +152,7 @@ FrozenCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& s
       for (Word i = 0; i < corners; ++i) {
         const Word to = c.n[i] >> 2;
         out.vertices.push_back(c.v[i]);
-        out.neighbors.push_back(open[to] ? FrozenCells::open : to - open.before(to));
+        out.neighbors.push_back(open[to] ? FinalCells::open : to - open.before(to));
       }
     }
     if (slot % chunk == chunk - 1) old.release_front(slot);

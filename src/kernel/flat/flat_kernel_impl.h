@@ -33,10 +33,10 @@ class FlatKernel final : public Kernel {
   void neighbours(Vertex v, std::vector<Vertex>& around) const override;
   CellList cells() const override;
   CellRows take_cells() override;
-  std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& settled, CellList* all,
+  std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,
                               std::vector<std::uint8_t>* open) override;
   bool can_freeze() const override { return true; }
-  FrozenCells freeze(const std::function<bool(const Vertex*)>& settled) override;
+  FinalCells freeze(const std::function<bool(const Vertex*)>& is_final) override;
   KernelImage save() const override;
   bool load(const KernelImage& image) override;
   std::size_t memory() const override { return mesh_.memory() + labels_.capacity() + sizeof(*this); }
@@ -55,8 +55,8 @@ class FlatKernel final : public Kernel {
   // The triangulation of all vertices alive. REQUIRES: full(), no cells.
   void triangulate(const std::stop_token& stop);
   Insertion insert_flat(const Point& p, bool local, std::vector<Vertex>& around);
-  // Marks the cells that explore() returns as open, and those that were asked and are settled; returns both.
-  std::vector<Word> mark_open(const std::function<bool(const Vertex*)>& settled);
+  // Marks the cells that explore() returns as open, and those that were asked and are final; returns both.
+  std::vector<Word> mark_open(const std::function<bool(const Vertex*)>& is_final);
 
   Mesh mesh_;
   std::vector<std::uint8_t> labels_;  // by vertex; [0] is the infinite vertex: alive, not local

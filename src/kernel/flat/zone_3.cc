@@ -24,7 +24,7 @@ using Quad = Word __attribute__((vector_size(16)));
 }
 [[gnu::always_inline]] inline Lanes larger(Lanes a, Lanes b) { return a > b ? a : b; }
 
-// The first 1, 2, 3 or 4 of a batch.
+// The lanes of the first 1, 2, 3 or 4 cells.
 constexpr Bits lanes_used[5] = {{}, {-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}, {-1, -1, -1, -1}};
 
 struct Differences {
@@ -44,7 +44,7 @@ struct Differences {
 }  // namespace
 
 struct ZoneCode {
-  struct Batch {
+  struct Four {
     Word facet[4];  // the cells, with the facet they were reached through; the first again where there are fewer
     std::size_t size;
     bool special;  // there is an infinite cell
@@ -53,18 +53,18 @@ struct ZoneCode {
 
   // Whether e is in the spheres of four cells. Says nothing for infinite ones.
   template <class At>
-  [[gnu::always_inline]] static void ask(Batch& batch, const Cell* cells, const At& at, const Point& e) {
+  [[gnu::always_inline]] static void ask(Four& four, const Cell* cells, const At& at, const Point& e) {
     Word v[4][4];
     bool special = false;
     for (int i = 0; i < 4; ++i) {
-      const Cell& c = cell_at(cells, batch.facet[i]);
+      const Cell& c = cell_at(cells, four.facet[i]);
       v[i][0] = c.v[0] & vertex_mask;
       v[i][1] = c.v[1];
       v[i][2] = c.v[2];
       v[i][3] = c.infinite() ? v[i][0] : c.v[3];  // any point: the lane is not used
       special |= c.infinite();
     }
-    batch.special = special;
+    four.special = special;
     const auto slot = [&](int k) __attribute__((always_inline)) {
       return differences(at(v[0][k]), at(v[1][k]), at(v[2][k]), at(v[3][k]), e);
     };
@@ -81,8 +81,8 @@ struct ZoneCode {
     const Lanes error =
         in_sphere_error * largest(a.x, b.x, c.x, d.x) * largest(a.y, b.y, c.y, d.y) * largest(a.z, b.z, c.z, d.z) * w +
         underflow;
-    batch.in = det > error;
-    batch.sure = (absolute(det) > error) & (w < exact::filter::lift_max);
+    four.in = det > error;
+    four.sure = (absolute(det) > error) & (w < exact::filter::lift_max);
   }
 
   template <bool split, bool holes>
@@ -97,12 +97,12 @@ struct ZoneCode {
     if (m.zone_.size() < 1024) m.zone_.resize(1024), m.pending_.resize(4096);
     m.zone_[0] = 4 * start;
     cells[start].v[0] |= mark_in;
-    // Two batches at a time: while the numbers of one are worked out, the answers of the one before are acted upon.
+    // Two fours at a time: while the numbers of one are worked out, the answers of the one before are acted upon.
     // What is to be done next depends on answers and is often guessed wrong by the processor; in this way it finds out
     // early.
-    Batch batches[2];
+    Four fours[2];
     std::size_t turn = 0;
-    bool waiting = false;  // batches[turn] has not been acted upon
+    bool waiting = false;  // fours[turn] has not been acted upon
     // Cells of the zone there is room for: pending_ takes four times as many. zone_ may also have grown elsewhere.
     std::size_t room = std::min(m.zone_.size(), m.pending_.size() / 4);
     Word* zone = m.zone_.data();
@@ -115,19 +115,19 @@ struct ZoneCode {
         zone = m.zone_.data();
         pending = m.pending_.data();
       }
-      const auto act = [&](Batch & batch) __attribute__((always_inline)) {
-        if (batch.special | ~(batch.sure[0] & batch.sure[1] & batch.sure[2] & batch.sure[3])) [[unlikely]] {
-          for (std::size_t i = 0; i < batch.size; ++i) {
-            if (!batch.sure[i] || cell_at(cells, batch.facet[i]).infinite()) {
-              batch.in[i] = m.conflicts(e, batch.facet[i] >> 2) ? -1 : 0;
+      const auto act = [&](Four & four) __attribute__((always_inline)) {
+        if (four.special | ~(four.sure[0] & four.sure[1] & four.sure[2] & four.sure[3])) [[unlikely]] {
+          for (std::size_t i = 0; i < four.size; ++i) {
+            if (!four.sure[i] || cell_at(cells, four.facet[i]).infinite()) {
+              four.in[i] = m.conflicts(e, four.facet[i] >> 2) ? -1 : 0;
             }
           }
         }
         for (std::size_t i = 0; i < 4; ++i) {
-          const Word in = static_cast<Word>(batch.in[i]);  // all bits or none
-          zone[found] = batch.facet[i];
+          const Word in = static_cast<Word>(four.in[i]);  // all bits or none
+          zone[found] = four.facet[i];
           found += in & 1;
-          cell_at(cells, batch.facet[i]).v[0] ^= in & (mark_in | mark_out);
+          cell_at(cells, four.facet[i]).v[0] ^= in & (mark_in | mark_out);
         }
       };
       const auto expand = [&](std::size_t count) __attribute__((always_inline)) {
@@ -154,22 +154,22 @@ struct ZoneCode {
         if (met - asked < 4) continue;
       } else if (met - asked < 4) {
         if (waiting) {
-          act(batches[turn]);
+          act(fours[turn]);
           waiting = false;
         }
         expand(found - expanded);
         if (asked == met) break;
       }
-      Batch& batch = batches[turn ^ 1];
+      Four& four = fours[turn ^ 1];
       const std::size_t left = met - asked;
-      batch.size = left < 4 ? left : 4;
+      four.size = left < 4 ? left : 4;
       // What follows the last one is overwritten later.
       for (std::size_t i = 0; i < 3; ++i) pending[met + i] = pending[asked];
-      for (std::size_t i = 0; i < 4; ++i) batch.facet[i] = pending[asked + i];
-      asked += batch.size;
-      ask(batch, cells, at, e);
-      batch.in &= lanes_used[batch.size];
-      if (waiting) act(batches[turn]);
+      for (std::size_t i = 0; i < 4; ++i) four.facet[i] = pending[asked + i];
+      asked += four.size;
+      ask(four, cells, at, e);
+      four.in &= lanes_used[four.size];
+      if (waiting) act(fours[turn]);
       turn ^= 1;
       waiting = true;
     }

@@ -38,10 +38,10 @@ struct Parts {
 };
 
 // The bits that a set of doubles spans: all are multiples of 2^low and less than 2^high in absolute value.
-struct Span {
+struct BitRange {
   int low = 5000, high = -5000;
   template <std::size_t N>
-  explicit Span(const std::array<double, N>& values) {
+  explicit BitRange(const std::array<double, N>& values) {
     for (const double v : values) {
       const Parts p(v);
       if (p.magnitude == 0) continue;
@@ -115,23 +115,23 @@ Staged with_differences(const std::array<const Point*, P>& points, const std::ar
   }
   if (all_exact) {
     if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference)), Stage::lattice};
-    if (const Span span(difference); span.bits() <= 62) {
+    if (const BitRange range(difference); range.bits() <= 62) {
       std::array<Integer<1>, n> scaled;
-      for (std::size_t i = 0; i < n; ++i) scale(difference[i], span.low, scaled[i]);
+      for (std::size_t i = 0; i < n; ++i) scale(difference[i], range.low, scaled[i]);
       return {sign_of(sign(scaled)), Stage::integer};
     }
   }
   std::array<double, P * D> coordinate;
   for (std::size_t i = 0; i < P * D; ++i) coordinate[i] = (*points[i / D])[axes[i % D]];
-  const Span span(coordinate);
+  const BitRange range(coordinate);
   const auto with = [&]<class T>(T) {
     std::array<T, P * D> scaled;
-    for (std::size_t i = 0; i < P * D; ++i) scale(coordinate[i], span.low, scaled[i]);
+    for (std::size_t i = 0; i < P * D; ++i) scale(coordinate[i], range.low, scaled[i]);
     std::array<T, n> exact;
     for (std::size_t i = 0; i < n; ++i) exact[i] = scaled[i] - scaled[n + i % D];
     return sign_of(sign(exact));
   };
-  if (span.bits() <= 125) return {with(Integer<2>{}), Stage::wide};
+  if (range.bits() <= 125) return {with(Integer<2>{}), Stage::wide};
   return {with(Big{}), Stage::big};
 }
 

@@ -1,4 +1,4 @@
-#include "src/job/inputs.h"
+#include "src/job/open_cloud.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "src/base/option.h"
 #include "src/budget/budget.h"
-#include "src/job/plan.h"
+#include "src/job/estimate.h"
 
 namespace tessera {
 

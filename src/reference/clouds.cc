@@ -1,4 +1,4 @@
-#include "src/harness/clouds.h"
+#include "src/reference/clouds.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "src/job/plan.h"
+#include "src/job/estimate.h"
 
 #include <algorithm>
 #include <cmath>

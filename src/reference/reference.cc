@@ -1,4 +1,4 @@
-#include "src/harness/reference.h"
+#include "src/reference/reference.h"
 
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_3.h>

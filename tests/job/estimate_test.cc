@@ -1,4 +1,4 @@
-#include "src/job/plan.h"
+#include "src/job/estimate.h"
 
 #include <gtest/gtest.h>
 
@@ -9,14 +9,14 @@ namespace {
 
 constexpr std::uint64_t gib = std::uint64_t{1} << 30;
 
-TEST(Plan, PointsOfTextFilesAreGuessedFromTheirSize) {
+TEST(Estimate, PointsOfTextFilesAreGuessedFromTheirSize) {
   FileInfo told, text;
   told.points = 1000;
   text.content_bytes = 28'000;
   EXPECT_EQ(expected_points({told, text}), 2000u);
 }
 
-TEST(Plan, EstimatesGrowWithThePointsAndStayInTheBudget) {
+TEST(Estimate, GrowsWithThePointsAndStaysInTheBudget) {
   const Machine machine{.memory_bytes = gib, .threads = 2};
   const auto small = estimate(3, KernelKind::flat, 1'000'000, 200'000, true, 0, machine);
   const auto large = estimate(3, KernelKind::flat, 100'000'000, 200'000, true, 0, machine);
