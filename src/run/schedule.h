@@ -86,7 +86,7 @@ class Schedule {
     bool working = false, is_stored = false, settled = false;
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
-  using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;  // mail, ~memory, tile
+  using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;   // mail, ~memory, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
   void unlink(TileId tile);
