@@ -124,7 +124,7 @@ void TileActor::work(Work work) {
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
-  part_->heap_trim.worked_on(std::max(before, state_.memory()));
+  part_->heap_trim.worked_on(std::max(before, state_.memory()) + (mesh_ ? mesh_->bytes() : 0));
   report.span.end_us = since_opened();
   // After the updates were posted: what is on its way counts as sent before the part can ask.
   const Totals totals = state_.totals();

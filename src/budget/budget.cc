@@ -60,7 +60,7 @@ std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::
 
 std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
   // A sixteenth of the memory, in pieces that are worth a write but not beyond what one write gains from.
-  constexpr std::uint64_t least = 32, most = 16384;
+  constexpr std::uint64_t least = 8, most = 16384;
   return std::clamp(memory_bytes / 16 / sizeof(SharedPoint) / std::max<std::uint64_t>(1, tiles), least, most);
 }
 

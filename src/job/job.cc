@@ -1,5 +1,7 @@
 #include "src/job/job.h"
 
+#include <malloc.h>
+
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -103,6 +105,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   const double ran_s = elapsed_s();
 
   progress.phase = Phase::finishing;
+  malloc_trim(0);  // what the tiles have left behind, before the manifest of many of them is made
   auto manifest = manifest_of(options, run, tiles);
   auto summary = summary_of(options, folder.path(), manifest, tiles);
   summary.warnings = std::move(warnings);

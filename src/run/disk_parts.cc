@@ -96,7 +96,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.dimension = run->dimension;
   context.kernel = spec.kernel;
   context.reduce = reduce;
-  if (reduce) part->heap_trim.set_often(spec.memory_bytes / 64);
+  if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   context.boxes = final_boxes(run->partition);
   context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
   context.incarnations = spec.incarnations;

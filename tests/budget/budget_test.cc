@@ -70,7 +70,7 @@ TEST(TileFits, ManyTilesAreRefusedWithAFigureThatWouldDo) {
   EXPECT_TRUE(tile_fits(3, flat, 100, 20'000, 2, 200 * mib));
   const auto fits = tile_fits(3, flat, 100, 20'000, 2, 100 * mib);
   ASSERT_FALSE(fits);
-  EXPECT_NE(fits.error().where.find("20000 tiles need about 79M"), std::string::npos) << fits.error().where;
+  EXPECT_NE(fits.error().where.find("20000 tiles need about 98M"), std::string::npos) << fits.error().where;
   const std::uint64_t least = figure_in(fits.error().where, "at least ");
   EXPECT_TRUE(tile_fits(3, flat, 100, 20'000, 2, least));
   EXPECT_FALSE(tile_fits(3, flat, 100, 20'000, 2, least - mib));
