@@ -20,6 +20,7 @@ constexpr Format table[] = {
      .ending = ".vtu",
      .summary = "VTK XML, binary: points with attributes, cells; over tiles also a .pvtu",
      .attributes = true,
+     .edge_lengths = true,
      .most = int64_max,
      .instead = "npy",
      .open = open_vtu,

@@ -28,6 +28,7 @@ struct Format {
   bool attributes = false;     // holds those of the vertices
   bool heights_apart = false;  // in 2D, z stays an attribute
   bool neighbors = false;      // wants CellView::neighbors
+  bool edge_lengths = false;   // wants CellView::longest_edge
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;
