@@ -143,7 +143,8 @@ class NewFolder {
 Result<Exported> export_file(const MeshSource& source, Selection& selection, const Target& target) {
   const Format& format = source.format;
   const MeshHead head = head_of(source, selection);
-  Exported exported{.files = 1};
+  Exported exported;
+  exported.files = 1;
   BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
   BOOST_OUTCOME_TRYV(read_merged(source, selection, *writer));
   if (!format.index_of_one) {
@@ -232,6 +233,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   BOOST_OUTCOME_TRY(exported, !target.folder ? export_file(source, selection, target)
                               : by_tile      ? export_tiles(source, selection, target)
                                              : export_arrays(source, selection, target));
+  exported.path = target.path;
   exported.vertices = selection.vertices;
   exported.cells = selection.cells;
   exported.left_out = manifest.cells - selection.cells;

@@ -25,6 +25,7 @@ struct ExportOptions {
 };
 
 struct Exported {
+  std::filesystem::path path;  // the file or folder
   std::uint64_t vertices = 0, cells = 0;
   std::uint64_t left_out = 0;  // cells, for their edges
   std::uint64_t files = 0;

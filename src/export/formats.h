@@ -48,6 +48,7 @@ OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_gmsh_binary(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_npy(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geojson(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geopackage(const std::filesystem::path& path, const MeshHead& head);

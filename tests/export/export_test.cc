@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const flat_formats[] = {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv"};
+const char* const flat_formats[] = {"ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "geojson", "gpkg", "csv"};
 
 void store_flat(const fs::path& out, std::size_t n = 200) {
   store_sample(out, sample_tiles(sample_points(Shape::uniform, 2, n), 2, 4));
@@ -51,7 +51,7 @@ TEST(Export, ADamagedTileLeavesNothingHalfWritten) {
   const TemporaryFolder folder;
   store_flat(folder.path());
   fs::resize_file(tile_file(folder.path(), TileId{2}), 3000);
-  for (const std::string name : {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv", "npy"}) {
+  for (const std::string name : {"ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "geojson", "gpkg", "csv", "npy"}) {
     const TemporaryFolder target;
     for (const std::string& path : {"mesh." + name, std::string("tiles")}) {
       if (path == "mesh.npy") continue;

@@ -81,6 +81,17 @@ def by_gmsh(path, corners):
         gmsh.finalize()
 
 
+def groups_of(path):
+    """The names of the physical groups that Gmsh finds."""
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(path))
+        return [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()]
+    finally:
+        gmsh.finalize()
+
+
 def ply_with_cells(path):
     """VTK and CGAL read the points of a PLY file with cells, but not the cells: NumPy, by the file's own header."""
     kinds = {"uchar": "u1", "char": "i1", "ushort": "<u2", "short": "<i2", "uint": "<u4", "int": "<i4", "float": "<f4",
