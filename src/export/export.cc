@@ -237,7 +237,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   exported.vertices = selection.vertices;
   exported.cells = selection.cells;
   exported.left_out = manifest.cells - selection.cells;
-  if (target.format->corners) exported.note = crs_note(manifest.crs);
+  if (target.format->crs) exported.note = crs_note(manifest.crs);
   return exported;
 }
 

@@ -25,6 +25,7 @@ struct Format {
   bool in_3d = true;         // 2D all of them hold
   Shape shape = Shape::file;
   bool corners = false;        // cells carry coordinates; there is no list of vertices
+  bool crs = false;            // tells the coordinate system
   bool attributes = false;     // holds those of the vertices
   bool heights_apart = false;  // in 2D, z stays an attribute
   bool neighbors = false;      // wants CellView::neighbors
@@ -49,6 +50,8 @@ OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh_binary(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_dxf(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_landxml(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_npy(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geojson(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geopackage(const std::filesystem::path& path, const MeshHead& head);
