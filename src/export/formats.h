@@ -24,7 +24,8 @@ struct Format {
   const char* summary;       // for --help
   bool in_3d = true;         // 2D all of them hold
   Shape shape = Shape::file;
-  bool corners = false;        // cells carry coordinates; there is no list of vertices
+  bool corners = false;        // cells carry coordinates and rows; there is no list of vertices
+  bool vertex_layer = false;   // but one of those with attributes, if there are any
   bool crs = false;            // tells the coordinate system
   bool attributes = false;     // holds those of the vertices
   bool heights_apart = false;  // in 2D, z stays an attribute

@@ -66,6 +66,20 @@ class Rows {
   std::optional<std::size_t> height_at_;
 };
 
+// What the file is to hold of each vertex besides its place.
+std::vector<Column> columns_of(const MeshSource& source) {
+  std::vector<Column> columns;
+  if (!source.format.attributes) return columns;
+  std::size_t offset = 0;
+  for (const auto& attribute : source.manifest.schema) {
+    const bool height = source.manifest.dimension == 2 && is_height(attribute);
+    if (!height || (source.format.heights_apart && source.options.heights))
+      columns.push_back({attribute.name, attribute.type, offset});
+    offset += size_of(attribute.type);
+  }
+  return columns;
+}
+
 // Asks now and then, not at each of millions, whether to go on; and tells how far it is.
 class Watch {
  public:
@@ -178,20 +192,14 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.spatial_index = source.options.spatial_index;
   if (looks_like_crs(manifest.crs)) head.crs = manifest.crs;
   head.software_version = manifest.software_version;
-  std::size_t offset = 0;
-  for (const auto& attribute : manifest.schema) {
-    const bool height = manifest.dimension == 2 && is_height(attribute);
-    if (height && !source.format.heights_apart) {
-      head.heights = source.options.heights;
-    } else if (source.format.attributes && (!height || source.options.heights)) {
-      head.columns.push_back({attribute.name, attribute.type, offset});
-    }
-    offset += size_of(attribute.type);
-  }
+  head.columns = columns_of(source);
+  head.heights = Rows(source).heights();
   return head;
 }
 
-bool lists_vertices(const MeshSource& source) { return !source.format.corners; }
+bool lists_vertices(const MeshSource& source) {
+  return !source.format.corners || (source.format.vertex_layer && !columns_of(source).empty());
+}
 
 Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& writer) {
   const Rows rows(source);
