@@ -171,8 +171,8 @@ class Triangulation:
         target
             With an ending, one file; else a folder with a file for each tile ("npy": a folder of arrays).
         format
-            "ply", "vtu", "off", "obj", "mesh", "msh", "npy", "geojson", "gpkg" or "csv" (docs/formats.md). None: as the
-            ending of `target` says.
+            "ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson", "gpkg" or "csv"
+            (docs/formats.md). None: as the ending of `target` says.
         heights
             2D: the attribute "z", if the points have one, becomes the third coordinate.
         overwrite
