@@ -111,6 +111,9 @@ class TESSERA_PUBLIC ExportRequest {
   ExportRequest& heights(bool heights);
   // GeoPackage: write a spatial index (the default). Without it writing is four times as fast, but maps are slow.
   ExportRequest& index(bool index);
+  // Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that no
+  // cell has then. Finite and above 0.
+  ExportRequest& max_edge(double length);
   // Replace files of the same names.
   ExportRequest& overwrite(bool overwrite);
   // Told now and then which part is done, 0 to 1, in the thread that called. An exception ends the work, and comes out.

@@ -163,7 +163,7 @@ class Triangulation:
         return points
 
     def export(self, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
-               index: bool = True) -> None:
+               index: bool = True, max_edge: float | None = None) -> None:
         """Writes the cells, each once, for other programs: t.export("mesh.ply").
 
         Parameters
@@ -171,14 +171,17 @@ class Triangulation:
         target
             With an ending, one file; else a folder with a file for each tile ("npy": a folder of arrays).
         format
-            "ply", "vtu", "off", "obj", "mesh", "msh", "npy", "geojson", "gpkg" or "csv" (docs/formats.md). None: as the
-            ending of `target` says.
+            "ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "dxf", "landxml", "npy", "geojson", "gpkg" or "csv"
+            (docs/formats.md). None: as the ending of `target` says.
         heights
             2D: the attribute "z", if the points have one, becomes the third coordinate.
         overwrite
             Replace files of the same names. Otherwise that is an error.
         index
             GeoPackage: write a spatial index. Without it writing is four times as fast, but maps are slow.
+        max_edge
+            Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that
+            no cell has then.
 
         Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing half-written.
         """
@@ -187,6 +190,8 @@ class Triangulation:
         request.heights(heights)
         request.overwrite(overwrite)
         request.index(index)
+        if max_edge is not None:
+            request.max_edge(max_edge)
         note = self._triangulation.export_to(os.fspath(target), request)
         if note:
             warnings.warn(note, stacklevel=2)

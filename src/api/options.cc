@@ -135,6 +135,10 @@ ExportRequest& ExportRequest::index(bool index) {
   impl_->options.spatial_index = index;
   return *this;
 }
+ExportRequest& ExportRequest::max_edge(double length) {
+  impl_->options.max_edge = length;
+  return *this;
+}
 ExportRequest& ExportRequest::overwrite(bool overwrite) {
   impl_->options.overwrite = overwrite;
   return *this;

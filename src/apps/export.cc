@@ -45,9 +45,11 @@ Status run_export(Settings& settings, const std::string& folder) {
 
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
   BOOST_OUTCOME_TRY(index, settings.get("index", [](const std::string& text) { return parse_switch(text); }));
+  BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   const ExportOptions options{.format = settings.text("format").value_or(""),
                               .heights = heights.value_or(true),
                               .spatial_index = index.value_or(true),
+                              .max_edge = max_edge,
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
@@ -56,14 +58,17 @@ Status run_export(Settings& settings, const std::string& folder) {
   if (options.progress) std::fprintf(stderr, "\r\x1b[K");
   BOOST_OUTCOME_TRY(exported, std::move(result));
   if (output.json) {
-    const nlohmann::ordered_json object{{"event", "exported"},           {"output", target.string()},
+    const nlohmann::ordered_json object{{"event", "exported"},           {"output", exported.path.string()},
                                         {"vertices", exported.vertices}, {"cells", exported.cells},
-                                        {"files", exported.files},       {"bytes", exported.bytes},
-                                        {"note", exported.note}};
+                                        {"left_out", exported.left_out}, {"files", exported.files},
+                                        {"bytes", exported.bytes},       {"note", exported.note}};
     std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
   } else if (!output.quiet) {
-    std::printf("%s: %s vertices, %s cells, %s\n", target.c_str(), grouped(exported.vertices).c_str(),
+    std::printf("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
                 grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
+    if (options.max_edge)
+      std::printf("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(),
+                  settings.text("max-edge")->c_str());
     if (!exported.note.empty()) std::fprintf(stderr, "note: %s\n", exported.note.c_str());
   }
   return success();
@@ -72,16 +77,21 @@ Status run_export(Settings& settings, const std::string& folder) {
 }  // namespace
 
 Command add_export(CLI::App& root) {
-  auto command =
-      new_command(root, "export", "Writes a result folder as files for other programs",
-                  "  tessera export out/ -o mesh.ply                 (one file; the ending tells the format)\n"
-                  "  tessera export out/ -o tiles/ --format vtu      (a folder: one .vtu a tile, a .pvtu over them)\n"
-                  "  tessera export ground/ -o ground.gpkg           (2D)\n\nFormats:\n" +
-                      export_format_help());
+  auto command = new_command(
+      root, "export", "Writes a result folder as files for other programs",
+      "  tessera export out/ -o mesh.ply                 (one file; the ending tells the format)\n"
+      "  tessera export out/ -o tiles/ --format vtu      (a folder: one .vtu a tile, a .pvtu over them)\n"
+      "  tessera export ground/ -o ground.gpkg           (2D)\n"
+      "  tessera export out/ -o near.vtu --max-edge 2    (without what bridges gaps and the hull's bays)\n\n"
+      "Formats:\n" +
+          export_format_help());
   add_value(command, "format", "NAME", "one of those below; default: as the ending of --output says");
   add_choices(command, "format", export_format_names());
   add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
             'o', true);
+  add_value(
+      command, "max-edge", "LENGTH",
+      "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices left alone");
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
   add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
              false, true);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <set>
 #include <utility>
 #include <vector>
@@ -139,12 +140,13 @@ class NewFolder {
   TemporaryFolder temporary_;
 };
 
-Result<Exported> export_file(const MeshSource& source, const Target& target) {
+Result<Exported> export_file(const MeshSource& source, Selection& selection, const Target& target) {
   const Format& format = source.format;
-  const MeshHead head = head_of(source);
-  Exported exported{.vertices = head.vertices, .cells = head.cells, .files = 1};
+  const MeshHead head = head_of(source, selection);
+  Exported exported;
+  exported.files = 1;
   BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
-  BOOST_OUTCOME_TRYV(read_merged(source, *writer));
+  BOOST_OUTCOME_TRYV(read_merged(source, selection, *writer));
   if (!format.index_of_one) {
     BOOST_OUTCOME_TRY(bytes, writer->finish());
     exported.bytes = bytes;
@@ -162,24 +164,26 @@ Result<Exported> export_file(const MeshSource& source, const Target& target) {
   return exported;
 }
 
-Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
+// Of tiles from which the filter leaves nothing there are no files.
+Result<Exported> export_tiles(const MeshSource& source, const Selection& selection, const Target& target) {
+  std::vector<std::size_t> written;
   std::vector<std::string> names;
-  for (const auto& entry : source.manifest.tiles)
-    names.push_back(tile_file("", entry.tile).filename().replace_extension(source.format.ending));
+  for (std::size_t i = 0; i < selection.parts.size(); ++i) {
+    const auto& part = selection.parts[i];
+    if (source.filter.active() && part.cells == 0) continue;
+    written.push_back(i);
+    names.push_back(tile_file("", part.tile).filename().replace_extension(source.format.ending));
+  }
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, {names.begin(), names.end()}));
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;
   std::uint64_t done = 0;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    BOOST_OUTCOME_TRY(piece, write_piece(source, i, folder.path() / names[i], done));
-    exported.vertices += piece.own_vertices;
-    exported.cells += piece.cells;
-    exported.bytes += piece.bytes;
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    BOOST_OUTCOME_TRY(bytes, write_piece(source, selection, written[i], folder.path() / names[i], done));
+    exported.bytes += bytes;
   }
-  if (exported.vertices != source.manifest.vertices || exported.cells != source.manifest.cells)
-    return error(Errc::corrupt, source.out.string() + ": the tiles do not hold what the manifest counts");
   if (source.format.index != nullptr) {
-    const MeshHead head = head_of(source);
+    const MeshHead head = head_of(source, selection);
     const std::string text = source.format.index(head, names);
     const auto name = std::string("triangulation") + source.format.index_ending;
     BOOST_OUTCOME_TRYV(write_whole(folder.path() / name, text));
@@ -191,12 +195,11 @@ Result<Exported> export_tiles(const MeshSource& source, const Target& target) {
   return exported;
 }
 
-Result<Exported> export_arrays(const MeshSource& source, const Target& target) {
+Result<Exported> export_arrays(const MeshSource& source, Selection& selection, const Target& target) {
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
-  const MeshHead head = head_of(source);
-  Exported exported{.vertices = head.vertices, .cells = head.cells};
-  BOOST_OUTCOME_TRY(writer, source.format.open(folder.path(), head));
-  BOOST_OUTCOME_TRYV(read_merged(source, *writer));
+  Exported exported;
+  BOOST_OUTCOME_TRY(writer, source.format.open(folder.path(), head_of(source, selection)));
+  BOOST_OUTCOME_TRYV(read_merged(source, selection, *writer));
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   exported.bytes = bytes;
   std::set<std::string> names;
@@ -215,14 +218,26 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
                                std::stop_token stop) {
   BOOST_OUTCOME_TRY(target, exports::find_target(path, options.format));
   BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
-  const exports::MeshSource source{
-      .out = out, .manifest = manifest, .format = *target.format, .options = options, .stop = stop};
-  auto exported = !target.folder                                   ? export_file(source, target)
-                  : target.format->shape == exports::Shape::folder ? export_arrays(source, target)
-                                                                   : export_tiles(source, target);
-  if (exported && target.format->corners) exported.value().note = crs_note(manifest.crs);
+  const exports::MeshSource source{.out = out,
+                                   .manifest = manifest,
+                                   .format = *target.format,
+                                   .options = options,
+                                   .filter = exports::CellFilter(options.max_edge),
+                                   .stop = stop};
+  const bool by_tile = target.folder && target.format->shape == exports::Shape::file;
+  BOOST_OUTCOME_TRY(selection, exports::select(source, !by_tile && !target.format->corners));
+  BOOST_OUTCOME_TRY(exported, !target.folder ? export_file(source, selection, target)
+                              : by_tile      ? export_tiles(source, selection, target)
+                                             : export_arrays(source, selection, target));
+  exported.path = target.path;
+  exported.vertices = selection.vertices;
+  exported.cells = selection.cells;
+  exported.left_out = manifest.cells - selection.cells;
+  if (target.format->crs) exported.note = crs_note(manifest.crs);
   return exported;
 }
 

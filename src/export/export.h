@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -13,15 +14,20 @@
 namespace tessera {
 
 struct ExportOptions {
-  std::string format = {};                    // one of export_format_names(); empty: as the ending of the target says
-  bool heights = true;                        // 2D: the attribute "z", if there is one, becomes the third coordinate
-  bool spatial_index = true;                  // of a GeoPackage
+  std::string format = {};    // one of export_format_names(); empty: as the ending of the target says
+  bool heights = true;        // 2D: the attribute "z", if there is one, becomes the third coordinate
+  bool spatial_index = true;  // of a GeoPackage
+  // In units of the coordinates, finite and above 0: cells with a longer edge are left out, and vertices that no cell
+  // has then. In 2D edges are measured in the plane.
+  std::optional<double> max_edge = {};
   bool overwrite = false;                     // replace files
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1, now and then; or null
 };
 
 struct Exported {
+  std::filesystem::path path;  // the file or folder
   std::uint64_t vertices = 0, cells = 0;
+  std::uint64_t left_out = 0;  // cells, for their edges
   std::uint64_t files = 0;
   std::uint64_t bytes = 0;  // written, all files together
   std::string note = {};    // a sentence about what the format could not keep here; often empty
@@ -29,10 +35,10 @@ struct Exported {
 
 // Writes the result folder `out` to `target`. A target with an ending is one file, in which every vertex has one
 // number; one that is a folder, ends in '/', or has no ending becomes a folder with a file for each tile (npy: a folder
-// of arrays for all). Written under temporary names and renamed at the end. Memory is that of the largest tile plus 16
+// of arrays for all). Written under temporary names and renamed at the end. Memory is that of the largest tile plus 17
 // bytes for each vertex that tiles share.
-// Errors: usage, before anything is read, for an unknown format or a target that exists; usage for a format that cannot
-// hold the result; corrupt for a damaged tile; io; interrupted.
+// Errors: usage, before anything is read, for an unknown format, a target that exists, or a wrong option; usage for a
+// format that cannot hold the result, and when no cell is left; corrupt for a damaged tile; io; interrupted.
 Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
                                const ExportOptions& options, std::stop_token stop);
 

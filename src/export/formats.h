@@ -24,10 +24,13 @@ struct Format {
   const char* summary;       // for --help
   bool in_3d = true;         // 2D all of them hold
   Shape shape = Shape::file;
-  bool corners = false;        // cells carry coordinates; there is no list of vertices
+  bool corners = false;        // cells carry coordinates and rows; there is no list of vertices
+  bool vertex_layer = false;   // but one of those with attributes, if there are any
+  bool crs = false;            // tells the coordinate system
   bool attributes = false;     // holds those of the vertices
   bool heights_apart = false;  // in 2D, z stays an attribute
   bool neighbors = false;      // wants CellView::neighbors
+  bool edge_lengths = false;   // wants CellView::longest_edge
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;
@@ -47,6 +50,9 @@ OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_gmsh_binary(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_dxf(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_landxml(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_npy(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geojson(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_geopackage(const std::filesystem::path& path, const MeshHead& head);

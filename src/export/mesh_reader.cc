@@ -8,7 +8,6 @@
 
 #include "src/base/option.h"
 #include "src/crs/crs.h"
-#include "src/export/vertex_numbers.h"
 
 namespace tessera::exports {
 
@@ -54,9 +53,11 @@ class Rows {
     }
     return success();
   }
+  const std::byte* row(const StoredTile& tile, std::size_t i) const {
+    return wanted() ? tile.rows.data() + i * stride_ : nullptr;
+  }
   VertexView vertex(const StoredTile& tile, std::size_t i) const {
-    return {
-        .at = tile.mesh.points[i], .id = tile.mesh.ids[i], .row = wanted() ? tile.rows.data() + i * stride_ : nullptr};
+    return {.at = tile.mesh.points[i], .id = tile.mesh.ids[i], .row = row(tile, i)};
   }
 
  private:
@@ -65,12 +66,29 @@ class Rows {
   std::optional<std::size_t> height_at_;
 };
 
+// What the file is to hold of each vertex besides its place.
+std::vector<Column> columns_of(const MeshSource& source) {
+  std::vector<Column> columns;
+  if (!source.format.attributes) return columns;
+  std::size_t offset = 0;
+  for (const auto& attribute : source.manifest.schema) {
+    const bool height = source.manifest.dimension == 2 && is_height(attribute);
+    if (!height || (source.format.heights_apart && source.options.heights))
+      columns.push_back({attribute.name, attribute.type, offset});
+    offset += size_of(attribute.type);
+  }
+  return columns;
+}
+
 // Asks now and then, not at each of millions, whether to go on; and tells how far it is.
 class Watch {
  public:
-  // `done`: the vertices and cells that earlier watches have seen.
-  Watch(const MeshSource& source, MeshWriter& writer, std::uint64_t done = 0)
-      : source_(source), writer_(writer), done_(done) {}
+  // `all`: vertices and cells to be written, `done`: those that earlier watches have seen.
+  Watch(const MeshSource& source, const Selection& selection, MeshWriter& writer, std::uint64_t done = 0)
+      : source_(source),
+        writer_(writer),
+        all_(selection.cells + (lists_vertices(source) ? selection.vertices : 0) + 1),
+        done_(done) {}
   Status step() {
     constexpr std::uint64_t every = 1 << 16;
     if (++done_ % every != 0) return success();
@@ -78,10 +96,8 @@ class Watch {
   }
   Status look() {
     if (source_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
-    const auto& manifest = source_.manifest;
-    const std::uint64_t all = manifest.cells + (source_.format.corners ? 0 : manifest.vertices) + 1;
     if (source_.options.progress)
-      source_.options.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all)));
+      source_.options.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all_)));
     return writer_.check();
   }
   std::uint64_t done() const { return done_; }
@@ -89,28 +105,18 @@ class Watch {
  private:
   const MeshSource& source_;
   MeshWriter& writer_;
-  std::uint64_t done_;
+  std::uint64_t all_, done_;
 };
 
-// More than announced would run into the next array of a file.
-Error wrong_counts(const MeshSource& source, std::uint64_t vertices, std::uint64_t cells) {
-  return error(Errc::corrupt, source.out.string() + ": the tiles hold " + std::to_string(vertices) + " vertices and " +
-                                  std::to_string(cells) + " cells or more, the manifest counts " +
-                                  std::to_string(source.manifest.vertices) + " and " +
-                                  std::to_string(source.manifest.cells));
-}
+// What a tile's cells are told by: numbers of its vertices, or their coordinates and rows.
+struct Corners {
+  const std::vector<std::uint64_t>& numbers;
+  const Rows& rows;
+};
 
-Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows) {
-  const TileId id = source.manifest.tiles[index].tile;
-  BOOST_OUTCOME_TRY(tile, read_tile(source.out, id, with_rows));
-  if (tile.mesh.dimension != source.manifest.dimension)
-    return error(Errc::corrupt, stored_tile_file(source.out, id).string() + ": has another dimension than the result");
-  return std::move(tile);
-}
-
-// Gives the writer the main cells of a tile; the first has the number `first`.
+// Gives the writer the cells of a tile that are exported; the first has the number `first`.
 Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t index, std::uint64_t first,
-                  const std::vector<std::uint64_t>& numbers, MeshWriter& writer, Watch& watch) {
+                  const Corners& of, MeshWriter& writer, Watch& watch) {
   const TileMesh& mesh = tile.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   std::vector<std::uint64_t> cell_numbers;
@@ -118,11 +124,13 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
     cell_numbers.assign(mesh.cell_ghost.size(), unused);
     std::uint64_t next = first;
     for (std::size_t i = 0; i < cell_numbers.size(); ++i)
-      if (mesh.cell_ghost[i] == 0) cell_numbers[i] = next++;
+      if (source.filter.keeps(mesh, i)) cell_numbers[i] = next++;
   }
   CellView cell{.tile = source.manifest.tiles[index].tile};
+  cell.neighbors.fill(CellView::elsewhere);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
-    if (mesh.cell_ghost[i] != 0) continue;
+    if (!source.filter.keeps(mesh, i)) continue;
+    if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
     cell.own = 0;
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
@@ -130,15 +138,17 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
       cell.own += mesh.point_ghost[v] == 0 ? 1 : 0;
       if (source.format.corners) {
         cell.at[k] = mesh.points[v];
+        cell.rows[k] = of.rows.row(tile, v);
       } else {
-        cell.numbers[k] = numbers[v];
+        cell.numbers[k] = of.numbers[v];
       }
       if (cell_numbers.empty()) continue;
       const std::int32_t beyond = mesh.neighbors[i * corners + k];
-      const std::uint64_t number = beyond < 0 ? unused : cell_numbers[static_cast<std::size_t>(beyond)];
-      cell.neighbors[k] = beyond == -1       ? CellView::outside
-                          : number == unused ? CellView::elsewhere
-                                             : static_cast<std::int64_t>(number);
+      const auto b = static_cast<std::size_t>(std::max(beyond, 0));
+      const bool left_out = beyond >= 0 && mesh.cell_ghost[b] == 0 && cell_numbers[b] == unused;
+      cell.neighbors[k] = beyond == -1 || left_out                  ? CellView::outside
+                          : beyond < 0 || cell_numbers[b] == unused ? CellView::elsewhere
+                                                                    : static_cast<std::int64_t>(cell_numbers[b]);
     }
     writer.cell(cell);
     BOOST_OUTCOME_TRYV(watch.step());
@@ -146,114 +156,106 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
   return success();
 }
 
-template <class Ghosts>
-std::uint64_t count_main(const Ghosts& ghosts) {
-  return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
+// Own vertices of all tiles, which get their numbers.
+Status give_vertices(const MeshSource& source, Selection& selection, const Rows& rows, MeshWriter& writer,
+                     Watch& watch) {
+  const auto read = [&](std::size_t index) {
+    if (source.filter.active()) return load(source, index, rows.wanted());
+    return load_vertices(source, index, rows.wanted());
+  };
+  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
+    BOOST_OUTCOME_TRYV(watch.look());
+    BOOST_OUTCOME_TRY(tile, read(index));
+    BOOST_OUTCOME_TRYV(rows.lift(source, tile));
+    const auto exported = selection.numbers.exported_own(tile.mesh);
+    selection.numbers.number_own(tile.mesh, exported);
+    for (std::size_t i = 0; i < exported.size(); ++i) {
+      if (exported[i] == 0) continue;
+      writer.vertex(rows.vertex(tile, i));
+      BOOST_OUTCOME_TRYV(watch.step());
+    }
+  }
+  return success();
 }
 
 }  // namespace
 
-MeshHead head_of(const MeshSource& source) {
+MeshHead head_of(const MeshSource& source, const Selection& selection) {
   const Manifest& manifest = source.manifest;
   MeshHead head;
   head.dimension = manifest.dimension;
-  head.vertices = manifest.vertices;
-  head.cells = manifest.cells;
+  head.vertices = selection.vertices;
+  head.cells = selection.cells;
+  head.parts = selection.parts;
   head.ids = manifest.points_read;
   head.neighbors = source.format.neighbors && manifest.neighbors;
   head.spatial_index = source.options.spatial_index;
   if (looks_like_crs(manifest.crs)) head.crs = manifest.crs;
   head.software_version = manifest.software_version;
-  std::size_t offset = 0;
-  for (const auto& attribute : manifest.schema) {
-    const bool height = manifest.dimension == 2 && is_height(attribute);
-    if (height && !source.format.heights_apart) {
-      head.heights = source.options.heights;
-    } else if (source.format.attributes && (!height || source.options.heights)) {
-      head.columns.push_back({attribute.name, attribute.type, offset});
-    }
-    offset += size_of(attribute.type);
-  }
+  head.columns = columns_of(source);
+  head.heights = Rows(source).heights();
   return head;
 }
 
-Status read_merged(const MeshSource& source, MeshWriter& writer) {
-  const Manifest& manifest = source.manifest;
+bool lists_vertices(const MeshSource& source) {
+  return !source.format.corners || (source.format.vertex_layer && !columns_of(source).empty());
+}
+
+Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& writer) {
   const Rows rows(source);
-  Watch watch(source, writer);
-  std::uint64_t vertices = 0, cells = 0;
-  VertexNumbers numbers;
-  if (!source.format.corners) {
-    BOOST_OUTCOME_TRY(prepared, VertexNumbers::prepare(source.out, manifest, source.stop));
-    numbers = std::move(prepared);
-    for (const auto& entry : manifest.tiles) {
-      BOOST_OUTCOME_TRYV(watch.look());
-      BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, entry.tile, rows.wanted()));
-      BOOST_OUTCOME_TRYV(rows.lift(source, tile));
-      numbers.number_own(tile.mesh);
-      vertices += count_main(tile.mesh.point_ghost);
-      if (vertices > manifest.vertices) return wrong_counts(source, vertices, cells);
-      for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
-        if (tile.mesh.point_ghost[i] != 0) continue;
-        writer.vertex(rows.vertex(tile, i));
-        BOOST_OUTCOME_TRYV(watch.step());
-      }
-    }
+  Watch watch(source, selection, writer);
+  if (lists_vertices(source)) {
+    BOOST_OUTCOME_TRYV(give_vertices(source, selection, rows, writer, watch));
   }
-  for (std::size_t index = 0; index < manifest.tiles.size(); ++index) {
+  std::uint64_t cells = 0;
+  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
-    BOOST_OUTCOME_TRY(tile, load(source, index, source.format.corners && rows.heights()));
-    std::vector<std::uint64_t> of;
+    BOOST_OUTCOME_TRY(tile, load(source, index, source.format.corners && rows.wanted()));
+    std::vector<std::uint64_t> numbers;
     if (source.format.corners) {
-      if (rows.heights()) {
-        BOOST_OUTCOME_TRYV(rows.lift(source, tile));
-      }
-      vertices += count_main(tile.mesh.point_ghost);
+      BOOST_OUTCOME_TRYV(rows.lift(source, tile));
     } else {
-      BOOST_OUTCOME_TRY(found, numbers.of(tile.mesh, index, stored_tile_file(source.out, manifest.tiles[index].tile)));
-      of = std::move(found);
+      const fs::path file = stored_tile_file(source.out, source.manifest.tiles[index].tile);
+      BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
+      numbers = std::move(found);
     }
-    const std::uint64_t first = cells;
-    cells += count_main(tile.mesh.cell_ghost);
-    if (cells > manifest.cells) return wrong_counts(source, vertices, cells);
-    BOOST_OUTCOME_TRYV(give_cells(source, tile, index, first, of, writer, watch));
+    BOOST_OUTCOME_TRYV(give_cells(source, tile, index, cells, {numbers, rows}, writer, watch));
+    cells += selection.parts[index].cells;
   }
-  if (vertices != manifest.vertices || cells != manifest.cells) return wrong_counts(source, vertices, cells);
   return watch.look();
 }
 
-Result<TilePiece> write_piece(const MeshSource& source, std::size_t index, const fs::path& path, std::uint64_t& done) {
+Result<std::uint64_t> write_piece(const MeshSource& source, const Selection& selection, std::size_t index,
+                                  const fs::path& path, std::uint64_t& done) {
   const Rows rows(source);
   BOOST_OUTCOME_TRY(tile, load(source, index, rows.wanted()));
   BOOST_OUTCOME_TRYV(rows.lift(source, tile));
   const TileMesh& mesh = tile.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
-  TilePiece piece{.own_vertices = count_main(mesh.point_ghost), .cells = count_main(mesh.cell_ghost)};
   std::vector<std::uint64_t> numbers(mesh.points.size(), unused);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
-    if (mesh.cell_ghost[i] != 0) continue;
+    if (!source.filter.keeps(mesh, i)) continue;
     for (std::size_t k = 0; k < corners; ++k) numbers[static_cast<std::size_t>(mesh.cells[i * corners + k])] = 0;
   }
-  MeshHead head = head_of(source);
-  head.cells = piece.cells;
+  MeshHead head = head_of(source, selection);
   head.vertices = 0;
   for (auto& number : numbers)
     if (number != unused) number = head.vertices++;
+  head.cells = selection.parts[index].cells;
+  head.parts = {{selection.parts[index].tile, head.vertices, head.cells}};
   BOOST_OUTCOME_TRY(writer, source.format.open(path, head));
-  Watch watch(source, *writer, done);
-  if (!source.format.corners) {
+  Watch watch(source, selection, *writer, done);
+  if (lists_vertices(source)) {
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (numbers[i] == unused) continue;
       writer->vertex(rows.vertex(tile, i));
       BOOST_OUTCOME_TRYV(watch.step());
     }
   }
-  BOOST_OUTCOME_TRYV(give_cells(source, tile, index, 0, numbers, *writer, watch));
+  BOOST_OUTCOME_TRYV(give_cells(source, tile, index, 0, {numbers, rows}, *writer, watch));
   BOOST_OUTCOME_TRYV(watch.look());
   done = watch.done();
-  BOOST_OUTCOME_TRY(bytes, writer->finish());
-  piece.bytes = bytes;
-  return piece;
+  return writer->finish();
 }
 
 }  // namespace tessera::exports

@@ -21,11 +21,18 @@ struct Column {
   std::size_t offset = 0;  // in VertexView::row
 };
 
+// A tile's share of a file.
+struct Part {
+  TileId tile;
+  std::uint64_t vertices = 0, cells = 0;
+};
+
 struct MeshHead {
   int dimension = 3;
   bool heights = false;  // 2D: points have a z that is no part of the triangulation
   std::uint64_t vertices = 0, cells = 0;
-  std::uint64_t ids = 0;  // every id is less
+  std::vector<Part> parts;  // vertices and cells come in their order
+  std::uint64_t ids = 0;    // every id is less
   bool neighbors = false;
   bool spatial_index = true;
   std::vector<Column> columns;
@@ -44,11 +51,14 @@ struct VertexView {
 struct CellView {
   static constexpr std::int64_t outside = -1, elsewhere = -2;
   TileId tile;
-  int own = 0;                              // how many of its vertices its tile owns
-  std::array<PointId, 4> ids{};             // source indices
-  std::array<std::uint64_t, 4> numbers{};   // of the vertices, in the order they were given; formats with a vertex list
-  std::array<Point, 4> at{};                // formats without one
-  std::array<std::int64_t, 4> neighbors{};  // numbers of cells, `outside`, or `elsewhere`: a main cell of another tile
+  int own = 0;                             // how many of its vertices its tile owns
+  std::array<PointId, 4> ids{};            // source indices
+  std::array<std::uint64_t, 4> numbers{};  // of the vertices, in the order they were given; formats with a vertex list
+  std::array<Point, 4> at{};               // formats without one
+  std::array<const std::byte*, 4> rows{};  // the same: as VertexView::row
+  // Numbers of cells, `outside`, or `elsewhere`: perhaps a cell of another tile. Formats that want them.
+  std::array<std::int64_t, 4> neighbors{};
+  double longest_edge = 0;  // in the plane in 2D; formats that want it
 };
 
 // Errors are kept until check() or finish(): vertex() and cell() are called millions of times.

@@ -12,6 +12,8 @@ namespace tessera::exports {
 
 namespace fs = std::filesystem;
 
+fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
+
 Result<OutputFile> OutputFile::create(const fs::path& target) {
   TemporaryFile temporary(temporary_name(target));
   auto file = open_handle(temporary.path(), O_RDWR | O_CREAT | O_TRUNC, target);

@@ -18,6 +18,9 @@
 
 namespace tessera::exports {
 
+// Where `target` is to stand.
+std::filesystem::path folder_of(const std::filesystem::path& target);
+
 // A file under a temporary name, written through one Stream or more.
 class OutputFile {
  public:
@@ -38,7 +41,9 @@ class OutputFile {
 // Bytes that follow each other from some place of a file on. The first error is kept.
 class Stream {
  public:
-  Stream(const OutputFile& file, std::uint64_t offset) : fd_(file.fd()), path_(file.target()), offset_(offset) {}
+  Stream(const OutputFile& file, std::uint64_t offset) : Stream(file.fd(), file.target(), offset) {}
+  // `path`: what errors name.
+  Stream(int fd, std::filesystem::path path, std::uint64_t offset) : fd_(fd), path_(std::move(path)), offset_(offset) {}
   void text(std::string_view text) { bytes(std::as_bytes(std::span(text.data(), text.size()))); }
   template <class T>
   void value(const T& value) {

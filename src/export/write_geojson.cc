@@ -2,9 +2,17 @@
 // (6277550.010000001 becomes 6277550.01) and takes ten times as long. GDAL is asked for the coordinate system only.
 // RFC 7946 knows longitude and latitude alone; other systems are named by the "crs" member of the 2008 specification,
 // which GDAL and QGIS read.
+//
+// A file is one layer, so triangles carry the attributes of their corners: intensity_0 is that of v0. A property for
+// each, since QGIS styles by numbers, not by lists; and no means, for that of a class is another class.
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 #include "src/crs/crs.h"
+#include "src/export/attribute_value.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 
@@ -12,13 +20,19 @@ namespace tessera::exports {
 
 namespace {
 
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 class GeoJsonWriter : public StreamWriter {
  public:
   GeoJsonWriter(OutputFile file, const MeshHead& head, const std::string& crs)
-      : StreamWriter(std::move(file)), heights_(head.heights) {
-    const nlohmann::json name = crs;
-    stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" +
-                 name.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "}},\"features\":[");
+      : StreamWriter(std::move(file)), heights_(head.heights), columns_(head.columns) {
+    stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
+                 "}},\"features\":[");
+    // As different from each other as the attributes' names; "tile" and "v0" end otherwise.
+    for (const auto& column : columns_)
+      for (std::size_t k = 0; k < 3; ++k) keys_.push_back("," + quoted(column.name + "_" + std::to_string(k)) + ":");
   }
 
   void vertex(const VertexView&) override {}
@@ -29,6 +43,12 @@ class GeoJsonWriter : public StreamWriter {
     for (std::size_t k = 0; k < 3; ++k) {
       stream_.text(names[k]);
       stream_.digits(cell.ids[k].value);
+    }
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        stream_.text(keys_[3 * c + k]);
+        visit_value(columns_[c].type, cell.rows[k] + columns_[c].offset, [&](auto value) { number(value); });
+      }
     }
     stream_.text("},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[");
     for (std::size_t k = 0; k < 4; ++k) {  // a ring ends where it began
@@ -48,8 +68,19 @@ class GeoJsonWriter : public StreamWriter {
 
  private:
   void end() override { stream_.text("\n]}\n"); }
+  template <class Value>
+  void number(Value value) {
+    if constexpr (std::is_floating_point_v<Value>) {
+      if (!std::isfinite(value)) return stream_.text("null");  // JSON has no other
+    }
+    // Readers have doubles: the shortest digits of a float would be another one.
+    if constexpr (std::is_same_v<Value, float>) return stream_.digits(static_cast<double>(value));
+    stream_.digits(value);
+  }
   static constexpr const char* names[] = {",\"v0\":", ",\"v1\":", ",\"v2\":"};
   bool heights_;
+  std::vector<Column> columns_;
+  std::vector<std::string> keys_;  // three of each column
   std::uint64_t cells_ = 0;
 };
 

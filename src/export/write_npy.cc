@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "src/export/boundary.h"
 #include "src/export/formats.h"
 #include "src/export/output.h"
 #include "src/store/external_sort.h"
@@ -16,9 +17,6 @@ namespace tessera::exports {
 namespace fs = std::filesystem;
 
 namespace {
-
-// For the facets between tiles; more of them are sorted on disk.
-constexpr std::uint64_t sort_bytes = std::uint64_t{64} << 20;
 
 const char* npy_type(AttributeType type) {
   constexpr const char* names[] = {"|u1", "|i1", "<u2", "<i2", "<u4", "<i4", "<u8", "<i8", "<f4", "<f8"};
@@ -116,7 +114,7 @@ class NpyWriter : public MeshWriter {
   static constexpr std::size_t header_bytes = 128;
 
   NpyWriter(const fs::path& folder, const MeshHead& head)
-      : folder_(folder), head_(head), open_facets_(folder, sort_bytes) {}
+      : folder_(folder), head_(head), open_facets_(folder, facet_sort_bytes) {}
 
   std::size_t first_column() const { return head_.neighbors ? neighbors + 1 : neighbors; }
 

@@ -1,8 +1,8 @@
 // PLY, binary little endian: points as doubles, attributes, ids; faces in 2D, an element "cell" of 4 vertices in 3D.
-#include <cstring>
 #include <set>
 #include <span>
 
+#include "src/export/attribute_value.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 
@@ -32,13 +32,6 @@ const char* ply_type(AttributeType type) {
       return "double";
   }
   return "";
-}
-
-template <class Integer>
-void as_double(Stream& stream, const std::byte* from) {
-  Integer value;
-  std::memcpy(&value, from, sizeof value);
-  stream.value(static_cast<double>(value));
 }
 
 // Names end at white space and must differ from each other.
@@ -79,10 +72,8 @@ class PlyWriter : public StreamWriter {
     }
     for (const auto& column : columns_) {
       const std::byte* from = vertex.row + column.offset;
-      if (column.type == AttributeType::u64) {
-        as_double<std::uint64_t>(stream_, from);
-      } else if (column.type == AttributeType::i64) {
-        as_double<std::int64_t>(stream_, from);
+      if (column.type == AttributeType::u64 || column.type == AttributeType::i64) {
+        stream_.value(as_double(column.type, from));
       } else {
         stream_.bytes({from, size_of(column.type)});
       }

@@ -3,8 +3,6 @@
 //   OFF            3D: each tetrahedron as its list of vertices
 //   OBJ            2D only; numbers from 1
 //   MEDIT .mesh    version 2 (double precision). Always three coordinates: Gmsh reads no other. Reference 1 for all.
-//   Gmsh .msh      2.2 in text: of Gmsh's formats the one that HXT, Gmsh and meshio all read (HXT knows no other). All
-//                  elements belong to one entity.
 #include <string_view>
 
 #include "src/export/formats.h"
@@ -16,7 +14,6 @@ namespace {
 
 struct Syntax {
   std::string before_vertices;
-  bool numbered = false;  // lines begin with their number, from 1
   std::string_view vertex_start, vertex_end;
   std::string before_cells;
   std::string_view cell_start, cell_end;
@@ -32,10 +29,6 @@ class TextMeshWriter : public StreamWriter {
   }
 
   void vertex(const VertexView& vertex) override {
-    if (syntax_.numbered) {
-      stream_.digits(++vertices_);
-      stream_.text(" ");
-    }
     stream_.text(syntax_.vertex_start);
     for (int axis = 0; axis < 3; ++axis) {
       if (axis > 0) stream_.text(" ");
@@ -44,11 +37,8 @@ class TextMeshWriter : public StreamWriter {
     stream_.text(syntax_.vertex_end);
   }
   void cell(const CellView& cell) override {
-    if (cells_++ == 0) stream_.text(syntax_.before_cells);
-    if (syntax_.numbered) {
-      stream_.digits(cells_);
-      stream_.text(" ");
-    }
+    if (!any_cells_) stream_.text(syntax_.before_cells);
+    any_cells_ = true;
     stream_.text(syntax_.cell_start);
     for (std::size_t k = 0; k < corners_; ++k) {
       if (k > 0) stream_.text(" ");
@@ -59,12 +49,12 @@ class TextMeshWriter : public StreamWriter {
 
  private:
   void end() override {
-    if (cells_ == 0) stream_.text(syntax_.before_cells);
+    if (!any_cells_) stream_.text(syntax_.before_cells);
     stream_.text(syntax_.end);
   }
   Syntax syntax_;
   std::size_t corners_;
-  std::uint64_t vertices_ = 0, cells_ = 0;
+  bool any_cells_ = false;
 };
 
 OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, Syntax syntax) {
@@ -109,19 +99,6 @@ OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head)
        .cell_start = "",
        .cell_end = " 1\n",
        .end = "End\n"});
-}
-
-OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head) {
-  return open_text(
-      path, head,
-      {.before_vertices = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n" + std::to_string(head.vertices) + "\n",
-       .numbered = true,
-       .vertex_start = "",
-       .vertex_end = "\n",
-       .before_cells = "$EndNodes\n$Elements\n" + std::to_string(head.cells) + "\n",
-       .cell_start = head.dimension == 2 ? "2 2 1 1 " : "4 2 1 1 ",  // type, two tags, physical, elementary
-       .cell_end = "\n",
-       .end = "$EndElements\n"});
 }
 
 }  // namespace tessera::exports

@@ -38,6 +38,8 @@ class VtuWriter : public MeshWriter {
                                  {"connectivity", AttributeType::i64, 1, head.cells * corners_ * 8},
                                  {"offsets", AttributeType::i64, 1, head.cells * 8},
                                  {"types", AttributeType::u8, 1, head.cells},
+                                 {"tile", AttributeType::u32, 1, head.cells * 4},
+                                 {"longest_edge", AttributeType::f64, 1, head.cells * 8},
                                  {"id", AttributeType::u64, 1, head.vertices * 8}};
     for (const auto& column : columns_)
       arrays.push_back({column.name, column.type, 1, head.vertices * size_of(column.type)});
@@ -54,15 +56,17 @@ class VtuWriter : public MeshWriter {
 
   void vertex(const VertexView& vertex) override {
     streams_[0].value(vertex.at);
-    streams_[4].value(vertex.id);
+    streams_[6].value(vertex.id);
     for (std::size_t c = 0; c < columns_.size(); ++c)
-      streams_[5 + c].bytes({vertex.row + columns_[c].offset, size_of(columns_[c].type)});
+      streams_[7 + c].bytes({vertex.row + columns_[c].offset, size_of(columns_[c].type)});
   }
   void cell(const CellView& cell) override {
     for (std::size_t k = 0; k < corners_; ++k) streams_[1].value(static_cast<std::int64_t>(cell.numbers[k]));
     connectivity_ += static_cast<std::int64_t>(corners_);
     streams_[2].value(connectivity_);
     streams_[3].value(cell_type_);
+    streams_[4].value(cell.tile);
+    streams_[5].value(cell.longest_edge);
   }
   Status check() override {
     for (const auto& stream : streams_) {
@@ -94,8 +98,8 @@ class VtuWriter : public MeshWriter {
                        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(head.vertices) +
                        "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" + declarations[0] +
                        "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
-                       "</Cells>\n<PointData>\n";
-    for (std::size_t i = 4; i < declarations.size(); ++i) text += declarations[i];
+                       "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] + "</CellData>\n<PointData>\n";
+    for (std::size_t i = 6; i < declarations.size(); ++i) text += declarations[i];
     return text + "</PointData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   }
 
@@ -123,7 +127,9 @@ std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& fil
   for (const auto& column : head.columns)
     text +=
         std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) + "\"/>\n";
-  text += "</PPointData>\n";
+  text +=
+      "</PPointData>\n<PCellData>\n<PDataArray type=\"UInt32\" Name=\"tile\"/>\n"
+      "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n</PCellData>\n";
   for (const auto& file : files) text += "<Piece Source=\"" + xml_text(file) + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }

@@ -1,6 +1,8 @@
 // Triangulation::export_to(); what the formats hold is tested in tests/export.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -49,6 +51,26 @@ TEST(ExportTo, RefusesInTheWordsOfTheLibrary) {
   t.export_to(target, ExportRequest().overwrite(true));
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "mesh.obj"); }).cause(), Cause::usage);
   EXPECT_EQ(failure_of([&] { t.export_to(home.path() / "no" / "mesh.ply"); }).cause(), Cause::io);
+}
+
+TEST(ExportTo, LeavesLongCellsOut) {
+  const TemporaryHome home;
+  const auto t = sample(2);
+  const auto target = home.path() / "mesh.off";
+  t.export_to(target, ExportRequest().max_edge(0.1));
+  std::ifstream file(target);
+  std::string magic;
+  std::uint64_t vertices = 0, cells = 0;
+  file >> magic >> vertices >> cells;
+  EXPECT_LT(cells, t.cells());
+  EXPECT_GT(cells, 0u);
+  const auto none = home.path() / "none.off";
+  EXPECT_NE(std::string(failure_of([&] { t.export_to(none, ExportRequest().max_edge(1e-9)); }).what()).find("max_edge"),
+            std::string::npos);
+  for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL})
+    EXPECT_EQ(failure_of([&] { t.export_to(none, ExportRequest().max_edge(wrong)); }).what(),
+              std::string("max_edge: must be a length, finite and above 0"));
+  EXPECT_FALSE(std::filesystem::exists(none));
 }
 
 TEST(ExportTo, AnExceptionOfTheCallbackComesOutAndLeavesNothing) {

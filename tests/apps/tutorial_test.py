@@ -34,7 +34,11 @@ class Pages(CliTest):
         self.assertEqual(digests["block"], digests["large"])
 
     def test_the_page_about_paraview(self):
-        self.assertEqual(len(self.type_along("paraview.md")), 2)
+        said = self.type_along("paraview.md")
+        self.assertEqual(len(said), 4)
+        for told in said[2:]:
+            self.assertIn("1 283 298 cells", told)
+            self.assertIn("378 719 cells with longer edges than 1.5 are left out", told)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -17,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const flat_formats[] = {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv"};
+const char* const flat_formats[] = {"ply",  "vtu", "off",     "obj",     "mesh", "msh",
+                                    "mshb", "dxf", "landxml", "geojson", "gpkg", "csv"};
 
 void store_flat(const fs::path& out, std::size_t n = 200) {
   store_sample(out, sample_tiles(sample_points(Shape::uniform, 2, n), 2, 4));
@@ -28,7 +30,7 @@ void store_solid(const fs::path& out) { store_sample(out, sample_tiles(sample_po
 TEST(Export, FormatsWithoutTetrahedraRefuseThemInOneSentence) {
   const TemporaryFolder folder, target;
   store_solid(folder.path());
-  for (const std::string name : {"obj", "geojson", "gpkg", "csv"}) {
+  for (const std::string name : {"obj", "dxf", "landxml", "geojson", "gpkg", "csv"}) {
     const auto result = export_result(folder.path(), target.path() / ("a." + name), {}, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, Errc::usage);
@@ -51,7 +53,8 @@ TEST(Export, ADamagedTileLeavesNothingHalfWritten) {
   const TemporaryFolder folder;
   store_flat(folder.path());
   fs::resize_file(tile_file(folder.path(), TileId{2}), 3000);
-  for (const std::string name : {"ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv", "npy"}) {
+  for (const std::string name :
+       {"ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "dxf", "landxml", "geojson", "gpkg", "csv", "npy"}) {
     const TemporaryFolder target;
     for (const std::string& path : {"mesh." + name, std::string("tiles")}) {
       if (path == "mesh.npy") continue;
@@ -63,16 +66,56 @@ TEST(Export, ADamagedTileLeavesNothingHalfWritten) {
   }
 }
 
+TEST(Export, ADamagedTileIsFoundWhenCellsAreChosen) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  fs::resize_file(tile_file(folder.path(), TileId{2}), 3000);
+  for (const std::string name : flat_formats) {
+    const auto result = export_result(folder.path(), target.path() / ("a." + name), {.max_edge = 0.2}, {});
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(result.error().code, Errc::corrupt) << name;
+  }
+  EXPECT_TRUE(fs::is_empty(target.path()));
+}
+
+TEST(Export, TilesThatAreNotWhatTheManifestCountsAreCorrupt) {
+  const TemporaryFolder folder;
+  const auto whole = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 200), 2, 4));
+  const auto refused = [&](auto change, const std::string& says) {
+    auto manifest = whole;
+    change(manifest);
+    ASSERT_TRUE(finish_store(folder.path(), manifest, {}));
+    for (const std::string name : {"a.vtu", "a.csv", "a.gpkg", "tiles"}) {
+      for (const auto& max_edge : {std::optional<double>(), std::optional<double>(0.2)}) {
+        const TemporaryFolder target;
+        const ExportOptions options{.format = name == "tiles" ? "ply" : "", .max_edge = max_edge};
+        const auto result = export_result(folder.path(), target.path() / name, options, {});
+        ASSERT_FALSE(result) << name << says;
+        EXPECT_EQ(result.error().code, Errc::corrupt);
+        EXPECT_NE(result.error().where.find(says), std::string::npos) << result.error().where;
+        EXPECT_TRUE(fs::is_empty(target.path()));
+      }
+    }
+  };
+  refused([](Manifest& m) { ++m.tiles[1].own_points, ++m.vertices; }, "vertices of its own");
+  refused([](Manifest& m) { ++m.tiles[1].main_cells, ++m.cells; }, "main cells");
+  refused([](Manifest& m) { --m.tiles[3].main_cells, --m.cells; }, "main cells");
+  refused([](Manifest& m) { ++m.cells; }, "but of its tiles");
+}
+
 TEST(Export, StopsWhenAskedAndLeavesNothing) {
   const TemporaryFolder folder, target;
   store_flat(folder.path());
   std::stop_source stop;
   stop.request_stop();
   for (const std::string name : flat_formats) {
-    const auto result = export_result(folder.path(), target.path() / ("a." + name), {}, stop.get_token());
-    ASSERT_FALSE(result) << name;
-    EXPECT_EQ(result.error().code, Errc::interrupted) << name;
-    EXPECT_TRUE(fs::is_empty(target.path())) << name;
+    for (const auto& max_edge : {std::optional<double>(), std::optional<double>(0.2)}) {
+      const ExportOptions options{.max_edge = max_edge};
+      const auto result = export_result(folder.path(), target.path() / ("a." + name), options, stop.get_token());
+      ASSERT_FALSE(result) << name;
+      EXPECT_EQ(result.error().code, Errc::interrupted) << name;
+      EXPECT_TRUE(fs::is_empty(target.path())) << name;
+    }
   }
 }
 
@@ -135,7 +178,7 @@ TEST(Export, ACoordinateSystemThatGdalDoesNotUnderstandIsNamed) {
   auto manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 20), 2, 1));
   manifest.crs = "PROJCS[nonsense";
   ASSERT_TRUE(finish_store(folder.path(), manifest, {}));
-  for (const std::string name : {"a.geojson", "a.gpkg"}) {
+  for (const std::string name : {"a.geojson", "a.gpkg", "a.xml"}) {
     const auto result = export_result(folder.path(), target.path() / name, {}, {});
     ASSERT_FALSE(result) << name;
     EXPECT_EQ(result.error().code, Errc::bad_input);

@@ -8,7 +8,7 @@ import unittest
 from cli import INTERRUPTED, IO, TESSERA
 from stored import ExportTest
 
-FORMATS = ["ply", "vtu", "off", "obj", "mesh", "msh", "geojson", "gpkg", "csv"]
+FORMATS = ["ply", "vtu", "off", "obj", "mesh", "msh", "dxf", "xml", "geojson", "gpkg", "csv"]
 
 
 class Failures(ExportTest):
@@ -21,7 +21,7 @@ class Failures(ExportTest):
             resource.setrlimit(resource.RLIMIT_FSIZE, (70_000, 70_000))
 
         targets = [(f"a.{ending}", ()) for ending in FORMATS]
-        targets += [("tiles", ("--format", ending)) for ending in FORMATS + ["npy"]]
+        targets += [("tiles", ("--format", {"xml": "landxml"}.get(ending, ending))) for ending in FORMATS + ["npy", "mshb"]]
         for target, options in targets:
             with self.subTest(target=target, options=options):
                 done = self.refused(IO, "export", self.out, "-o", target, *options, says="cannot",

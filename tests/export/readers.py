@@ -34,6 +34,38 @@ def obj(path, corners):
     return by_vtk(vtk.vtkOBJReader(), path, corners)
 
 
+def cell_data(path):
+    """The arrays of the cells of a .vtu or .pvtu."""
+    reader = vtk.vtkXMLPUnstructuredGridReader() if path.suffix == ".pvtu" else vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    data = reader.GetOutput().GetCellData()
+    return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+
+
+def off(path):
+    words = path.read_text().split()
+    assert words[0] == "OFF"
+    points, cells = int(words[1]), int(words[2])
+    places = np.array(words[4:4 + 3 * points], float).reshape(-1, 3)
+    rows = np.array(words[4 + 3 * points:], int).reshape(cells, -1)
+    assert (rows[:, 0] == rows.shape[1] - 1).all()
+    return places, rows[:, 1:], {}
+
+
+def neighbors_of(cells):
+    """Across the facet opposite each vertex, -1 where there is none: from the cells alone."""
+    facets = {}
+    for c, cell in enumerate(cells.tolist()):
+        for k in range(len(cell)):
+            facets.setdefault(frozenset(cell[:k] + cell[k + 1:]), []).append((c, k))
+    neighbors = np.full(cells.shape, -1)
+    for sides in facets.values():
+        if len(sides) == 2:
+            neighbors[sides[0]], neighbors[sides[1]] = sides[1][0], sides[0][0]
+    return neighbors
+
+
 def by_gmsh(path, corners):
     gmsh.initialize()
     try:
@@ -45,6 +77,17 @@ def by_gmsh(path, corners):
         number = np.empty(int(tags.max()) + 1, int)
         number[tags] = np.arange(len(tags))
         return places.reshape(-1, 3), number[nodes[0]].reshape(-1, corners), {}
+    finally:
+        gmsh.finalize()
+
+
+def groups_of(path):
+    """The names of the physical groups that Gmsh finds."""
+    gmsh.initialize()
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.open(str(path))
+        return [gmsh.model.getPhysicalName(*group) for group in gmsh.model.getPhysicalGroups()]
     finally:
         gmsh.finalize()
 

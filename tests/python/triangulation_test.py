@@ -297,6 +297,21 @@ class Files(FolderTest):
         with self.assertRaisesRegex(tessera.UsageError, "obj has no tetrahedra"):
             t.export(self.folder / "mesh.obj")
 
+    def test_export_leaves_long_cells_out(self):
+        points = clouds.random(900, 2)
+        t = tessera.triangulate(points, max_points_per_tile=200)
+        t.export(self.folder / "arrays", format="npy", max_edge=0.05)
+        cells = np.load(self.folder / "arrays" / "ids.npy")[np.load(self.folder / "arrays" / "cells.npy")]
+        corners = points[t.simplices()]
+        longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        self.assertEqual(clouds.simplex_set(cells), clouds.simplex_set(t.simplices()[longest <= 0.05]))
+        self.assertLess(len(cells), t.n_cells)
+        for wrong in (0, -1.5, float("nan"), float("inf")):
+            with self.assertRaisesRegex(tessera.UsageError, "^max_edge: must be a length, finite and above 0"):
+                t.export(self.folder / "mesh.ply", max_edge=wrong)
+        with self.assertRaisesRegex(tessera.UsageError, "no cell is left.* give a larger max_edge"):
+            t.export(self.folder / "mesh.ply", max_edge=1e-9)
+
     def test_export_warns_of_what_the_format_could_not_keep(self):
         t = tessera.triangulate(clouds.random(50, 2))
         with self.assertWarnsRegex(UserWarning, "coordinate system"):

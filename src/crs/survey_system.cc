@@ -1,0 +1,54 @@
+#include "src/crs/survey_system.h"
+
+#include <cmath>
+#include <optional>
+
+#include "src/crs/crs.h"
+#include "src/crs/gdal_library.h"
+
+namespace tessera {
+
+namespace {
+
+std::optional<LengthUnit> length_unit(double metres) {
+  // The two feet differ by two millionths.
+  const auto is = [&](double of) { return std::abs(metres - of) < 1e-9 * of; };
+  if (is(1)) return LengthUnit::metre;
+  if (is(0.3048)) return LengthUnit::foot;
+  if (is(1200.0 / 3937)) return LengthUnit::us_survey_foot;
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<SurveySystem> survey_system(const std::string& crs) {
+  SurveySystem system;
+  if (crs.empty()) return system;
+  BOOST_OUTCOME_TRY(gdal, gdal_library());
+  BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, crs));
+  const GdalQuiet quiet(*gdal);
+  system.title = crs_title(crs);
+  BOOST_OUTCOME_TRY(name, crs_name_or_wkt(crs));
+  if (constexpr std::string_view urn = "urn:ogc:def:crs:EPSG::"; name.starts_with(urn))
+    system.epsg = name.substr(urn.size());
+  char* text = nullptr;
+  if (gdal->OSRExportToWkt(reference.get(), &text) == OGRERR_NONE) system.wkt = text;
+  gdal->VSIFree(text);
+
+  const auto refuse = [&](const std::string& what) {
+    return error(Errc::usage, "the coordinate system " + system.title + " has " + what +
+                                  ", and surveyors' files know metres, feet and US survey feet: reproject the points");
+  };
+  if (gdal->OSRIsGeographic(reference.get()) != 0) return refuse("degrees");
+  char* unit = nullptr;
+  const auto horizontal = length_unit(gdal->OSRGetLinearUnits(reference.get(), &unit));
+  if (!horizontal) return refuse(std::string("the unit ") + (unit != nullptr ? unit : "unknown"));
+  system.horizontal = system.vertical = *horizontal;
+  if (gdal->OSRGetAttrValue(reference.get(), "VERT_CS", 0) == nullptr) return system;
+  const auto vertical = length_unit(gdal->OSRGetTargetLinearUnits(reference.get(), "VERT_CS", &unit));
+  if (!vertical) return refuse(std::string("heights in the unit ") + (unit != nullptr ? unit : "unknown"));
+  system.vertical = *vertical;
+  return system;
+}
+
+}  // namespace tessera

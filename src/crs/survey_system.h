@@ -1,0 +1,25 @@
+// A coordinate system as surveyors' files tell it: with the units of its coordinates.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+enum class LengthUnit : std::uint8_t { metre, foot, us_survey_foot };
+
+struct SurveySystem {
+  LengthUnit horizontal = LengthUnit::metre;
+  LengthUnit vertical = LengthUnit::metre;  // like the horizontal one when the system does not say
+  std::string title;                        // for people
+  std::string epsg;                         // the code of the horizontal system, if one is surely the same; or empty
+  std::string wkt;
+};
+
+// What `crs`, WKT or "EPSG:n", says; empty: metres, and no names. Errors: no GDAL (io), a text that it does not
+// understand (bad_input), degrees and other units than those above (usage).
+Result<SurveySystem> survey_system(const std::string& crs);
+
+}  // namespace tessera

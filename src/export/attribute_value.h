@@ -1,0 +1,48 @@
+// An attribute of one vertex as a number.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "src/base/attribute.h"
+
+namespace tessera::exports {
+
+// Calls `visit` with the value at `from`, in its own type.
+template <class Visit>
+auto visit_value(AttributeType type, const std::byte* from, Visit&& visit) {
+  const auto as = [&](auto value) {
+    std::memcpy(&value, from, sizeof value);
+    return visit(value);
+  };
+  switch (type) {
+    case AttributeType::u8:
+      return as(std::uint8_t{});
+    case AttributeType::i8:
+      return as(std::int8_t{});
+    case AttributeType::u16:
+      return as(std::uint16_t{});
+    case AttributeType::i16:
+      return as(std::int16_t{});
+    case AttributeType::u32:
+      return as(std::uint32_t{});
+    case AttributeType::i32:
+      return as(std::int32_t{});
+    case AttributeType::u64:
+      return as(std::uint64_t{});
+    case AttributeType::i64:
+      return as(std::int64_t{});
+    case AttributeType::f32:
+      return as(float{});
+    case AttributeType::f64:
+      break;
+  }
+  return as(double{});
+}
+
+inline double as_double(AttributeType type, const std::byte* from) {
+  return visit_value(type, from, [](auto value) { return static_cast<double>(value); });
+}
+
+}  // namespace tessera::exports

@@ -1,0 +1,77 @@
+// The facets that belong to one cell of a file alone.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "src/export/mesh_writer.h"
+#include "src/store/external_sort.h"
+
+namespace tessera::exports {
+
+// For facets, before they are sorted on disk.
+inline constexpr std::uint64_t facet_sort_bytes = std::uint64_t{64} << 20;
+
+class Boundary {
+ public:
+  // Numbers of vertices are less than 2^32. More facets than fit into memory are sorted in `scratch`.
+  Boundary(int dimension, std::filesystem::path scratch)
+      : corners_(static_cast<std::size_t>(dimension) + 1), open_(std::move(scratch), facet_sort_bytes) {}
+
+  // Facets that `cell`, positively oriented, does not share with a cell of its tile for sure.
+  Status add(const CellView& cell) {
+    for (std::size_t k = 0; k < corners_; ++k) {
+      if (cell.neighbors[k] >= 0) continue;
+      Facet facet;
+      for (std::size_t i = 0, at = 0; i < corners_; ++i)
+        if (i != k) facet.vertices[at++] = static_cast<std::uint32_t>(cell.numbers[i]);
+      // Without vertex k the rest, as it stands, is seen from outside when k is even in 3D and in 2D.
+      facet.turned = k % 2;
+      facet.sort(corners_ - 1);
+      BOOST_OUTCOME_TRYV(open_.push(facet));
+    }
+    return success();
+  }
+
+  // `visit(numbers)` for each facet of one cell only, in an order that the set of facets determines: dimension
+  // vertices, which turn counterclockwise seen from outside, or in 2D have the cell on their left. Ends its life.
+  // Error corrupt: a facet of more than two cells.
+  template <class Visit>
+  Status for_each(Visit visit) {
+    const auto same = [](const Facet& a, const Facet& b) { return a.vertices == b.vertices; };
+    return for_each_group(open_, 3, same, [&](std::span<const Facet> cells) -> Status {
+      if (cells.size() > 2) return error(Errc::corrupt, "a facet of the result belongs to more than two cells");
+      if (cells.size() == 2) return success();
+      auto vertices = cells[0].vertices;
+      if (cells[0].turned != 0) std::swap(vertices[corners_ - 3], vertices[corners_ - 2]);
+      visit(std::span<const std::uint32_t>(vertices).first(corners_ - 1));
+      return success();
+    });
+  }
+
+ private:
+  struct Facet {
+    std::array<std::uint32_t, 3> vertices{};  // ascending
+    std::uint32_t turned = 0;                 // 1: an odd permutation of the outward order
+    void sort(std::size_t size) {
+      for (std::size_t i = 1; i < size; ++i)
+        for (std::size_t j = i; j > 0 && vertices[j] < vertices[j - 1]; --j) {
+          std::swap(vertices[j], vertices[j - 1]);
+          turned ^= 1;
+        }
+    }
+    friend bool operator<(const Facet& a, const Facet& b) {
+      return std::tie(a.vertices, a.turned) < std::tie(b.vertices, b.turned);
+    }
+  };
+  std::size_t corners_;
+  ExternalSort<Facet> open_;
+};
+
+}  // namespace tessera::exports

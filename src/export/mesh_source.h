@@ -1,0 +1,23 @@
+// A result on its way into a format.
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+
+#include "src/export/cell_filter.h"
+#include "src/export/export.h"
+#include "src/export/formats.h"
+#include "src/store/tile_store.h"
+
+namespace tessera::exports {
+
+struct MeshSource {
+  const std::filesystem::path& out;
+  const Manifest& manifest;
+  const Format& format;
+  const ExportOptions& options;
+  CellFilter filter;
+  std::stop_token stop = {};
+};
+
+}  // namespace tessera::exports

@@ -1,0 +1,108 @@
+#include "src/export/selection.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+
+#include "src/base/option.h"
+
+namespace tessera::exports {
+
+namespace {
+
+std::string shortest_digits(double number) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
+}
+
+template <class Flags>
+std::uint64_t count_zeros(const Flags& flags) {
+  return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), 0));
+}
+
+// More than announced would run into the next array of a file.
+Error wrong_count(const MeshSource& source, const TileEntry& entry, std::uint64_t found, const char* of,
+                  std::uint64_t expected) {
+  return error(Errc::corrupt, stored_tile_file(source.out, entry.tile).string() + ": holds " + std::to_string(found) +
+                                  " " + of + ", and the manifest counts " + std::to_string(expected));
+}
+
+Status check_counts(const MeshSource& source, const TileEntry& entry, const TileMesh& mesh) {
+  if (mesh.dimension != source.manifest.dimension)
+    return error(Errc::corrupt,
+                 stored_tile_file(source.out, entry.tile).string() + ": has another dimension than the result");
+  const auto own = count_zeros(mesh.point_ghost);
+  if (own != entry.own_points) return wrong_count(source, entry, own, "vertices of its own", entry.own_points);
+  return success();
+}
+
+}  // namespace
+
+Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
+  const Manifest& manifest = source.manifest;
+  Selection selection;
+  selection.vertices = manifest.vertices;
+  selection.cells = manifest.cells;
+  std::uint64_t vertices = 0, main_cells = 0;
+  for (const auto& entry : manifest.tiles) {
+    selection.parts.push_back({entry.tile, entry.own_points, entry.main_cells});
+    vertices += entry.own_points;
+    main_cells += entry.main_cells;
+  }
+  if (vertices != manifest.vertices || main_cells != manifest.cells)
+    return error(Errc::corrupt, source.out.string() + ": its manifest counts " + std::to_string(manifest.vertices) +
+                                    " vertices and " + std::to_string(manifest.cells) + " cells, but of its tiles " +
+                                    std::to_string(vertices) + " and " + std::to_string(main_cells));
+  if (numbers_wanted || source.filter.active()) {
+    BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(source.out, manifest, source.filter, source.stop));
+    selection.numbers = std::move(numbers);
+  }
+  if (!source.filter.active()) return selection;
+
+  double shortest = std::numeric_limits<double>::infinity();
+  selection.cells = 0;
+  for (std::size_t index = 0; index < manifest.tiles.size(); ++index) {
+    if (source.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
+    if (source.options.progress) source.options.progress(0);  // nothing is written yet, but who is told may stop it
+    BOOST_OUTCOME_TRY(tile, load(source, index, false));
+    selection.numbers.survey(tile.mesh, index);
+    auto& cells = selection.parts[index].cells;
+    cells = 0;
+    for (std::size_t i = 0; i < tile.mesh.cell_ghost.size(); ++i) {
+      if (tile.mesh.cell_ghost[i] != 0) continue;
+      shortest = std::min(shortest, longest_edge(tile.mesh, i));
+      cells += source.filter.keeps(tile.mesh, i) ? 1 : 0;
+    }
+    selection.cells += cells;
+  }
+  if (selection.cells == 0 && manifest.cells > 0)
+    return error(Errc::usage, source.out.string() + ": no cell is left, each has an edge longer than " +
+                                  shortest_digits(*source.options.max_edge) + "; the shortest longest edge is " +
+                                  shortest_digits(shortest) + ", give a larger " + option("max-edge"));
+  const auto used = selection.numbers.used_by_tile();
+  selection.vertices = 0;
+  for (std::size_t index = 0; index < used.size(); ++index) {
+    selection.parts[index].vertices = used[index];
+    selection.vertices += used[index];
+  }
+  return selection;
+}
+
+Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows) {
+  const TileEntry& entry = source.manifest.tiles[index];
+  BOOST_OUTCOME_TRY(tile, read_tile(source.out, entry.tile, with_rows));
+  BOOST_OUTCOME_TRYV(check_counts(source, entry, tile.mesh));
+  const auto cells = count_zeros(tile.mesh.cell_ghost);
+  if (cells != entry.main_cells) return wrong_count(source, entry, cells, "main cells", entry.main_cells);
+  return std::move(tile);
+}
+
+Result<StoredTile> load_vertices(const MeshSource& source, std::size_t index, bool with_rows) {
+  const TileEntry& entry = source.manifest.tiles[index];
+  BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, entry.tile, with_rows));
+  BOOST_OUTCOME_TRYV(check_counts(source, entry, tile.mesh));
+  return std::move(tile);
+}
+
+}  // namespace tessera::exports

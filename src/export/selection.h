@@ -1,0 +1,27 @@
+// What of a result is exported, counted before a file is begun: formats tell counts in their heads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/export/mesh_source.h"
+#include "src/export/vertex_numbers.h"
+
+namespace tessera::exports {
+
+struct Selection {
+  std::vector<Part> parts;  // as the manifest's tiles
+  std::uint64_t vertices = 0, cells = 0;
+  VertexNumbers numbers;
+};
+
+// With a filter reads all tiles, and leaves out vertices that no cell needs any more. Prepares `numbers` with a filter,
+// or when they are wanted. Errors: of reading; usage when the filter leaves nothing; interrupted.
+Result<Selection> select(const MeshSource& source, bool numbers_wanted);
+
+// The manifest's `index`-th tile, whole or without its cells. Errors: of read_tile(); corrupt when it is not what the
+// manifest says of it.
+Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows);
+Result<StoredTile> load_vertices(const MeshSource& source, std::size_t index, bool with_rows);
+
+}  // namespace tessera::exports
