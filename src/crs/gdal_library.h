@@ -26,8 +26,8 @@ namespace tessera {
   F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OSRDestroySpatialReference) \
   F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) F(OSRGetAuthorityCode) \
   F(OSRGetAuthorityName) F(OSRGetName) F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsLocal) F(OSRIsSameEx) \
-  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRStripVertical) \
-  F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
+  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) \
+  F(OSRSetTargetLinearUnits) F(OSRSetVertCS) F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
 // clang-format on
 
 struct GdalLibrary {
