@@ -19,6 +19,7 @@ TEST(ObjReader, ReadsEveryVertexAndNothingElse) {
   EXPECT_EQ(read.value().points, (std::vector<Point>{{0, 0, 0.5}, {1, -2.5, 0}, {1e300, 0, 0}, {5, 5, 5}}))
       << "the last one is used by no face";
   EXPECT_EQ(read.value().info.format, "obj");
+  EXPECT_EQ(read.value().info.detail, "OBJ, text");
   EXPECT_EQ(read.value().info.points, std::nullopt);
 }
 

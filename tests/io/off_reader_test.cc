@@ -24,6 +24,7 @@ TEST(OffReader, ReadsCountsOnTheFirstOrSecondLineBetweenCommentsAndBlankLines) {
     EXPECT_EQ(read.value().points, corners);
     EXPECT_EQ(read.value().info.points, 3u);
     EXPECT_EQ(read.value().info.format, "off");
+    EXPECT_NE(read.value().info.detail.find("OFF"), std::string::npos);
     EXPECT_TRUE(read.value().info.attributes.empty());
   }
 }

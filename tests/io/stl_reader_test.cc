@@ -39,19 +39,19 @@ TEST(StlReader, ReadsTheCornersOfTrianglesInTextAndBinary) {
   const auto plain = read_text(text, "a.stl");
   ASSERT_EQ(sentence(plain), "");
   EXPECT_EQ(plain.value().points, two_triangles);
-  EXPECT_EQ(plain.value().info.detail, "text");
+  EXPECT_EQ(plain.value().info.detail, "STL, text");
   const auto packed = read_bytes(binary("made by hand", 2), "a.stl");
   ASSERT_EQ(sentence(packed), "");
   EXPECT_EQ(packed.value().points, two_triangles);
   EXPECT_EQ(packed.value().info.points, 6u);
-  EXPECT_EQ(packed.value().info.detail, "binary, float");
+  EXPECT_EQ(packed.value().info.detail, "STL, binary, float");
 }
 
 TEST(StlReader, TellsBinaryFromTextByTheSize) {
   const auto read = read_bytes(binary("solid name, as some programs write it", 2), "a.stl");
   ASSERT_EQ(sentence(read), "");
   EXPECT_EQ(read.value().points, two_triangles);
-  EXPECT_EQ(read.value().info.detail, "binary, float");
+  EXPECT_EQ(read.value().info.detail, "STL, binary, float");
 }
 
 TEST(StlReader, IsKnownByItsContentWhateverItsName) {

@@ -103,7 +103,7 @@ Result<std::unique_ptr<PointReader>> open_obj(std::unique_ptr<ByteSource> source
   std::vector<std::string_view> words;
   split_line(*first, Delimiter::blanks, SIZE_MAX, words);
   const bool colours = words.size() >= 6;
-  info.detail = colours ? "text, with colours" : "text";
+  info.detail = colours ? "OBJ, text, with colours" : "OBJ, text";
   if (colours)
     for (const char* name : {"red", "green", "blue"}) info.attributes.push_back({name, AttributeType::f64});
   lines.rewind();

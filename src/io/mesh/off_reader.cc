@@ -179,7 +179,7 @@ Result<std::unique_ptr<PointReader>> open_off(std::unique_ptr<ByteSource> source
   const std::uint64_t lines_before = lines.number();
   std::vector<std::string_view> words;
   BOOST_OUTCOME_TRY(there, next_words(lines, words));
-  info.detail = "text" + (header.keyword.empty() ? ", without keyword" : ", " + header.keyword);
+  info.detail = header.keyword.empty() ? "OFF without its keyword, text" : header.keyword + ", text";
   info.points = header.vertices;
   info.attributes = attributes_of(header.kind, there ? words.size() : 0);
   lines.rewind();

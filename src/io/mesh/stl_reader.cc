@@ -114,7 +114,7 @@ Result<std::unique_ptr<PointReader>> open_stl(std::unique_ptr<ByteSource> source
   }
   FileInfo info = info_of(*source, "stl");
   const std::uint32_t triangles = load<std::uint32_t>(begin.data() + header_bytes - 4);
-  info.detail = "binary, float";
+  info.detail = "STL, binary, float";
   info.points = std::uint64_t{3} * triangles;
   RecordStream records(std::move(source), header_bytes, triangle_bytes, triangles);
   return std::unique_ptr<PointReader>(new StlReader(std::move(info), std::move(records), row_bytes(attributes)));

@@ -108,7 +108,7 @@ class StlTextReader : public VertexTextReader {
 Result<std::unique_ptr<PointReader>> open_stl_text(std::unique_ptr<ByteSource> source,
                                                    const std::vector<Attribute>& attributes) {
   FileInfo info = info_of(*source, "stl");
-  info.detail = "text";
+  info.detail = "STL, text";
   return std::unique_ptr<PointReader>(new StlTextReader(std::move(info), LineReader(std::move(source)), attributes));
 }
 
