@@ -20,6 +20,7 @@ build=(
 )
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
+  python3-pandas python3-joblib             # what its users bring along
   gdal-bin python3-gdal python3-gmsh        # read exports back
 )
 demo=(xvfb xauth)

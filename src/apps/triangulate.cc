@@ -95,7 +95,7 @@ Command add_triangulate(CLI::App& root) {
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app
       ->add_option("inputs", *inputs,
-                   "LAS, LAZ, COPC, PLY, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
+                   "LAS, LAZ, COPC, PLY, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
                    "their names; - for standard input")
       ->type_name("FILE");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {

@@ -93,10 +93,18 @@ std::string crs_title(const std::string& crs) {
   if (!understood) return name_in(crs);
   const auto& [gdal, reference] = *understood;
   const GdalQuiet quiet(*gdal);
+  // A code says the unit, too; a name alone does not, and metres are what everybody expects.
+  const auto unit = [&, gdal = gdal, handle = reference.get()](const char* path) -> std::string {
+    const char* name = gdal->OSRGetAttrValue(handle, path, 0);
+    return name == nullptr || std::string_view(name) == "metre" || std::string_view(name) == "Meter"
+               ? ""
+               : std::string(" in ") + name;
+  };
   const char* vertical = gdal->OSRGetAttrValue(reference.get(), "VERT_CS", 0);
-  const std::string heights =
-      vertical == nullptr ? ""
-                          : " + heights " + with_code(vertical, gdal->OSRGetAuthorityCode(reference.get(), "VERT_CS"));
+  const char* code = gdal->OSRGetAuthorityCode(reference.get(), "VERT_CS");
+  const std::string heights = vertical == nullptr ? ""
+                              : code != nullptr   ? " + heights " + with_code(vertical, code)
+                                                  : std::string(" + heights ") + vertical + unit("VERT_CS|UNIT");
   if (gdal->OSRIsCompound(reference.get()) != 0) gdal->OSRStripVertical(reference.get());
   const char* given = gdal->OSRGetName(reference.get());
   std::string name = given == nullptr || *given == '\0' ? "unnamed" : given;
@@ -104,7 +112,8 @@ std::string crs_title(const std::string& crs) {
     const char* datum = gdal->OSRGetAttrValue(reference.get(), "DATUM", 0);
     name += std::string(", geocentric") + (datum != nullptr ? ", datum " + std::string(datum) : "");
   }
-  return with_code(name, surely_code(*gdal, reference.get()).c_str()) + heights;
+  const std::string horizontal = surely_code(*gdal, reference.get());
+  return (horizontal.empty() ? name + unit("PROJCS|UNIT") : with_code(name, horizontal.c_str())) + heights;
 }
 
 bool has_heights(const std::string& crs) {

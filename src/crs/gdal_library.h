@@ -20,15 +20,16 @@ namespace tessera {
 #define TESSERA_GDAL_FUNCTIONS(F) \
   F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
   F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALDatasetCommitTransaction) \
-  F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) \
-  F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALOpenEx) F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) \
-  F(OGR_F_SetFieldDouble) F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) \
-  F(OGR_Fld_Destroy) F(OGR_G_CreateFromWkb) F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) \
-  F(OGR_L_SyncToDisk) F(OSRDestroySpatialReference) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) \
-  F(OSRGetAttrValue) F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) \
-  F(OSRGetTargetLinearUnits) F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) \
-  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRStripVertical) F(VSIFCloseL) \
-  F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
+  F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetReleaseResultSet) \
+  F(GDALDatasetStartTransaction) F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALOpenEx) F(OGR_F_Create) \
+  F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) F(OGR_F_SetFieldInteger64) \
+  F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_G_CreateFromWkb) \
+  F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OGR_L_SyncToDisk) \
+  F(OSRDestroySpatialReference) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
+  F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetTargetLinearUnits) \
+  F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) \
+  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) \
+  F(OSRSetVertCS) F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
 // clang-format on
 
 struct GdalLibrary {

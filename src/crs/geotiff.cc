@@ -1,8 +1,12 @@
 #include "src/crs/geotiff.h"
 
 #include <atomic>
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <system_error>
 #include <vector>
 
 #include "src/crs/gdal_library.h"
@@ -109,12 +113,85 @@ Result<std::string> read_keys(const GdalLibrary& gdal, std::vector<unsigned char
   return wkt;
 }
 
+std::optional<double> parse_metres(const std::string& text) {
+  double metres = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), metres);
+  return code == std::errc() && end == text.data() + text.size() ? std::optional(metres) : std::nullopt;
+}
+
 // Whether a system is what its code says, or has none.
 bool says_its_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
   const std::string code = epsg_code(gdal, reference);
   if (code.empty()) return true;
   const auto meant = SpatialReference::parse(gdal, "EPSG:" + code);
   return meant && equivalent(gdal, reference, meant.value().get());
+}
+
+constexpr std::uint16_t vertical_key = 4096, vertical_unit_key = 4099;
+constexpr std::size_t key_bytes = 8;  // id, where its value stands, how many, value
+
+// The entries of a directory behind its head, as far as there are any.
+std::span<const std::byte> entries_of(std::span<const std::byte> directory) {
+  const auto all = directory.subspan(key_bytes);
+  return all.first(all.size() / key_bytes * key_bytes);
+}
+
+std::uint16_t id_of(std::span<const std::byte> entries, std::size_t at) {
+  std::uint16_t id = 0;
+  std::memcpy(&id, entries.data() + at, sizeof id);
+  return id;
+}
+
+bool has_key(const GeoTiffKeys& keys, std::uint16_t id) {
+  const auto entries = entries_of(keys.directory);
+  for (std::size_t at = 0; at < entries.size(); at += key_bytes)
+    if (id_of(entries, at) == id) return true;
+  return false;
+}
+
+// A directory without the key `id`.
+std::vector<std::byte> without_key(const GeoTiffKeys& keys, std::uint16_t id) {
+  const auto entries = entries_of(keys.directory);
+  std::vector<std::byte> directory(keys.directory.begin(), keys.directory.begin() + key_bytes);
+  for (std::size_t at = 0; at < entries.size(); at += key_bytes)
+    if (id_of(entries, at) != id)
+      directory.insert(directory.end(), entries.data() + at, entries.data() + at + key_bytes);
+  const auto count = static_cast<std::uint16_t>(directory.size() / key_bytes - 1);
+  std::memcpy(directory.data() + 6, &count, sizeof count);
+  return directory;
+}
+
+// GDAL takes the unit of heights from the code of their system, whatever the key of the unit says: 5703 is in metres,
+// and surveys in feet name it all the same. What the key means is seen when it stands alone.
+Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffKeys& keys, const std::string& wkt) {
+  if (!has_key(keys, vertical_key) || !has_key(keys, vertical_unit_key)) return wkt;
+  BOOST_OUTCOME_TRY(reference, SpatialReference::parse(gdal, wkt));
+  const auto directory = without_key(keys, vertical_key);
+  TinyTiff tiff({directory, keys.doubles, keys.ascii});
+  BOOST_OUTCOME_TRY(unit_wkt, read_keys(gdal, tiff.bytes(), nullptr));
+  BOOST_OUTCOME_TRY(of_unit, SpatialReference::parse(gdal, unit_wkt));
+  const auto value = [&](const SpatialReference& system, const char* path, int child = 0) -> std::string {
+    const char* text = gdal.OSRGetAttrValue(system.get(), path, child);
+    return text != nullptr ? text : "";
+  };
+  const auto metres = parse_metres(value(reference, "VERT_CS|UNIT", 1));
+  const auto meant = parse_metres(value(of_unit, "VERT_CS|UNIT", 1));
+  if (!metres || !meant || std::abs(*metres - *meant) < 1e-9) return wkt;
+  constexpr int orthometric = 2005;  // as GDAL has it where nothing else is said
+  const auto name = value(reference, "VERT_CS"), datum = value(reference, "VERT_DATUM");
+  const auto unit = value(of_unit, "VERT_CS|UNIT");
+  const auto contradicts = [] { return error(Errc::bad_input, "the unit of heights contradicts their system"); };
+  // Changing the unit leaves the code: so a system of the same datum without one first.
+  gdal.OSRStripVertical(reference.get());
+  if (gdal.OSRSetVertCS(reference.get(), name.c_str(), datum.c_str(), orthometric) != OGRERR_NONE ||
+      gdal.OSRSetTargetLinearUnits(reference.get(), "VERT_CS", unit.c_str(), *meant) != OGRERR_NONE)
+    return contradicts();
+  char* text = nullptr;
+  const bool written = gdal.OSRExportToWkt(reference.get(), &text) == OGRERR_NONE;
+  const std::string corrected = written ? text : "";
+  gdal.VSIFree(text);
+  if (!written) return contradicts();
+  return corrected;
 }
 
 }  // namespace
@@ -134,12 +211,13 @@ Result<std::string> crs_of(const GeoTiffKeys& keys) {
   if (gdal->OSRIsCompound(reference.get()) != 0) {
     BOOST_OUTCOME_TRY(horizontal, SpatialReference::parse(*gdal, wkt));
     gdal->OSRStripVertical(horizontal.get());
-    if (says_its_code(*gdal, horizontal.get())) return wkt;
+    if (says_its_code(*gdal, horizontal.get())) return with_unit_of_heights(*gdal, keys, wkt);
   } else if (says_its_code(*gdal, reference.get())) {
     const std::string code = epsg_code(*gdal, reference.get());
     return code.empty() ? wkt : "EPSG:" + code;
   }
-  return read_keys(*gdal, tiff.bytes(), "GEOKEYS");
+  BOOST_OUTCOME_TRY(own, read_keys(*gdal, tiff.bytes(), "GEOKEYS"));
+  return with_unit_of_heights(*gdal, keys, own);
 }
 
 }  // namespace tessera

@@ -5,6 +5,11 @@
 #include <cctype>
 #include <string>
 #include <string_view>
+#include <utility>
+
+#include "src/io/mesh/obj_reader.h"
+#include "src/io/mesh/off_reader.h"
+#include "src/io/mesh/stl_reader.h"
 
 namespace tessera {
 namespace {
@@ -16,13 +21,33 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+constexpr std::array<std::pair<std::string_view, FileFormat>, 14> endings{{{".las", FileFormat::las},
+                                                                           {".laz", FileFormat::las},
+                                                                           {".ply", FileFormat::ply},
+                                                                           {".off", FileFormat::off},
+                                                                           {".obj", FileFormat::obj},
+                                                                           {".stl", FileFormat::stl},
+                                                                           {".npy", FileFormat::npy},
+                                                                           {".xyz", FileFormat::text},
+                                                                           {".csv", FileFormat::text},
+                                                                           {".tsv", FileFormat::text},
+                                                                           {".txt", FileFormat::text},
+                                                                           {".asc", FileFormat::text},
+                                                                           {".pts", FileFormat::text},
+                                                                           {".dat", FileFormat::text}}};
+
 FileFormat format_of_name(const std::filesystem::path& name) {
   const std::string extension = lower_extension(name);
-  if (extension == ".las" || extension == ".laz") return FileFormat::las;
-  if (extension == ".npy") return FileFormat::npy;
-  if (extension == ".ply") return FileFormat::ply;
-  constexpr std::array<std::string_view, 7> text{".xyz", ".csv", ".tsv", ".txt", ".asc", ".pts", ".dat"};
-  return std::find(text.begin(), text.end(), extension) != text.end() ? FileFormat::text : FileFormat::unknown;
+  for (const auto& [ending, format] : endings)
+    if (ending == extension) return format;
+  return FileFormat::unknown;
+}
+
+std::string listed_endings(std::optional<FileFormat> format) {
+  std::string list;
+  for (const auto& [ending, of] : endings)
+    if (!format || of == *format) list.append(list.empty() ? "" : ", ").append(ending);
+  return list;
 }
 
 bool looks_like_text(std::string_view begin) {
@@ -33,7 +58,8 @@ bool looks_like_text(std::string_view begin) {
 
 }  // namespace
 
-FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::path& name) {
+FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::path& name,
+                     std::optional<std::uint64_t> size) {
   const std::string_view bytes(reinterpret_cast<const char*>(begin.data()), begin.size());
   if (bytes.starts_with("LASF")) return FileFormat::las;
   if (bytes.starts_with("\x93NUMPY")) return FileFormat::npy;
@@ -42,6 +68,10 @@ FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::pa
   // A frame, or a frame to be skipped, as parallel compressors write first.
   if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
   if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
+  if (looks_like_off(bytes)) return FileFormat::off;
+  if (looks_like_obj(bytes)) return FileFormat::obj;
+  if (looks_like_text_stl(bytes) || (size && is_binary_stl(begin, size))) return FileFormat::stl;
+  if (name.empty() && !size && is_binary_stl(begin, {})) return FileFormat::stl;
   if (name.empty()) return looks_like_text(bytes) ? FileFormat::text : FileFormat::unknown;
   return format_of_name(name);
 }
@@ -56,10 +86,15 @@ std::filesystem::path without_packing(const std::filesystem::path& path) {
   return path.parent_path() / path.stem();
 }
 
+std::string point_file_endings() { return listed_endings({}); }
+
 Error unknown_format(const std::filesystem::path& path) {
-  return error(Errc::bad_input, path.string() +
-                                    ": unknown format: neither LAS, PLY, NumPy, gzip nor Zstandard by its first bytes, "
-                                    "nor text by its name (.xyz, .csv, .tsv, .txt, .asc, .pts, .dat)");
+  return error(
+      Errc::bad_input,
+      path.string() +
+          ": unknown format: neither LAS, PLY, OFF, OBJ, STL, NumPy, gzip nor Zstandard by its first bytes, nor "
+          "text by its name (" +
+          listed_endings(FileFormat::text) + ")");
 }
 
 }  // namespace tessera

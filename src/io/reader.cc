@@ -7,6 +7,9 @@
 #include "src/io/bytes/byte_source.h"
 #include "src/io/format.h"
 #include "src/io/las/las_reader.h"
+#include "src/io/mesh/obj_reader.h"
+#include "src/io/mesh/off_reader.h"
+#include "src/io/mesh/stl_reader.h"
 #include "src/io/npy/npy_reader.h"
 #include "src/io/ply/ply_reader.h"
 #include "src/io/text/text_reader.h"
@@ -31,13 +34,19 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
   const auto there =
       std::span(begin).first(static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source->size())));
   BOOST_OUTCOME_TRYV(source->read(0, there));
-  switch (format_of(there, source->content_name())) {
+  switch (format_of(there, source->content_name(), source->size())) {
     case FileFormat::las:
       return open_las(std::move(source), attributes, hints);
     case FileFormat::npy:
       return open_npy(std::move(source), attributes);
     case FileFormat::ply:
       return open_ply(std::move(source), attributes);
+    case FileFormat::off:
+      return open_off(std::move(source), attributes);
+    case FileFormat::obj:
+      return open_obj(std::move(source), attributes);
+    case FileFormat::stl:
+      return open_stl(std::move(source), attributes);
     case FileFormat::text:
       return open_text(std::move(source), attributes, hints);
     case FileFormat::gzip:

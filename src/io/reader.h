@@ -17,7 +17,7 @@ namespace tessera {
 
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;                    // "las", "laz", "ply", "xyz", "npy"
+  std::string format;                    // "las", "laz", "ply", "off", "obj", "stl", "xyz", "npy"
   std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
   int dimension = 3;                     // 2 when the file holds x and y alone
   bool degrees = false;                  // x and y are longitude and latitude, by their names

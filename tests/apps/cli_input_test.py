@@ -7,6 +7,7 @@ import pty
 import random
 import resource
 import signal
+import struct
 import subprocess
 import time
 import unittest
@@ -95,9 +96,39 @@ class Compressed(InputTest):
         self.refused(BAD_INPUT, "info", bomb, "--threads", "1", says="is not text: it holds zero bytes", preexec_fn=limit)
 
 
+class Meshes(InputTest):
+    def test_what_is_exported_is_read_back_with_the_same_points(self):
+        self.ok("triangulate", self.xyz(n=500), "-o", self.out, "--tiles", "3", "--dim", "2", "--quiet")
+        points = []
+        for ending in ["off", "obj", "ply"]:
+            self.ok("export", self.out, "-o", f"mesh.{ending}", "--quiet")
+            self.assertEqual(self.infos(f"mesh.{ending}")["files"][0]["format"], ending)
+            self.ok("triangulate", f"mesh.{ending}", "-o", ending, "--quiet")
+            self.ok("export", ending, "-o", f"{ending}.again.off", "--quiet")
+            lines = (self.folder / f"{ending}.again.off").read_text().splitlines()
+            points.append(sorted(lines[2:2 + int(lines[1].split()[0])]))
+        self.assertEqual(len(points[0]), 500)
+        self.assertEqual(points, 3 * points[2:])
+
+    def test_the_corners_of_triangles_are_duplicates(self):
+        corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+        facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex %d %d %d\n" % corners[v] for v in range(4) if v != left)
+                         + "endloop\nendfacet\n" for left in range(4))
+        stl = self.write("a.stl", f"solid\n{facets}endsolid\n")
+        self.ok("triangulate", stl, "-o", self.out, "--quiet")
+        self.assertIn(" 12, 8 duplicates", self.ok("info", self.out))
+
+
 class StandardInput(InputTest):
+    def binary_stl(self, triangles):
+        rng = random.Random(3)
+        return self.write("a.stl", bytes(80) + struct.pack("<I", triangles) + b"".join(
+            struct.pack("<12fH", *(rng.random() for _ in range(12)), 0) for _ in range(triangles)))
+
     def test_gives_what_the_file_gives_in_every_format(self):
-        for path in [self.xyz(n=2000), self.las(n=2000), IGN.parents[1] / "tests/fuzz/corpus/ply/isprs_CSite2.ply"]:
+        corpus = IGN.parents[1] / "tests/fuzz/corpus"
+        for path in [self.xyz(n=2000), self.las(n=2000), corpus / "ply/isprs_CSite2.ply", corpus / "off/all.off",
+                     corpus / "obj/colours.obj", corpus / "stl/text.stl", self.binary_stl(2000)]:
             told = self.infos(path)
             for data in [path.read_bytes(), gzip.compress(path.read_bytes())]:
                 status, out, errors = self.piped(data, "info", "-", "--json")

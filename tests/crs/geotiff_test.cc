@@ -45,6 +45,7 @@ TEST(GeoTiff, ACodeInOtherUnitsIsNotThatCode) {
   EXPECT_TRUE(contains(feet, "US survey foot")) << feet;
   EXPECT_FALSE(contains(feet, "26995")) << feet;
   EXPECT_FALSE(same_crs(feet, "EPSG:26995"));
+  EXPECT_EQ(crs_title(feet), "NAD83 / Mississippi West in US survey foot");
 }
 
 TEST(GeoTiff, HeightsAreKept) {
@@ -54,6 +55,16 @@ TEST(GeoTiff, HeightsAreKept) {
   EXPECT_TRUE(has_heights(feet));
   EXPECT_TRUE(contains(feet, "VERT_CS[\"unknown\"")) << feet;
   EXPECT_TRUE(contains(feet, "US survey foot")) << feet;
+}
+
+TEST(GeoTiff, HeightsAreInTheUnitThatIsSaidWhateverTheirCode) {
+  const auto feet = crs({{{model, 1}, {projected, 26917}, {vertical, 5703}, {vertical_unit, 9003}}}).value();
+  EXPECT_EQ(crs_title(feet), "NAD83 / UTM zone 17N (EPSG:26917) + heights NAVD88 height in US survey foot");
+  EXPECT_FALSE(contains(feet, "5703")) << feet;
+  const auto metres = crs({{{model, 1}, {projected, 26917}, {vertical, 5703}, {vertical_unit, 9001}}}).value();
+  EXPECT_TRUE(contains(metres, "5703")) << metres;
+  EXPECT_FALSE(same_crs(feet, metres));
+  EXPECT_EQ(crs({{{model, 1}, {projected, 26917}, {vertical, 5703}}}).value(), metres) << "by the code alone";
 }
 
 TEST(GeoTiff, GeocentricIsNotLongitudeAndLatitude) {

@@ -2,8 +2,8 @@
 """make_corpus.py DATA OUT: cuts the real point files in DATA down to a few points each, as seeds for the fuzz targets.
 
 LAS files keep their header and variable length records (payloads over 600 bytes are cut) and the first 3 points; texts
-their first 5 lines; PLY their header, with the counts made small, and 3 vertices. NumPy arrays and a PLY with lists,
-which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
+their first 5 lines; PLY their header, with the counts made small, and 3 vertices. NumPy arrays, a PLY with lists, OFF, OBJ
+and STL, which DATA lacks, are made here. Only files whose licence lets us pass them on are taken.
 """
 import gzip
 import pathlib
@@ -148,6 +148,11 @@ def npy(kind, columns):
         kind[0] + str(2 * columns) + {'4': 'f', '8': 'd'}[kind[2]], *range(2 * columns))
 
 
+def binary_stl():
+    triangle = struct.pack('<12fH', 0, 0, float('nan'), 0, 0, 0, 1, 0, 0, 0, 1.5, 2, 0x7fff)
+    return b'solid, but binary'.ljust(80) + struct.pack('<I', 2) + 2 * triangle
+
+
 def main():
     data, out = map(pathlib.Path, sys.argv[1:3])
 
@@ -171,6 +176,13 @@ def main():
           b'property float x\nproperty float y\nproperty list char int w\nproperty float z\nend_header\n3 0 1 2\n1 2 1 9 3\n4 5 0 6\n')
     write('ply', 'list_little.ply', list_ply('<'))
     write('ply', 'list_big.ply', list_ply('>'))
+    write('off', 'cube_corner.off', b'# made\nOFF\n4 1 0\n0 0 0\n1 0 0 # x\n0 1.5e0 0\n\n0 0 2e-300\n3 0 1 2\n')
+    write('off', 'all.off', b'STCNOFF 2 0 0\n1 2 3 0 0 1 255 128 0 64 .25 .75\n4 5 6 0 0 1 9 8 7 6 0 1\n')
+    write('obj', 'scene.obj', b'# made\nmtllib a.mtl\no one\nv 0 0 0\nvt 1 1\nv 1 0 \\\n 0\nv 0 1.5e0 2 1\nf 1/1 2/1 \\\nv 3/1\n')
+    write('obj', 'colours.obj', b'v 0 0 0 .25 .5 .75\nv 1 2 3\nv 4 5 6 1 0 0 1\n')
+    write('stl', 'text.stl', b'solid a\n' + 2 * b'facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1.5 0\n'
+          b'endloop\nendfacet\n' + b'endsolid a\n')
+    write('stl', 'binary.stl', binary_stl())
     for kind in ('<f8', '>f8', '<f4', '>f4'):
         for columns in (2, 3):
             write('npy', f'{"le" if kind[0] == "<" else "be"}_{kind[1:]}_{columns}.npy', npy(kind, columns))

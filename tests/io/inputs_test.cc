@@ -63,7 +63,7 @@ TEST_F(Inputs, OfAFolderWithoutPointFilesAreAnError) {
   file("out/.run/plan.json");
   EXPECT_EQ(names({.patterns = {at("block")}}),
             at("block") +
-                ": holds no point files (.las, .laz, .ply, .npy, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, and these "
+                ": holds no point files (.las, .laz, .ply, .off, .obj, .stl, .npy, .xyz, .csv, .tsv, .txt, .asc, .pts, .dat, and these "
                 "with .gz or .zst); recursive=true looks into its subfolders, too");
   EXPECT_EQ(find({.patterns = {at("block")}}).error().code, Errc::io);
   EXPECT_EQ(names({.patterns = {at("out")}}),

@@ -2,11 +2,11 @@
 import decimal
 import fractions
 import gc
-import importlib.util
 import sys
 import unittest
 
 import numpy as np
+import pandas
 import tessera
 
 import clouds
@@ -98,9 +98,7 @@ class Arrays(unittest.TestCase):
 
         self.check_frames(Frame)
 
-    @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
     def test_frames_of_pandas(self):
-        import pandas
         points = clouds.random(60, 2)
         frame = pandas.DataFrame(points, columns=["x", "y"], index=range(100, 160))
         self.assert_same(frame, points)

@@ -1,10 +1,10 @@
 """Processes around the library: forked ones, fresh ones, pools of them."""
 import concurrent.futures
-import importlib.util
 import multiprocessing
 import threading
 import unittest
 
+import joblib
 import tessera
 
 import clouds
@@ -43,9 +43,7 @@ class Processes(unittest.TestCase):
         with multiprocessing.Pool(2) as pool:
             self.assertEqual(pool.map_async(digest_of, [self.points] * 3).get(120), [self.digest] * 3)
 
-    @unittest.skipUnless(importlib.util.find_spec("joblib"), "joblib is not installed")
     def test_joblib_triangulates(self):
-        import joblib
         for backend in ("loky", "multiprocessing", "threading"):
             with joblib.parallel_backend(backend, n_jobs=2):
                 digests = joblib.Parallel()(joblib.delayed(digest_of)(self.points) for _ in range(3))

@@ -61,7 +61,15 @@ Result<std::optional<std::string_view>> LineReader::next() {
   if (line.size() > line_bytes_max) return bad_line("is longer than 1 MiB");
   begin_ += line.size() + (end != nullptr ? 1 : 0);
   if (line.ends_with('\r')) line.remove_suffix(1);
+  if (line_at_ == 0 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
   return std::optional(line);
+}
+
+Status check_is_text(const ByteSource& source) {
+  std::vector<std::byte> begin(static_cast<std::size_t>(std::min<std::uint64_t>(4096, source.size())));
+  BOOST_OUTCOME_TRYV(source.read(0, begin));
+  if (std::find(begin.begin(), begin.end(), std::byte{0}) == begin.end()) return success();
+  return error(Errc::bad_input, source.path().string() + ": is not text: it holds zero bytes");
 }
 
 }  // namespace tessera

@@ -14,6 +14,7 @@
 namespace tessera {
 
 // Lines end with "\n" or "\r\n" (or the file's end); a lone "\r" is a character. A line longer than 1 MiB is an error.
+// The byte order mark that some programs put before UTF-8 belongs to no line.
 class LineReader {
  public:
   explicit LineReader(std::unique_ptr<ByteSource> source, std::uint64_t offset = 0);
@@ -43,5 +44,8 @@ class LineReader {
   std::size_t begin_ = 0, end_ = 0;  // what of block_ is not yet returned
   std::uint64_t number_ = 0, first_number_ = 0, line_at_ = 0;
 };
+
+// Error bad_input if there are zero bytes at the begin, where no text has any.
+Status check_is_text(const ByteSource& source);
 
 }  // namespace tessera

@@ -71,7 +71,8 @@ Status check_file(const FileInfo& file, const CloudOptions& options) {
     return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
                                   " to choose from");
   for (const auto& [name, key] : filtered_by(options)) {
-    if (std::none_of(file.attributes.begin(), file.attributes.end(), [&](auto& a) { return a.name == name; }))
+    if (std::none_of(file.attributes.begin(), file.attributes.end(),
+                     [&, name = name](auto& a) { return a.name == name; }))
       return error(Errc::usage,
                    file.path.string() + ": has no " + name + ", so " + option(key) + " cannot choose from it");
   }

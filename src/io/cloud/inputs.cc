@@ -67,10 +67,8 @@ Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool
   BOOST_OUTCOME_TRYV(add_folder(folder, recursive, files, subfolders));
   if (files.empty()) {
     const std::string advice = "; " + option("recursive", "true") + " looks into its subfolders, too";
-    return error(Errc::io, folder +
-                               ": holds no point files (.las, .laz, .ply, .npy, .xyz, .csv, .tsv, .txt, .asc, .pts, "
-                               ".dat, and these with .gz or .zst)" +
-                               (subfolders && !recursive ? advice : ""));
+    return error(Errc::io, folder + ": holds no point files (" + point_file_endings() +
+                               ", and these with .gz or .zst)" + (subfolders && !recursive ? advice : ""));
   }
   std::sort(files.begin(), files.end());
   return files;

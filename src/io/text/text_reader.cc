@@ -29,7 +29,6 @@ bool has_content(std::string_view line) {
 Result<std::optional<std::string_view>> next_content(LineReader& lines) {
   while (true) {
     BOOST_OUTCOME_TRY(line, lines.next());
-    if (line && lines.line_at() == 0 && line->starts_with("\xEF\xBB\xBF")) line->remove_prefix(3);  // UTF-8 BOM
     if (!line || has_content(*line)) return line;
   }
 }
@@ -147,13 +146,6 @@ Result<std::uint64_t> count_lines(const ByteSource& source, std::uint64_t end) {
     at += part.size();
   }
   return count;
-}
-
-Status check_is_text(const ByteSource& source) {
-  std::vector<std::byte> begin(static_cast<std::size_t>(std::min<std::uint64_t>(4096, source.size())));
-  BOOST_OUTCOME_TRYV(source.read(0, begin));
-  if (std::find(begin.begin(), begin.end(), std::byte{0}) == begin.end()) return success();
-  return error(Errc::bad_input, source.path().string() + ": is not text: it holds zero bytes");
 }
 
 }  // namespace
