@@ -32,7 +32,7 @@ struct Options {
   std::string kind = "uniform", partition = "kdtree";
   std::uint64_t points = 1'000'000, seed = 7, tiles = 8;
   int dimension = 3;
-  bool seeds = true, announce = true;
+  bool seeds = true, announce = true, sleep = false;
 };
 
 double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -101,6 +101,7 @@ class Exchange {
       if (bounds_[t].empty()) continue;
       BOOST_OUTCOME_TRYV(tiles_[t]->begin());
       BOOST_OUTCOME_TRYV(post(*tiles_[t]));
+      BOOST_OUTCOME_TRYV(o_.sleep ? tiles_[t]->sleep() : success());
     }
     const double triangulated = cpu_now();
     std::uint64_t splays = 0;
@@ -109,6 +110,7 @@ class Exchange {
       ready_.erase(ready_.begin());
       BOOST_OUTCOME_TRYV(tiles_[t]->splay());
       BOOST_OUTCOME_TRYV(post(*tiles_[t]));
+      BOOST_OUTCOME_TRYV(o_.sleep ? tiles_[t]->sleep() : success());
     }
     return tell(triangulated - begin, cpu_now() - triangulated, splays);
   }
@@ -200,6 +202,7 @@ int main(int argc, char** argv) {
   app.add_option("--partition", o.partition, "kdtree, grid, octree, random");
   app.add_flag("!--no-seeds", o.seeds, "only the seeds that all tiles have");
   app.add_flag("!--no-announce", o.announce, "no directed first exchange");
+  app.add_flag("--sleep", o.sleep, "tiles sleep between splays: a fifth of the memory");
   CLI11_PARSE(app, argc, argv);
   const auto done = tessera::run(o);
   if (!done) std::fprintf(stderr, "bench_splay: %s\n", tessera::in_plain_words(done.error().where).c_str());
