@@ -14,7 +14,7 @@ build=(
   libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  robin-map-dev libssl-dev
+  robin-map-dev libssl-dev libsystemd-dev
   libgtest-dev python3 python3-numpy
   pybind11-dev python3-dev                  # the Python package
 )

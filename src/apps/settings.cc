@@ -17,8 +17,8 @@
 namespace tessera {
 namespace {
 
-std::string environment_name(const std::string& key) {
-  std::string name = "TESSERA_" + key;
+std::string environment_name(const std::string& prefix, const std::string& key) {
+  std::string name = prefix + key;
   for (auto& c : name) c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   return name;
 }
@@ -61,7 +61,7 @@ void Settings::set_flag(const std::string& key, std::string text) {
 std::vector<std::string> Settings::environment_names() const {
   std::vector<std::string> names;
   for (const auto& [key, setting] : settings_) {
-    if (!setting.flag_only) names.push_back(environment_name(key));
+    if (!setting.flag_only) names.push_back(environment_name(prefix_, key));
   }
   return names;
 }
@@ -69,7 +69,7 @@ std::vector<std::string> Settings::environment_names() const {
 void Settings::load_environment(const std::function<const char*(const char*)>& get_environment) {
   for (auto& [key, setting] : settings_) {
     if (setting.flag_only) continue;
-    const auto name = environment_name(key);
+    const auto name = environment_name(prefix_, key);
     if (const char* text = get_environment(name.c_str())) set(setting, Source::environment, text, name);
   }
 }
@@ -117,31 +117,42 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
   if (!parsed) {
     return error(Errc::usage, at_line(parsed.error().source()) + std::string(parsed.error().description()));
   }
-  for (const auto& [table_key, table_node] : parsed.table()) {
-    const std::string table_name(table_key.str());
-    const auto command = std::find_if(commands.begin(), commands.end(),
-                                      [&](const Settings* settings) { return settings->table() == table_name; });
-    const auto* table = table_node.as_table();
-    if (command == commands.end() || table == nullptr) {
-      return error(Errc::usage, at_line(table_key.source()) + "there is no table [" + table_name +
-                                    "]; options stand in " + "the table of their command, as in [triangulate]");
+  const auto read = [&](Settings& settings, const toml::key& key_node, const toml::node& value) -> Status {
+    const std::string key(key_node.str());
+    const auto setting = settings.settings_.find(key);
+    if (setting == settings.settings_.end()) {
+      const std::string where = settings.table().empty() ? "there is" : "[" + settings.table() + "] has";
+      return error(Errc::usage, at_line(key_node.source()) + where + " no key '" + key + "'");
     }
-    for (const auto& [key_node, value] : *table) {
-      const std::string key(key_node.str());
-      const auto setting = (*command)->settings_.find(key);
-      if (setting == (*command)->settings_.end()) {
-        return error(Errc::usage, at_line(key_node.source()) + "[" + table_name + "] has no key '" + key + "'");
-      }
-      if (setting->second.flag_only) {
-        return error(Errc::usage, at_line(key_node.source()) + "'" + key + "' can be given on the command line only");
-      }
-      const auto text = as_text(value);
-      if (!text) {
-        return error(Errc::usage,
-                     at_line(key_node.source()) + key + ": neither text, number, true, false nor a list of those");
-      }
-      (*command)->set(setting->second, Settings::Source::file, *text, at_line(key_node.source()) + key);
+    if (setting->second.flag_only) {
+      return error(Errc::usage, at_line(key_node.source()) + "'" + key + "' can be given on the command line only");
     }
+    const auto text = as_text(value);
+    if (!text) {
+      return error(Errc::usage,
+                   at_line(key_node.source()) + key + ": neither text, number, true, false nor a list of those");
+    }
+    settings.set(setting->second, Settings::Source::file, *text, at_line(key_node.source()) + key);
+    return success();
+  };
+  const auto of_table = [&](std::string_view name) {
+    const auto found = std::find_if(commands.begin(), commands.end(),
+                                    [&](const Settings* settings) { return settings->table() == name; });
+    return found == commands.end() ? nullptr : *found;
+  };
+  for (const auto& [key, node] : parsed.table()) {
+    const auto* table = node.as_table();
+    if (table == nullptr && of_table("")) {
+      BOOST_OUTCOME_TRYV(read(*of_table(""), key, node));
+      continue;
+    }
+    Settings* const settings = of_table(key.str());
+    if (settings == nullptr || table == nullptr) {
+      return error(Errc::usage,
+                   at_line(key.source()) + "there is no table [" + std::string(key.str()) +
+                       (of_table("") ? "]" : "]; options stand in the table of their command, as in [triangulate]"));
+    }
+    for (const auto& [key_node, value] : *table) BOOST_OUTCOME_TRYV(read(*settings, key_node, value));
   }
   return success();
 }

@@ -20,8 +20,10 @@ class Settings {
  public:
   enum class Source : std::uint8_t { none, file, environment, flag };  // a later one wins
 
-  // `table`: the table of the configuration file that this command reads, "triangulate".
-  explicit Settings(std::string table) : table_(std::move(table)) {}
+  // `table`: the table of the configuration file that this command reads, "triangulate"; "": what stands in none.
+  // `prefix`: of its variables.
+  explicit Settings(std::string table, std::string prefix = "TESSERA_")
+      : table_(std::move(table)), prefix_(std::move(prefix)) {}
   const std::string& table() const { return table_; }
 
   // Declares the key of --key, TESSERA_KEY (in capitals, _ for -) and `key = ` in the file. flag_only: in --key alone.
@@ -65,13 +67,13 @@ class Settings {
   };
   void set(Setting& setting, Source source, std::string text, std::string origin);
 
-  std::string table_;
+  std::string table_, prefix_;
   std::map<std::string, Setting> settings_;
 };
 
-// Reads a TOML file with one table a command. Errors name file and line: io when it cannot be read; usage when it is
-// not TOML, or has a table or key that no command knows, or a value that is no string, number, boolean or list of
-// those.
+// Reads a TOML file with one table a command, and no keys outside unless one has the table "". Errors name file and
+// line: io when it cannot be read; usage when it is not TOML, or has a table or key that no command knows, or a value
+// that is no string, number, boolean or list of those.
 Status load_settings_file(const std::filesystem::path& path, const std::vector<Settings*>& commands);
 
 }  // namespace tessera

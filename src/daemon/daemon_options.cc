@@ -1,0 +1,177 @@
+#include "src/daemon/daemon_options.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "src/apps/arguments.h"
+#include "src/job/machine.h"
+
+namespace tessera {
+namespace {
+
+void add(CLI::App& app, Settings& settings, const std::string& flag, const std::string& key, const std::string& metavar,
+         const std::string& help, bool flag_only = false) {
+  settings.declare(key, flag_only);
+  app.add_option_function<std::string>(
+         "--" + flag, [&settings, key](const std::string& text) { settings.set_flag(key, text); }, help)
+      ->type_name(metavar);
+}
+
+void add_switch(CLI::App& app, Settings& settings, const std::string& key, const std::string& help) {
+  settings.declare(key);
+  app.add_flag_callback(
+      "--" + key, [&settings, key] { settings.set_flag(key, "true"); }, help);
+}
+
+Result<std::string> as_text(const std::string& text) { return text; }
+
+Result<std::uint64_t> count_or(const std::string& text, const char* none) {
+  if (text == none) return std::uint64_t{0};
+  return parse_count(text);
+}
+
+Result<std::uint32_t> at_least_one(const std::string& text) {
+  BOOST_OUTCOME_TRY(number, parse_integer(text, 1, 100'000'000));
+  return static_cast<std::uint32_t>(number);
+}
+
+Status read_limits(const Settings& settings, ServiceLimits& limits) {
+  BOOST_OUTCOME_TRY(queued, settings.get("queued", at_least_one));
+  BOOST_OUTCOME_TRY(jobs, settings.get("jobs", at_least_one));
+  BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& t) { return count_or(t, "unlimited"); }));
+  BOOST_OUTCOME_TRY(disk, settings.get("disk", [](const std::string& t) -> Result<std::uint64_t> {
+    return t == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(t);
+  }));
+  limits.queued = queued.value_or(limits.queued);
+  limits.jobs_of_a_caller = jobs.value_or(limits.jobs_of_a_caller);
+  limits.points = points.value_or(0);
+  limits.disk_bytes = disk.value_or(0);
+  return success();
+}
+
+}  // namespace
+
+Result<http::ListenOptions> parse_address(std::string_view text) {
+  const auto wrong = [&] {
+    return error(Errc::usage, "'" + std::string(text) + "' is no address like 127.0.0.1:7070 or [::1]:7070");
+  };
+  http::ListenOptions out;
+  const auto colon = text.rfind(':');
+  std::string_view port = text, host;
+  if (colon != std::string_view::npos) {
+    port = text.substr(colon + 1);
+    host = text.substr(0, colon);
+    if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+    if (host.empty()) return wrong();
+    out.address = host;
+  }
+  const auto number = parse_integer(port, 0, 65535);
+  if (!number) return wrong();
+  out.port = static_cast<std::uint16_t>(number.value());
+  return out;
+}
+
+Result<std::uint64_t> parse_duration(std::string_view text) {
+  if (text == "forever") return std::uint64_t{0};
+  std::uint64_t unit = 1;
+  std::string_view digits = text;
+  if (!text.empty()) {
+    const std::size_t at = std::string_view("smhd").find(text.back());
+    constexpr std::uint64_t seconds[] = {1, 60, 3600, 86'400};
+    if (at != std::string_view::npos) {
+      unit = seconds[at];
+      digits.remove_suffix(1);
+    }
+  }
+  const auto number = parse_integer(digits, 1, 1'000'000);
+  if (!number) return error(Errc::usage, "'" + std::string(text) + "' is no time like 12h, 30d or forever");
+  return static_cast<std::uint64_t>(number.value()) * unit;
+}
+
+void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
+  Settings& top = settings.top;
+  add(app, top, "config", "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
+  add(app, top, "data", "data", "DIR", "where jobs, results and tokens are; made when missing");
+  add(app, top, "listen", "listen", "ADDRESS", "of the API; default: 127.0.0.1:7070");
+  add(app, top, "metrics", "metrics", "ADDRESS", "of health and figures; default: 127.0.0.1:7071; none: nowhere");
+  add(app, top, "inputs", "inputs", "DIR,...", "folders below which inputs may lie; default: none");
+  add(app, top, "memory", "memory", "BYTES", "for all running jobs together; default: 70 % of what is free");
+  add(app, top, "threads", "threads", "N", "default: all");
+  add(app, top, "jobs", "jobs", "N", "that run at once; default: 1");
+  add_switch(app, top, "uploads", "clients may send input files");
+  add(app, top, "retention", "retention", "TIME", "how long ended jobs are remembered, 30d; default: forever");
+  add(app, top, "tls-certificate", "tls-certificate", "FILE", "PEM, with its chain");
+  add(app, top, "tls-key", "tls-key", "FILE", "PEM");
+  add(app, top, "public-url", "public-url", "URL", "what users type, when a proxy stands in front");
+  add(app, top, "hosts", "hosts", "NAME,...", "names of this machine that requests may ask for");
+  add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
+  add(app, top, "log", "log", "text|json", "default: text");
+  Settings& limits = settings.limits;
+  add(app, limits, "limit-queued", "queued", "N", "jobs that wait; default: 10000");
+  add(app, limits, "limit-jobs", "jobs", "N", "of one token, waiting or running; default: 1000");
+  add(app, limits, "limit-points", "points", "N", "of one job; default: unlimited");
+  add(app, limits, "limit-disk", "disk", "BYTES", "of one job; default: what is free");
+}
+
+Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
+                                          const std::function<const char*(const char*)>& get_environment) {
+  Settings& top = settings.top;
+  top.load_environment(get_environment);
+  settings.limits.load_environment(get_environment);
+  if (const auto file = top.text("config")) BOOST_OUTCOME_TRYV(load_settings_file(*file, {&top, &settings.limits}));
+
+  DaemonOptions out;
+  BOOST_OUTCOME_TRYV(read_limits(settings.limits, out.service.limits));
+  BOOST_OUTCOME_TRY(data, top.get("data", as_text));
+  if (!data || data->empty()) return error(Errc::usage, "--data DIR is needed: where jobs and results are");
+  BOOST_OUTCOME_TRY(inputs, top.get("inputs", parse_names));
+  BOOST_OUTCOME_TRY(memory, top.get("memory", or_auto(parse_memory, 0)));
+  BOOST_OUTCOME_TRY(threads, top.get("threads", or_auto(at_least_one, 0)));
+  BOOST_OUTCOME_TRY(jobs, top.get("jobs", at_least_one));
+  BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
+  BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
+  BOOST_OUTCOME_TRY(listen, top.get("listen", parse_address));
+  BOOST_OUTCOME_TRY(metrics, top.get("metrics", [](const std::string& t) -> Result<std::optional<http::ListenOptions>> {
+    if (t == "none") return std::optional<http::ListenOptions>{};
+    BOOST_OUTCOME_TRY(address, parse_address(t));
+    return std::optional(address);
+  }));
+  BOOST_OUTCOME_TRY(certificate, top.get("tls-certificate", as_text));
+  BOOST_OUTCOME_TRY(key, top.get("tls-key", as_text));
+  BOOST_OUTCOME_TRY(public_url, top.get("public-url", as_text));
+  BOOST_OUTCOME_TRY(hosts, top.get("hosts", parse_names));
+  BOOST_OUTCOME_TRY(insecure, top.on("insecure"));
+  BOOST_OUTCOME_TRY(log, top.get("log", as_text));
+  if (log && *log != "text" && *log != "json")
+    return error(Errc::usage, "log: '" + *log + "' is neither text nor json");
+
+  ServiceOptions& service = out.service;
+  service.data = *data;
+  for (std::string& root : inputs.value_or(std::vector<std::string>{})) service.roots.emplace_back(std::move(root));
+  service.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  service.threads = threads.value_or(0) > 0 ? *threads : usable_processors();
+  service.limits.running = jobs.value_or(1);
+  service.uploads = uploads;
+  service.retention_s = retention.value_or(0);
+
+  http::ServerOptions& server = out.http;
+  server.listeners.push_back(listen.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7070}));
+  auto operations = metrics.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7071});
+  if (operations) {
+    operations->operations = true;
+    server.listeners.push_back(*operations);
+  }
+  server.certificate = certificate.value_or("");
+  server.key = key.value_or("");
+  server.tokens = service.data / "tokens";
+  server.hosts = hosts.value_or(std::vector<std::string>{});
+  server.public_url = public_url.value_or("");
+  server.insecure = insecure;
+  out.json_log = log.value_or("text") == "json";
+  return out;
+}
+
+}  // namespace tessera

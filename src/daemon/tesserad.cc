@@ -1,0 +1,161 @@
+// The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
+// can be resumed, which the next start does. SIGHUP reads the certificate again.
+#include <malloc.h>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <new>
+#include <string>
+
+#include <spdlog/spdlog.h>
+
+#include "src/apps/words.h"
+#include "src/base/option.h"
+#include "src/daemon/daemon_log.h"
+#include "src/daemon/daemon_options.h"
+#include "src/daemon/health.h"
+#include "src/daemon/supervisor.h"
+#include "src/http/server.h"
+#include "src/job/version.h"
+#include "src/service/service.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds drain_time{10};
+
+int fail(const Error& error) {
+  std::fprintf(stderr, "tesserad: %s\n", render(error.where, flag_name).c_str());
+  return static_cast<int>(error.code);
+}
+
+// "http://127.0.0.1:7070/": where users find the API.
+std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
+  if (!options.public_url.empty())
+    return options.public_url.back() == '/' ? options.public_url : options.public_url + "/";
+  const std::string& host = options.listeners.front().address;
+  return std::string(options.certificate.empty() ? "http" : "https") + "://" +
+         (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port) + "/";
+}
+
+// Until a signal ends it.
+class Life {
+ public:
+  Life(Service& service, http::Server& server) : service_(service), server_(server) {}
+
+  void run() {
+    wait_for_signal();
+    if (const auto most = supervisor::watchdog()) beat(*most / 3);
+    context_.run();
+  }
+
+ private:
+  void wait_for_signal() {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      if (signal != SIGHUP) {
+        spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
+        std::signal(SIGTERM, SIG_DFL);  // a second one ends it at once
+        std::signal(SIGINT, SIG_DFL);
+        context_.stop();
+        return;
+      }
+      supervisor::reloading();
+      if (const Status reloaded = server_.reload(); !reloaded) {
+        spdlog::error("certificate: {}; the old one stays", render(reloaded.error().where, flag_name));
+      } else {
+        spdlog::info("certificate and key were read again");
+      }
+      supervisor::ready("serving");
+      wait_for_signal();
+    });
+  }
+
+  // The service is asked something that needs its lock: a daemon that hangs is not alive.
+  void beat(std::chrono::microseconds pause) {
+    (void)service_.figures();
+    supervisor::alive();
+    timer_.expires_after(pause);
+    timer_.async_wait([this, pause](const boost::system::error_code& error) {
+      if (!error) beat(pause);
+    });
+  }
+
+  Service& service_;
+  http::Server& server_;
+  boost::asio::io_context context_;
+  boost::asio::signal_set signals_{context_, SIGTERM, SIGINT, SIGHUP};
+  boost::asio::steady_timer timer_{context_};
+};
+
+Status serve(DaemonOptions options) {
+  start_daemon_log(options.json_log, options.http.insecure);
+  BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
+  BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
+  const std::string address = address_of(options.http, server->ports().front());
+  // On stdout, once, for the one who started it; never in the log.
+  std::printf("%s?token=%s\n", address.c_str(), server->token().c_str());
+  std::fflush(stdout);
+  spdlog::info("tesserad {} serves at {}", version(), address);
+  if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
+  supervisor::ready("serving at " + address);
+  Life(*service, *server).run();
+  supervisor::stopping();
+  if (!server->drain(drain_time)) spdlog::warn("some requests were cut off");
+  server.reset();
+  service.reset();
+  spdlog::info("ended");
+  return success();
+}
+
+int tesserad_main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  // As for the command: pools of each thread keep what no account shows.
+  mallopt(M_ARENA_MAX, 4);
+  CLI::App app("Exact Delaunay triangulations as a service: jobs over HTTP.", "tesserad");
+  app.set_version_flag("--version", std::string("tesserad ") + version());
+  DaemonSettings settings;
+  add_daemon_options(app, settings);
+  std::string metrics = "127.0.0.1:7071";
+  CLI::App* health = app.add_subcommand("health", "Exits with 0 when the daemon there can take jobs");
+  health->add_option("--metrics", metrics, "the daemon's address for health and figures")->type_name("ADDRESS");
+  app.footer("Examples:\n  tesserad --data /srv/tessera --inputs /srv/lidar\n  tesserad health");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& wrong) {
+    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tesserad --help'"));
+  }
+  if (health->parsed()) {
+    const Status ready = check_health(metrics);
+    return ready ? 0 : fail(ready.error());
+  }
+  auto options = read_daemon_options(settings, [](const char* name) { return std::getenv(name); });
+  if (!options) return fail(options.error());
+  const Status served = serve(std::move(options).value());
+  return served ? 0 : fail(served.error());
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  try {
+    return tessera::tesserad_main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"));
+  } catch (const std::exception& e) {
+    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()));
+  }
+}
