@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "proto/service.pb.h"
+#include "service.pb.h"
 #include "src/base/result.h"
 
 namespace tessera {
