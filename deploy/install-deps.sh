@@ -14,7 +14,7 @@ build=(
   libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  robin-map-dev libssl-dev libsystemd-dev
+  robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
   libgtest-dev python3 python3-numpy
   pybind11-dev python3-dev                  # the Python package
 )
@@ -22,6 +22,7 @@ test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
   gdal-bin python3-gdal python3-gmsh        # read exports back
+  python3-jsonschema openssl wrk            # checks what the service answers; its certificates; its load
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

@@ -1,0 +1,165 @@
+// The service: jobs and results of one data folder, whoever asks and however. Knows nothing of HTTP; safe from any
+// thread. What it has accepted it does, over any number of restarts.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service.pb.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+// What a caller may do; each includes the ones before.
+enum class Role : std::uint8_t { none, read, submit, admin };
+
+struct Caller {
+  std::string name;  // of the token
+  Role role = Role::none;
+};
+
+// An answer, or the problem with its HTTP status.
+template <class T>
+using Reply = boost::outcome_v2::basic_result<T, proto::Problem, boost::outcome_v2::policy::terminate>;
+
+struct ServiceLimits {
+  std::uint32_t running = 1;                 // jobs at once
+  std::uint32_t queued = 10'000;             // jobs that wait; more: 429
+  std::uint32_t jobs_of_a_caller = 1000;     // accepted or running
+  std::uint64_t points = 0, disk_bytes = 0;  // of one job; 0: what the machine has
+};
+
+struct ServiceOptions {
+  std::filesystem::path data;                // made when missing
+  std::vector<std::filesystem::path> roots;  // where inputs may lie
+  std::uint64_t memory_bytes = 0;            // for all running jobs together
+  std::uint32_t threads = 1;
+  bool uploads = false;
+  std::uint64_t retention_s = 0;  // ended jobs are forgotten after it; 0: never. Results never are.
+  ServiceLimits limits;
+};
+
+// A file to be sent: open for reading, so that nothing can be put in its place any more.
+struct ServedFile {
+  int descriptor = -1;  // the receiver closes it
+  std::uint64_t bytes = 0;
+  std::string type;  // media type
+  std::string etag;  // strong, quoted, from the manifest's checksum; of a file that still grows: empty
+};
+
+struct JobQuery {
+  std::vector<std::string> states, processes;  // empty: all
+  std::string after;                           // the job that ended the page before
+  std::uint32_t limit = 100;
+};
+
+// What a front end asks of the service; it knows no more of it. Safe from any thread.
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  // Asked again with the same key and inputs it is the same job, with other inputs 422. `fresh` says which.
+  struct Submitted {
+    proto::StatusInfo status;
+    bool fresh = true;
+  };
+  virtual Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
+                                  std::string_view idempotency_key = {}) = 0;
+  virtual Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) = 0;
+  // Short ones are answered at once: what `tessera info --json` prints.
+  virtual Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) = 0;
+
+  virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;
+  virtual Reply<proto::StatusInfo> job(std::string_view id) = 0;
+  // A running or waiting job stops, within a second, and can be resumed; one that has ended is forgotten (410 from then
+  // on). Results stay.
+  virtual Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) = 0;
+  virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
+  virtual Reply<ServedFile> log(std::string_view id) = 0;
+  virtual Reply<ServedFile> report(std::string_view id) = 0;
+  // What a verify, export or info job found, as JSON; 404 result-not-ready before.
+  virtual Reply<std::string> outcome(std::string_view id) = 0;
+
+  // Events after `last` (0: from now on), of one job or of all ("" ), in order, as they come; called by any thread,
+  // must not block. Events that are no longer kept are replaced by a status of each job. Ends when the handle dies.
+  class Subscription {
+   public:
+    virtual ~Subscription() = default;
+  };
+  using OnEvent = std::function<void(const std::shared_ptr<const proto::Event>&)>;
+  virtual Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) = 0;
+
+  virtual Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) = 0;
+  virtual Reply<proto::TriangulationInfo> triangulation(std::string_view name) = 0;
+  virtual Reply<ServedFile> file(std::string_view name, std::string_view path) = 0;
+  // 409 while a job works on it.
+  virtual Reply<void> remove_triangulation(std::string_view name, const Caller& caller) = 0;
+
+  // Bytes `offset`... of an upload are taken as they come. Nothing is there under its name before finish().
+  class Upload {
+   public:
+    virtual ~Upload() = default;
+    virtual Reply<void> write(std::string_view bytes) = 0;
+    virtual Reply<void> finish() = 0;
+  };
+  virtual Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                                const Caller& caller) = 0;
+  virtual Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) = 0;
+
+  // For /metrics and /readyz.
+  struct Figures {
+    std::uint64_t accepted = 0, running = 0;                  // now
+    std::uint64_t successful = 0, failed = 0, dismissed = 0;  // since the start
+    std::uint64_t points = 0;                                 // triangulated since the start
+    std::uint64_t memory_budget_bytes = 0, memory_used_bytes = 0, disk_free_bytes = 0;
+    std::vector<std::pair<std::string, double>> phase_seconds;
+    std::uint64_t subscribers = 0;
+  };
+  virtual Figures figures() const = 0;
+  // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.
+  virtual std::optional<std::string> unready() const = 0;
+};
+
+class Service final : public Backend {
+ public:
+  // Takes the data folder (one daemon a folder), reads what it holds, goes on with unfinished jobs. Error usage for
+  // options that do not fit, io for a folder that cannot be used.
+  static Result<std::unique_ptr<Service>> open(ServiceOptions options);
+  // Running jobs are interrupted and stay resumable.
+  ~Service() override;
+
+  Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
+                          std::string_view idempotency_key = {}) override;
+  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;
+  Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
+  Reply<proto::JobList> jobs(const JobQuery& query) override;
+  Reply<proto::StatusInfo> job(std::string_view id) override;
+  Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) override;
+  Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
+  Reply<ServedFile> log(std::string_view id) override;
+  Reply<ServedFile> report(std::string_view id) override;
+  Reply<std::string> outcome(std::string_view id) override;
+  Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
+  Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;
+  Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
+  Reply<ServedFile> file(std::string_view name, std::string_view path) override;
+  Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                        const Caller& caller) override;
+  Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Figures figures() const override;
+  std::optional<std::string> unready() const override;
+
+ private:
+  struct Impl;
+  explicit Service(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tessera
