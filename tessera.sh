@@ -10,6 +10,7 @@ usage() {
   cat <<'TEXT'
 ./tessera.sh build            build/release/src/apps/tessera
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
+./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
 ./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay)
 ./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy             clang-tidy over the sources
@@ -39,6 +40,12 @@ demo() {
   echo "picture: $out/tiles.png    report: $out/result/report.html"
 }
 
+serve() {
+  deploy/install-deps.sh build
+  build tesserad tessera_command
+  exec $build_folder/src/daemon/tesserad --data serve-data --inputs data "$@"
+}
+
 sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }
 
 # CAF's and Asio's templates alone give thousands of findings: what includes them is left out.
@@ -52,6 +59,7 @@ tidy() {
 case "${1:-help}" in
   build) build all ;;
   demo) demo ;;
+  serve) shift; serve "$@" ;;
   test) shift; deploy/install-deps.sh; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
   nightly) build engine_product; cmake --build $build_folder --target nightly ;;
   tidy) tidy ;;

@@ -152,7 +152,9 @@ Status load_settings_file(const std::filesystem::path& path, const std::vector<S
                    at_line(key.source()) + "there is no table [" + std::string(key.str()) +
                        (of_table("") ? "]" : "]; options stand in the table of their command, as in [triangulate]"));
     }
-    for (const auto& [key_node, value] : *table) BOOST_OUTCOME_TRYV(read(*settings, key_node, value));
+    for (const auto& [key_node, value] : *table) {
+      BOOST_OUTCOME_TRYV(read(*settings, key_node, value));
+    }
   }
   return success();
 }

@@ -1,5 +1,6 @@
 #include "src/daemon/daemon_log.h"
 
+#include <fmt/chrono.h>
 #include <spdlog/formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -19,9 +20,9 @@ class OneLine final : public spdlog::formatter {
   OneLine(bool json, bool insecure) : json_(json), insecure_(insecure) {}
 
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& out) override {
-    const auto when = fmt::format("{:%FT%T}Z", spdlog::details::os::gmtime(spdlog::log_clock::to_time_t(message.time)));
-    const std::string_view level(spdlog::level::to_string_view(message.level).data(),
-                                 spdlog::level::to_string_view(message.level).size());
+    const auto when = fmt::format("{:%FT%T}Z", fmt::gmtime(message.time));
+    const auto name = spdlog::level::to_string_view(message.level);
+    const std::string level(name.data(), name.size());
     std::string text(message.payload.data(), message.payload.size());
     std::string line;
     if (json_) {
@@ -32,7 +33,7 @@ class OneLine final : public spdlog::formatter {
       for (char& c : text) {
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
       }
-      line = when + " " + std::string(level) + (insecure_ ? " INSECURE " : " ") + text;
+      line = when + " " + level + (insecure_ ? " INSECURE " : " ") + text;
     }
     line += '\n';
     out.append(line.data(), line.data() + line.size());

@@ -121,7 +121,9 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   Settings& top = settings.top;
   top.load_environment(get_environment);
   settings.limits.load_environment(get_environment);
-  if (const auto file = top.text("config")) BOOST_OUTCOME_TRYV(load_settings_file(*file, {&top, &settings.limits}));
+  if (const auto file = top.text("config")) {
+    BOOST_OUTCOME_TRYV(load_settings_file(*file, {&top, &settings.limits}));
+  }
 
   DaemonOptions out;
   BOOST_OUTCOME_TRYV(read_limits(settings.limits, out.service.limits));

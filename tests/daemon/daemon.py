@@ -1,0 +1,105 @@
+"""Runs the real daemon, as a user does, on 127.0.0.1 at free ports."""
+import http.client
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+import urllib.parse
+
+TESSERAD, TESSERA = os.environ["TESSERAD"], os.environ["TESSERA"]
+IGN = pathlib.Path(os.environ["IGN"])
+
+
+class Daemon:
+    """One process. `url` and `token` are what it prints."""
+
+    def __init__(self, data, *options, env=None):
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
+        self.log = tempfile.TemporaryFile()
+        self.process = subprocess.Popen(
+            [TESSERAD, "--data", str(data), "--listen", "127.0.0.1:0", "--metrics", "none", "--inputs", str(IGN),
+             "--memory", "1G", "--threads", "2", *map(str, options)],
+            env=clean | (env or {}), text=True, stdout=subprocess.PIPE, stderr=self.log)
+        line = self.process.stdout.readline()
+        found = re.fullmatch(r"(http://127\.0\.0\.1:\d+/)\?token=(\S+)\n", line)
+        if not found:
+            self.process.wait(timeout=20)
+            raise AssertionError(f"{line!r} {self.messages()}")
+        self.url, self.token = found[1], found[2]
+        self.port = urllib.parse.urlsplit(self.url).port
+
+    def messages(self):
+        self.log.seek(0)
+        return self.log.read().decode()
+
+    def request(self, method, path, body=None, headers=None, token=True):
+        """Status, headers, body (JSON is read)."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+        try:
+            head = {"Authorization": f"Bearer {self.token}"} if token else {}
+            if body is not None and not isinstance(body, bytes):
+                body = json.dumps(body).encode()
+                head["Content-Type"] = "application/json"
+            connection.request(method, path, body, head | (headers or {}))
+            answer = connection.getresponse()
+            content = answer.read()
+            if "json" in (answer.getheader("Content-Type") or ""):
+                content = json.loads(content)
+            return answer.status, answer.headers, content
+        finally:
+            connection.close()
+
+    def events(self, path, last=None):
+        """The events of a stream, as (id, kind, data), until it ends."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)
+        head = {"Authorization": f"Bearer {self.token}"} | ({"Last-Event-ID": str(last)} if last is not None else {})
+        connection.request("GET", path, headers=head)
+        answer = connection.getresponse()
+        assert answer.status == 200, answer.read()
+        event = {}
+        for line in answer:
+            line = line.decode().rstrip("\n")
+            if line.startswith(":"):
+                continue
+            if line:
+                key, _, value = line.partition(": ")
+                event[key] = value
+            elif event:
+                yield event.get("id"), event.get("event"), json.loads(event["data"]) if "data" in event else None
+                event = {}
+        connection.close()
+
+    def wait(self, job):
+        """Until it has ended, by its events: its last status."""
+        for _ in self.events(f"/v1/jobs/{job}/events"):
+            pass
+        return self.request("GET", f"/v1/jobs/{job}")[2]
+
+    def end(self, how=signal.SIGTERM):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        self.process.stdout.close()
+        status = self.process.wait(timeout=60)
+        return status
+
+
+class DaemonTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tesserad-"))
+        self.addCleanup(shutil.rmtree, self.folder, True)
+
+    def start(self, *options, **more):
+        daemon = Daemon(self.folder / "data", *options, **more)
+        self.addCleanup(lambda: daemon.end(signal.SIGKILL) if daemon.process.poll() is None else None)
+        return daemon
+
+    def tessera(self, *args):
+        done = subprocess.run([TESSERA, *map(str, args)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, timeout=300)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
