@@ -191,7 +191,13 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   incoming.expects_continue = expect == "100-continue";
   incoming.admitted = front_.admit(request, std::string_view(message.target().data(), message.target().size()), place_);
   Admitted& admitted = incoming.admitted;
-  if (message.version() != 11 && message.version() != 10)
+  const auto encoding = request.header("transfer-encoding");
+  if (!encoding.empty() && encoding != "chunked") {
+    // Beast takes a body in any other encoding for none, and what follows for the next request.
+    incoming.keep_alive = false;
+    unread_ = true;
+    admitted.answer = problem(501, "Transfer-Encoding: only chunked is understood");
+  } else if (message.version() != 11 && message.version() != 10)
     admitted.answer = problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
   else if (!expect.empty() && !incoming.expects_continue)
     admitted.answer = problem(417, "Expect: only 100-continue is understood");
