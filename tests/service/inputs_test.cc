@@ -139,8 +139,8 @@ TEST_F(Inputs, AFileIsNoCoordinateSystem) {
   open();
   std::ofstream(inputs() / "a.prj") << "EPSG:2154";
   for (const std::string& crs : {(inputs() / "a.prj").string(), std::string("/etc/passwd"), std::string("a.prj"),
-                                std::string("http://spatialreference.org/ref/epsg/2154/"),
-                                std::string("+init=epsg:4326"), std::string("/vsicurl/http://x")}) {
+                                 std::string("http://spatialreference.org/ref/epsg/2154/"),
+                                 std::string("+init=epsg:4326"), std::string("/vsicurl/http://x")}) {
     auto inputs = triangulate("a.xyz");
     inputs.mutable_triangulate()->set_crs(crs);
     EXPECT_EQ(refused(inputs).detail(), "crs: '" + crs + "' is neither EPSG:n nor WKT (of a file, give what it holds)");
