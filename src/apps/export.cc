@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"

@@ -41,7 +41,8 @@ Answer execute(const Call& call) {
   if (auto refused = wrong_type(call.request)) return std::move(*refused);
   const Result<proto::Inputs> inputs = read_inputs(*process, call.request);
   if (!inputs) return bad_request(inputs.error());
-  if (process->waits) {
+  const bool asks_for_job = call.request.header("prefer").find("respond-async") != std::string_view::npos;
+  if (process->waits && !asks_for_job) {
     Reply<std::string> told = call.context.backend.info(inputs.value().info(), call.request.caller);
     return told ? json_answer(200, std::move(told.value())) : problem(told.error());
   }
@@ -54,7 +55,7 @@ Answer execute(const Call& call) {
   // Asked again, the job that there is: the same answer, as if the first one had been lost.
   Answer answer = message_answer(call.request, 201, status);
   answer.headers.emplace_back("Location", call.context.links.to(call.request, job_path(status.job_id())));
-  if (!call.request.header("prefer").empty()) answer.headers.emplace_back("Preference-Applied", "respond-async");
+  if (asks_for_job) answer.headers.emplace_back("Preference-Applied", "respond-async");
   return answer;
 }
 

@@ -23,8 +23,9 @@ const std::array<Process, 4>& all() {
         proto::VerifyInputs::descriptor(), false, "What was proved"},
        {"export", "Export", "Writes a result as a file of another program.", proto::ExportInputs::descriptor(), false,
         "The file, by reference"},
-       {"info", "Info", "What input files or a result hold. Answered at once.", proto::InfoInputs::descriptor(), true,
-        "What they hold"}}};
+       {"info", "Info",
+        "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
+        proto::InfoInputs::descriptor(), true, "What they hold"}}};
   return list;
 }
 
@@ -110,8 +111,9 @@ ordered_json process_summary(const Process& process, const Links& links, const R
                        {"title", process.title},
                        {"description", process.description},
                        {"version", version},
-                       {"jobControlOptions", {process.waits ? "sync-execute" : "async-execute"}},
-                       {"outputTransmission", {process.waits ? "value" : "reference"}},
+                       {"jobControlOptions", process.waits ? ordered_json::array({"sync-execute", "async-execute"})
+                                                           : ordered_json::array({"async-execute"})},
+                       {"outputTransmission", ordered_json::array({process.waits ? "value" : "reference"})},
                        {"links", ordered_json::array()}};
   summary["links"].push_back({{"href", links.to(request, self)}, {"rel", "self"}, {"type", "application/json"}});
   summary["links"].push_back({{"href", links.to(request, self + "/execution")},

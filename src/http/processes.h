@@ -18,7 +18,7 @@ struct Process {
   const char* title;
   const char* description;
   const google::protobuf::Descriptor* inputs;  // the message
-  bool waits;                                  // answered at once; else it becomes a job
+  bool waits;                                  // answered at once, unless a job is asked for; else always a job
   const char* outcome;                         // what comes out
 };
 

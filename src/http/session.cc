@@ -1,7 +1,5 @@
 #include "src/http/session.h"
 
-#include <sys/socket.h>
-
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
@@ -10,12 +8,12 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
-#include <boost/beast/http/string_body.hpp>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "src/http/head.h"
+#include "src/http/incoming.h"
 
 namespace tessera::http {
 namespace {
@@ -24,7 +22,7 @@ namespace beast = boost::beast;
 using asio::redirect_error;
 using asio::use_awaitable;
 
-constexpr std::size_t read_bytes = 8 << 10, buffered_max = 64 << 10, upload_piece = 256 << 10;
+constexpr std::size_t read_bytes = 8 << 10;
 constexpr std::size_t lingering_max = 1 << 20;
 constexpr std::chrono::milliseconds lingering{2000};
 
@@ -35,16 +33,6 @@ std::string lower_case(beast::string_view text) {
 }
 
 }  // namespace
-
-struct Session::Incoming {
-  std::optional<beast::http::request_parser<beast::http::empty_body>> parser;
-  Request request;
-  Admitted admitted;
-  std::optional<std::uint64_t> length;
-  bool chunked = false, keep_alive = false, head = false, expects_continue = false;
-
-  bool has_body() const { return chunked || length.value_or(0) > 0; }
-};
 
 Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits)
     : transport_(std::move(transport)),
@@ -191,7 +179,13 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   incoming.expects_continue = expect == "100-continue";
   incoming.admitted = front_.admit(request, std::string_view(message.target().data(), message.target().size()), place_);
   Admitted& admitted = incoming.admitted;
-  if (message.version() != 11 && message.version() != 10)
+  const auto encoding = request.header("transfer-encoding");
+  if (!encoding.empty() && encoding != "chunked") {
+    // Beast takes a body in any other encoding for none, and what follows for the next request.
+    incoming.keep_alive = false;
+    unread_ = true;
+    admitted.answer = problem(501, "Transfer-Encoding: only chunked is understood");
+  } else if (message.version() != 11 && message.version() != 10)
     admitted.answer = problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
   else if (!expect.empty() && !incoming.expects_continue)
     admitted.answer = problem(417, "Expect: only 100-continue is understood");
@@ -205,67 +199,6 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
     if (error) co_return false;
   }
   co_return true;
-}
-
-asio::awaitable<bool> Session::read_body(Incoming& incoming) {
-  beast::http::request_parser<beast::http::string_body> parser(std::move(*incoming.parser));
-  parser.body_limit(limits_.body_bytes);
-  parser.eager(true);
-  give_up_after(limits_.body);
-  while (!parser.is_done()) {
-    ErrorCode error;
-    const std::size_t used = parser.put(buffer_.data(), error);
-    buffer_.consume(used);
-    if (parser.is_done()) break;
-    const bool needs_more = error == beast::http::error::need_more || (!error && used == 0);
-    if ((error && !needs_more) || buffer_.size() > buffered_max) {
-      unread_ = true;
-      const bool large = error == beast::http::error::body_limit;
-      Answer refused = large ? problem(413, "the body is larger than " + std::to_string(limits_.body_bytes) + " bytes")
-                             : problem(400, "the body is not framed as HTTP frames one");
-      co_await send(incoming, std::move(refused));
-      co_return false;
-    }
-    if (needs_more || buffer_.size() == 0) {
-      error = co_await read_more();
-      if (error) co_return false;
-    }
-  }
-  incoming.request.body = std::move(parser.get().body());
-  co_return true;
-}
-
-asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
-  auto upload = front_.begin_upload(incoming.request, incoming.admitted);
-  std::uint64_t left = *incoming.length;
-  unread_ = true;
-  if (!upload) {
-    Answer refused = problem(upload.error());
-    co_return co_await send(incoming, std::move(refused));
-  }
-  while (left > 0) {
-    if (buffer_.size() == 0) {
-      give_up_after(limits_.body);
-      const asio::mutable_buffer space = buffer_.prepare(std::min<std::uint64_t>(left, upload_piece));
-      ErrorCode error;
-      const std::size_t bytes = co_await transport_->read_some(space, error);
-      buffer_.commit(bytes);
-      if (error) co_return false;
-    }
-    const std::size_t bytes = std::min<std::uint64_t>(left, buffer_.size());
-    const Reply<void> written =
-        upload.value()->write(std::string_view(static_cast<const char*>(buffer_.data().data()), bytes));
-    if (!written) {
-      Answer refused = problem(written.error());
-      co_return co_await send(incoming, std::move(refused));
-    }
-    buffer_.consume(bytes);
-    left -= bytes;
-  }
-  unread_ = false;
-  const Reply<void> finished = upload.value()->finish();
-  Answer answer = finished ? front_.answer(incoming.request, incoming.admitted) : problem(finished.error());
-  co_return co_await send(incoming, std::move(answer));
 }
 
 asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
@@ -286,47 +219,6 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
     events_.reset();
   }
   co_return keep && !error;
-}
-
-asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
-  ErrorCode error;
-  queue.on_wake([weak = weak_from_this(), executor = transport_->socket().get_executor()] {
-    asio::post(executor, [weak] {
-      if (const auto self = weak.lock()) self->wake_.cancel();
-    });
-  });
-  watch_peer();
-  while (!error) {
-    bool over = false;
-    const std::string text = queue.take(over);
-    if (!text.empty()) {
-      give_up_after(limits_.write);
-      error = co_await transport_->write(text, {});
-      continue;
-    }
-    if (over || peer_gone_ || draining_) break;
-    // Nothing is awaited between take() and here, so no wake-up is lost.
-    give_up_after(limits_.comment + limits_.write);
-    wake_.expires_after(limits_.comment);
-    ErrorCode woken;
-    co_await wake_.async_wait(redirect_error(use_awaitable, woken));
-    if (!woken) error = co_await transport_->write(": still here\n\n", {});
-  }
-  co_return error;
-}
-
-// A watcher that goes is noticed at once, not with the next comment.
-void Session::watch_peer() {
-  transport_->socket().async_wait(tcp::socket::wait_read, [weak = weak_from_this()](ErrorCode error) {
-    const auto self = weak.lock();
-    if (error || !self) return;
-    char byte = 0;
-    const ssize_t seen = ::recv(self->transport_->socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
-    // Under TLS it is the farewell; a watcher has nothing else to say.
-    if (seen > 0 && !self->transport_->is_tls()) return;
-    self->peer_gone_ = true;
-    self->wake_.cancel();
-  });
 }
 
 // A connection closed with bytes unread is reset, and the peer loses the answer: what it still sends is thrown away,

@@ -33,6 +33,7 @@ struct ServiceLimits {
   std::uint32_t queued = 10'000;             // jobs that wait; more: 429
   std::uint32_t jobs_of_a_caller = 1000;     // accepted or running
   std::uint64_t points = 0, disk_bytes = 0;  // of one job; 0: what the machine has
+  std::uint64_t upload_bytes = 0;            // of all uploads together; 0: what the disk has
 };
 
 struct ServiceOptions {
@@ -43,6 +44,7 @@ struct ServiceOptions {
   bool uploads = false;
   std::uint64_t retention_s = 0;  // ended jobs are forgotten after it; 0: never. Results never are.
   ServiceLimits limits;
+  std::function<void(const std::string&)> log = {};  // what the service itself has to tell, a line at a time
 };
 
 // A file to be sent: open for reading, so that nothing can be put in its place any more.
@@ -54,8 +56,8 @@ struct ServedFile {
 };
 
 struct JobQuery {
-  std::vector<std::string> states, processes;  // empty: all
-  std::string after;                           // the job that ended the page before
+  std::vector<std::string> states = {}, processes = {};  // empty: all
+  std::string after = {};                                // the job that ended the page before
   std::uint32_t limit = 100;
 };
 
@@ -72,7 +74,8 @@ class Backend {
   virtual Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
                                   std::string_view idempotency_key = {}) = 0;
   virtual Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) = 0;
-  // Short ones are answered at once: what `tessera info --json` prints.
+  // Short ones are answered at once: what `tessera info --json` prints. Statistics of many points, and compressed
+  // files, are not: 400, and to be submitted as a job.
   virtual Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) = 0;
 
   virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;

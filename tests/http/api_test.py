@@ -79,6 +79,15 @@ class Api(serving.ServerTest):
         self.assertEqual(first.json()["id"], again.json()["id"])
         self.assertEqual(other.status, 422)
 
+    def test_info_is_told_at_once_or_by_a_job(self):
+        path, body = "/v1/processes/info/execution", {"inputs": {"inputs": ["a.las"]}}
+        at_once = self.ask("POST", path, body)
+        self.assertEqual((at_once.status, at_once.json()), (200, {"points": 7}))
+        job = self.ask("POST", path, body, headers={"Prefer": "respond-async"})
+        self.assertEqual((job.status, job.headers["Preference-Applied"]), (201, "respond-async"))
+        self.server.tell(f"state {job.json()['id']} successful")
+        self.assertEqual(self.ask("GET", f"/v1/jobs/{job.json()['id']}/results").json()["outcome"]["value"], {"proved": True})
+
     def test_lists_are_read_in_pages(self):
         wanted = [self.submit() for _ in range(7)]
         place, found = "/v1/jobs?limit=3", []

@@ -1,6 +1,9 @@
 // The HTTP server before a fake service, for the tests in Python: FOLDER NAME=VALUE... Prints one line of JSON with
 // ports and token; then obeys lines on standard input, answering each with "ok": "state ID STATE", "tell COUNT",
 // "reload", "drain"; ends with its input.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -13,6 +16,7 @@
 
 int main(int argc, char** argv) {
   using namespace tessera;
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("http"));
   const std::filesystem::path folder = argv[1];
   std::map<std::string, std::string> given;
   for (int at = 2; at < argc; ++at) {

@@ -22,23 +22,20 @@ class Server:
         file = self.folder / "tokens"
         file.touch(0o600)
         file.write_text("".join(f"{role}er {role} {token}\n" for role, token in self.tokens.items()))
-        self.process = subprocess.Popen([os.environ["SERVER"], str(self.folder),
-                                         *(f"{name}={value}" for name, value in options.items())],
-                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.log = []
-        while True:  # its log goes to the same place
-            line = self.process.stdout.readline()
-            if line.startswith("{") or not line:
-                break
-        self.started = json.loads(line)
+        with open(self.folder / "log", "w") as log:
+            self.process = subprocess.Popen([os.environ["SERVER"], str(self.folder),
+                                             *(f"{name}={value}" for name, value in options.items())],
+                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True)
+        self.started = json.loads(self.process.stdout.readline())
         self.port, self.operations = self.started.get("ports", (0, 0))
 
     def tell(self, command):
         self.process.stdin.write(command + "\n")
         self.process.stdin.flush()
-        while (line := self.process.stdout.readline()) not in ("ok\n", "failed\n", ""):
-            self.log.append(line)
-        return line == "ok\n"
+        return self.process.stdout.readline() == "ok\n"
+
+    def log(self):
+        return (self.folder / "log").read_text()
 
     def memory(self):
         """Resident, in bytes."""
@@ -49,7 +46,6 @@ class Server:
 
     def close(self):
         self.process.stdin.close()
-        self.log += self.process.stdout.readlines()
         self.process.stdout.close()
         status = self.process.wait(60)
         shutil.rmtree(self.folder)
