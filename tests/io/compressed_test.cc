@@ -210,6 +210,17 @@ TEST(Spooled, StopsWhenAsked) {
   EXPECT_EQ(stopped.error().code, Errc::interrupted);
 }
 
+TEST(Spooled, UnpacksNoMoreThanItMay) {
+  const auto bytes = bytes_of(lines(1000));
+  Spool enough({}, {}, 2 * bytes.size());
+  EXPECT_EQ(sentence(enough.unpacked(memory_source("a.xyz.gz", gzip(bytes)))), "");
+  EXPECT_EQ(sentence(enough.unpacked(memory_source("b.xyz.gz", gzip(bytes)))), "");
+  const auto third = enough.unpacked(memory_source("c.xyz.gz", gzip(bytes)));
+  ASSERT_TRUE(third.has_error());
+  EXPECT_EQ(third.error().code, Errc::io);
+  EXPECT_EQ(third.error().where.find("c.xyz.gz: holds more than may be unpacked here"), 0u);
+}
+
 TEST(Spooled, LeavesNothingInItsFolderAndSaysWhenThereIsNone) {
   const TempFolder folder;
   Spool spool(folder.path());
