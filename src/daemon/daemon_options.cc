@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 #include "src/job/machine.h"
 
 namespace tessera {

@@ -18,18 +18,21 @@ IGN = pathlib.Path(os.environ["IGN"])
 class Daemon:
     """One process. `url` and `token` are what it prints."""
 
-    def __init__(self, data, *options, env=None):
+    def __init__(self, data, *options, env=None, listen="127.0.0.1:0"):
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         self.log = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
-            [TESSERAD, "--data", str(data), "--listen", "127.0.0.1:0", "--metrics", "none", "--inputs", str(IGN),
+            [TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(IGN),
              "--memory", "1G", "--threads", "2", *map(str, options)],
             env=clean | (env or {}), text=True, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline()
         found = re.fullmatch(r"(http://127\.0\.0\.1:\d+/)\?token=(\S+)\n", line)
         if not found:
             self.process.wait(timeout=20)
-            raise AssertionError(f"{line!r} {self.messages()}")
+            self.process.stdout.close()
+            said = self.messages()
+            self.log.close()
+            raise AssertionError(f"{line!r} {said}")
         self.url, self.token = found[1], found[2]
         self.port = urllib.parse.urlsplit(self.url).port
 
@@ -95,6 +98,7 @@ class DaemonTest(unittest.TestCase):
 
     def start(self, *options, **more):
         daemon = Daemon(self.folder / "data", *options, **more)
+        self.addCleanup(daemon.log.close)
         self.addCleanup(lambda: daemon.end(signal.SIGKILL) if daemon.process.poll() is None else None)
         return daemon
 

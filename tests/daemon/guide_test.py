@@ -37,12 +37,17 @@ class Guide(DaemonTest):
     def test_every_route_is_in_the_guide(self):
         daemon = self.start()
         paths = daemon.request("GET", "/v1/api")[2]["paths"]
-        guide = re.sub(r"\$\w+|\b(block|triangulate|verify|info|manifest\.json)\b", "*", GUIDE)
-        for path in paths:
-            pattern = re.sub(r"\\\{[^/]*\\\}", "[^/ ]+", re.escape(path if path.startswith("/v1") else "/v1" + path))
-            with self.subTest(path):
-                self.assertRegex(guide, pattern)
         self.assertEqual(daemon.end(), 0)
+        self.assertGreater(len(paths), 15)
+        # Names in the guide stand for what the documents have in braces.
+        words = set(re.findall(r"(?:\$URL|`)(/[\w$./*-]*)", GUIDE))
+        places = [word.rstrip("/").split("/") for word in words]
+
+        def fits(path):
+            parts = path.rstrip("/").split("/")
+            return any(len(place) == len(parts) and all(a == b or b.startswith("{") for a, b in zip(place, parts))
+                       for place in places)
+        self.assertEqual([path for path in paths if path != "/" and not fits(path)], [])
 
 
 if __name__ == "__main__":

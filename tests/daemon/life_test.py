@@ -25,8 +25,7 @@ class Life(DaemonTest):
         self.assertEqual((last["status"], last["progress"]), ("successful", 100))
         info = daemon.request("GET", "/v1/triangulations/block")[2]
         self.tessera("triangulate", *sorted(map(str, IGN.glob("*.las"))), "-o", "here", "--tiles", "5")
-        manifest = json.loads((self.folder / "here/manifest.json").read_text())
-        self.assertEqual(info["digest"], manifest["digest"])
+        self.assertEqual(info["digest"], json.loads(self.tessera("info", "here", "--json"))["digest"])
         self.tessera("verify", self.folder / "data/results/block")
         self.assertEqual(daemon.end(), 0, daemon.messages())
 
@@ -55,7 +54,7 @@ class Life(DaemonTest):
 
     def test_beyond_the_loopback_it_does_not_start_without_tls(self):
         with self.assertRaisesRegex(AssertionError, "insecure"):
-            self.start("--listen", "0.0.0.0:0")
+            self.start(listen="0.0.0.0:0")
 
     def test_after_kill_9_every_job_ends_as_if_nothing_had_been(self):
         rng = random.Random(7)
