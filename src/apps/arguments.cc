@@ -146,7 +146,7 @@ Result<Box> parse_crop(std::string_view text, int dimension) {
   return box;
 }
 
-Result<double> parse_number(std::string_view text) {
+Result<double> parse_finite(std::string_view text) {
   const auto number = finite_number(text);
   if (!number) return refuse(text, "is not a number");
   return *number;

@@ -30,7 +30,7 @@ Result<bool> parse_switch(std::string_view text);
 Result<Box> parse_crop(std::string_view text, int dimension);
 
 // A finite number.
-Result<double> parse_number(std::string_view text);
+Result<double> parse_finite(std::string_view text);
 
 // A distance: finite and above 0, in the units of the coordinates.
 Result<double> parse_distance(std::string_view text);

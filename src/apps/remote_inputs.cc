@@ -50,7 +50,7 @@ Result<Json> value_json(const std::string& text, const FieldDescriptor& field) {
       return count_json(text, std::numeric_limits<std::uint64_t>::max());
     case Type::CPPTYPE_FLOAT:
     case Type::CPPTYPE_DOUBLE: {
-      BOOST_OUTCOME_TRY(number, parse_number(text));
+      BOOST_OUTCOME_TRY(number, parse_finite(text));
       return Json(number);
     }
     default:

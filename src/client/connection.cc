@@ -14,6 +14,8 @@
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <cctype>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 namespace tessera {
@@ -173,7 +175,8 @@ struct Connection::Impl {
     });
     // A server that refuses a request may have answered before it was all sent.
     Parser parser;
-    parser.body_limit(boost::none);
+    // Boost 1.74 takes `none` for a limit that is below every length.
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     parser.header_limit(header_bytes_max);
     const auto read_head = on_stream(stop, request.silence, [&](auto& stream, auto done) {
       http::async_read_header(stream, buffer, parser, [done](error_code code, std::size_t) mutable { done(code); });

@@ -222,19 +222,19 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
     if (!read_message(sent.data, event)) return no_tessera();
     return enough_of(event);
   });
-  const HttpReceiver receiver{.head = [&](const HttpHead& head) -> Result<bool> {
-                                if (head.status != 200) return false;
-                                if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
-                                // Events are told from now on: what was before is in the status.
-                                proto::Event now;
-                                BOOST_OUTCOME_TRY(status, job(id, stop));
-                                heard = true;
-                                now.set_kind("status");
-                                *now.mutable_status() = std::move(status);
-                                BOOST_OUTCOME_TRYV(enough_of(now));
-                                return true;
-                              },
-                              .body = [&](std::string_view bytes) { return stream.feed(bytes); }};
+  const auto take_head = [&](const HttpHead& head) -> Result<bool> {
+    if (head.status != 200) return false;
+    if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
+    heard = true;
+    // Events are told from now on: what was before is in the status.
+    proto::Event now;
+    BOOST_OUTCOME_TRY(status, job(id, stop));
+    now.set_kind("status");
+    *now.mutable_status() = std::move(status);
+    BOOST_OUTCOME_TRYV(enough_of(now));
+    return true;
+  };
+  const HttpReceiver receiver{.head = take_head, .body = [&](std::string_view bytes) { return stream.feed(bytes); }};
   auto answer = watching_.ask(request, stop, receiver);
   if (enough) return true;
   if (!answer) return with_advice(answer.error());

@@ -8,6 +8,7 @@ import http.server
 import json
 import pathlib
 import re
+import sys
 import threading
 import urllib.parse
 
@@ -46,7 +47,7 @@ class FakeServer:
         self.cut_files_after = []   # so many bytes of each of the next answers with a file, then the connection ends
         self.spoil = {}             # path of a file -> function of its bytes
         self.page = 1000
-        self.open_streams = 0
+        self.last_sent = 0          # the id of the last event that was written to some client
         self.start(port)
 
     def start(self, port=None):
@@ -56,8 +57,7 @@ class FakeServer:
             fake = server
 
         self.stopping = False
-        self.http = http.server.ThreadingHTTPServer(("127.0.0.1", self.port if port is None else port), Handler)
-        self.http.daemon_threads = True
+        self.http = _Listener(("127.0.0.1", self.port if port is None else port), Handler)
         if self.certificate:
             import ssl
             context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
@@ -93,6 +93,14 @@ class FakeServer:
     def asked(self, method, pattern):
         """The requests of that method whose path, with its query, has the pattern."""
         return [request for request in self.requests if request[0] == method and re.search(pattern, request[1])]
+
+
+class _Listener(http.server.ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request, client_address):
+        if not isinstance(sys.exc_info()[1], OSError):  # a client that has gone
+            super().handle_error(request, client_address)
 
 
 class _Handler(http.server.BaseHTTPRequestHandler):
@@ -203,7 +211,6 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         last = self.headers.get("Last-Event-ID")
         with fake.changed:
             last = fake.last_event if last is None else int(last)
-            fake.open_streams += 1
         self.send_response(200)
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Transfer-Encoding", "chunked")
@@ -224,6 +231,9 @@ class _Handler(http.server.BaseHTTPRequestHandler):
                 except OSError:
                     self.close_connection = True
                     return
+                with fake.changed:
+                    fake.last_sent = last
+                    fake.changed.notify_all()
 
     def chunk(self, text):
         content = text.encode()
