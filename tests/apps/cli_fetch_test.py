@@ -2,8 +2,8 @@
 import shutil
 import unittest
 
-from cli import CORRUPT, IO, OK, USAGE, CliTest
-from cli_server_test import ServerTest
+from cli import CORRUPT, IO, OK, USAGE
+from cli_server import ServerTest
 
 
 class Results(ServerTest):
