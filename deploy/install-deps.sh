@@ -14,13 +14,14 @@ build=(
   libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
-  robin-map-dev libssl-dev
+  robin-map-dev libssl-dev prometheus-cpp-dev
   libgtest-dev python3 python3-numpy
   pybind11-dev python3-dev                  # the Python package
 )
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   gdal-bin python3-gdal python3-gmsh        # read exports back
+  python3-jsonschema openssl wrk            # checks what the service answers; its certificates; its load
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "src/apps/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
 #include "src/apps/server_options.h"
 #include "src/apps/watching.h"
+#include "src/job/arguments.h"
 
 namespace tessera {
 namespace {

@@ -8,7 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 
 namespace tessera {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "src/apps/arguments.h"
 #include "src/files/whole_file.h"
+#include "src/job/arguments.h"
 
 namespace tessera {
 namespace {

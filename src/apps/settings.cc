@@ -12,7 +12,7 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 
 namespace tessera {
 namespace {

@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cstdio>
-#include <ctime>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
@@ -21,33 +20,23 @@
 namespace tessera {
 namespace {
 
-// RFC 3339, UTC; nothing for other texts.
-std::optional<double> seconds_of(const std::string& time) {
-  std::tm parts{};
-  double seconds = 0;
-  if (std::sscanf(time.c_str(), "%d-%d-%dT%d:%d:%lf", &parts.tm_year, &parts.tm_mon, &parts.tm_mday, &parts.tm_hour,
-                  &parts.tm_min, &seconds) != 6)
-    return std::nullopt;
-  parts.tm_year -= 1900;
-  parts.tm_mon -= 1;
-  return static_cast<double>(timegm(&parts)) + seconds;
-}
-
-// By the server's clock.
-double seconds_worked(const proto::StatusInfo& job) {
-  const auto started = seconds_of(job.started()), updated = seconds_of(job.updated());
-  return started && updated && *updated > *started ? *updated - *started : 0;
-}
-
 void set_progress(const proto::StatusInfo& job, Progress& progress) {
   for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {
     if (job.phase() == name_of(static_cast<Phase>(i))) progress.phase = static_cast<Phase>(i);
   }
-  progress.points_total = job.points();
-  progress.tiles_total = job.tiles().total();
-  progress.tiles_triangulated = job.tiles().triangulated();
-  progress.tiles_asleep = job.tiles().asleep();
-  progress.tiles_stored = job.tiles().stored();
+  if (!job.has_figures()) return;
+  const auto& figures = job.figures();
+  progress.points_total = figures.points_total();
+  progress.points_routed = figures.points_routed();
+  progress.points_triangulated = figures.points_triangulated();
+  progress.tiles_total = figures.tiles_total();
+  progress.tiles_triangulated = figures.tiles_triangulated();
+  progress.tiles_stored = figures.tiles_stored();
+  progress.tiles_asleep = figures.tiles_asleep();
+  progress.updates_sent = figures.updates_sent();
+  progress.updates_processed = figures.updates_processed();
+  progress.points_sent = figures.points_sent();
+  progress.memory_bytes = figures.memory_bytes();
 }
 
 class Watch {
@@ -61,7 +50,7 @@ class Watch {
     const auto& job = event.status();
     set_progress(job, progress_);
     if (job.status() == "running" && !display_)
-      display_.emplace(progress_, progress_style(output_), output_.json ? stdout : stderr, seconds_worked(job));
+      display_.emplace(progress_, progress_style(output_), output_.json ? stdout : stderr, job.figures().elapsed_s());
     if (job.status() != "running") display_.reset();
     if (job.status() != last_.status()) tell_status(job);
     last_ = job;
@@ -90,8 +79,7 @@ class Watch {
 Status show_summary(Server& server, const proto::StatusInfo& job, const OutputOptions& output,
                     const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(manifest, fetch_manifest(server, job.triangulation(), stop));
-  auto summary = summary_of(manifest, job.triangulation());
-  summary.memory_budget_bytes = job.memory_bytes();
+  const auto summary = summary_of(manifest, job.triangulation());
   std::fputs(output.json ? (summary_json(summary) + "\n").c_str() : summary_text(summary).c_str(), stdout);
   return success();
 }

@@ -20,6 +20,8 @@ namespace {
 constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
 constexpr const char* new_run = ".run.new";
+constexpr const char* unfinished = ".unfinished-";
+constexpr const char* removed = ".removed-";
 
 // No other process has it: numbers of processes alone are used again, and by every container.
 std::string token_of_process() {
@@ -100,6 +102,22 @@ fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
 }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 
+fs::path jobs_folder(const fs::path& data) { return data / "jobs"; }
+fs::path job_folder(const fs::path& data, const std::string& id) { return jobs_folder(data) / id; }
+fs::path job_record_file(const fs::path& job) { return job / "job.json"; }
+fs::path job_log_file(const fs::path& job) { return job / "log.txt"; }
+fs::path job_outcome_file(const fs::path& job) { return job / "outcome.json"; }
+fs::path forgotten_jobs_file(const fs::path& data) { return data / "forgotten.txt"; }
+fs::path event_numbers_file(const fs::path& data) { return data / "events.json"; }
+fs::path results_folder(const fs::path& data) { return data / "results"; }
+fs::path exports_folder(const fs::path& out) { return out / "exports"; }
+fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
+fs::path part_file(const fs::path& final_name) {
+  return final_name.parent_path() / ("." + final_name.filename().string() + ".part");
+}
+fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
+fs::path removed_folder(const fs::path& folder, const std::string& token) { return folder / (removed + token); }
+
 fs::path temporary_name(const fs::path& final_name) {
   fs::path name = final_name;
   name += temporary_ending;
@@ -140,5 +158,17 @@ bool is_lock_name(const fs::path& file) {
 }
 
 bool is_new_run_name(const fs::path& file) { return file.filename().string().starts_with(new_run); }
+
+bool is_job_name(const fs::path& file) {
+  const auto name = without_temporary_ending(file);
+  return name == job_record_file("") || name == job_log_file("") || name == job_outcome_file("");
+}
+
+bool is_removed_name(const fs::path& file) { return file.filename().string().starts_with(removed); }
+
+std::string job_of_unfinished(const fs::path& file) {
+  const std::string name = file.filename().string(), begin = unfinished;
+  return name.starts_with(begin) ? name.substr(begin.size()) : "";
+}
 
 }  // namespace tessera

@@ -16,6 +16,16 @@
 //                                  scratch of a tile: frames (frame.h)
 //     settled.done                 all tiles are settled
 //   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; of its own for every process where two may write the same
+//
+// and in the data folder of a service:
+//
+//   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
+//   DATA/forgotten.txt             the ids of jobs that were removed, a line each
+//   DATA/events.json               which numbers events may have next
+//   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
+//   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
+//   .../.unfinished-ID             what job ID makes, until it is whole
+//   .../.removed-...               what is being removed
 #pragma once
 
 #include <cstdint>
@@ -66,6 +76,23 @@ std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKi
 std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
 std::filesystem::path settled_marker(const std::filesystem::path& run);
 
+// The data folder of a service.
+std::filesystem::path jobs_folder(const std::filesystem::path& data);
+std::filesystem::path job_folder(const std::filesystem::path& data, const std::string& id);
+std::filesystem::path job_record_file(const std::filesystem::path& job);
+std::filesystem::path job_log_file(const std::filesystem::path& job);
+std::filesystem::path job_outcome_file(const std::filesystem::path& job);
+std::filesystem::path forgotten_jobs_file(const std::filesystem::path& data);
+std::filesystem::path event_numbers_file(const std::filesystem::path& data);
+std::filesystem::path results_folder(const std::filesystem::path& data);
+std::filesystem::path exports_folder(const std::filesystem::path& out);
+std::filesystem::path uploads_folder(const std::filesystem::path& data);
+std::filesystem::path part_file(const std::filesystem::path& final_name);
+// In `folder`, where it will be renamed to the final name.
+std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);
+// What is renamed to this is nobody's any more; `token`: no two have the same.
+std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
+
 // What a file is called until it is whole. Of one name at a time, unless every process has its own, on any machine.
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 std::filesystem::path temporary_name_of_process(const std::filesystem::path& final_name);
@@ -83,5 +110,10 @@ bool is_temporary_name(const std::filesystem::path& file);
 bool is_lock_name(const std::filesystem::path& file);
 // Of any process.
 bool is_new_run_name(const std::filesystem::path& file);
+// What stands directly in the folder of a job, files on their way included.
+bool is_job_name(const std::filesystem::path& file);
+bool is_removed_name(const std::filesystem::path& file);
+// The job of an unfinished_folder(); empty for other names.
+std::string job_of_unfinished(const std::filesystem::path& file);
 
 }  // namespace tessera

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "proto/service.pb.h"
+#include "service.pb.h"
 #include "src/base/result.h"
 
 namespace tessera {
@@ -33,6 +33,7 @@ struct ServiceLimits {
   std::uint32_t queued = 10'000;             // jobs that wait; more: 429
   std::uint32_t jobs_of_a_caller = 1000;     // accepted or running
   std::uint64_t points = 0, disk_bytes = 0;  // of one job; 0: what the machine has
+  std::uint64_t upload_bytes = 0;            // of all uploads together; 0: what the disk has
 };
 
 struct ServiceOptions {
@@ -43,6 +44,7 @@ struct ServiceOptions {
   bool uploads = false;
   std::uint64_t retention_s = 0;  // ended jobs are forgotten after it; 0: never. Results never are.
   ServiceLimits limits;
+  std::function<void(const std::string&)> log = {};  // what the service itself has to tell, a line at a time
 };
 
 // A file to be sent: open for reading, so that nothing can be put in its place any more.
@@ -54,39 +56,38 @@ struct ServedFile {
 };
 
 struct JobQuery {
-  std::vector<std::string> states, processes;  // empty: all
-  std::string after;                           // the job that ended the page before
+  std::vector<std::string> states = {}, processes = {};  // empty: all
+  std::string after = {};                                // the job that ended the page before
   std::uint32_t limit = 100;
 };
 
-class Service {
+// What a front end asks of the service; it knows no more of it. Safe from any thread.
+class Backend {
  public:
-  // Takes the data folder (one daemon a folder), reads what it holds, goes on with unfinished jobs. Error usage for
-  // options that do not fit, io for a folder that cannot be used.
-  static Result<std::unique_ptr<Service>> open(ServiceOptions options);
-  // Running jobs are interrupted and stay resumable.
-  ~Service();
+  virtual ~Backend() = default;
 
   // Asked again with the same key and inputs it is the same job, with other inputs 422. `fresh` says which.
   struct Submitted {
     proto::StatusInfo status;
     bool fresh = true;
   };
-  Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller, std::string_view idempotency_key = {});
-  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller);
-  // Short ones are answered at once: what `tessera info --json` prints.
-  Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller);
+  virtual Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
+                                  std::string_view idempotency_key = {}) = 0;
+  virtual Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) = 0;
+  // Short ones are answered at once: what `tessera info --json` prints. Statistics of many points, and compressed
+  // files, are not: 400, and to be submitted as a job.
+  virtual Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) = 0;
 
-  Reply<proto::JobList> jobs(const JobQuery& query);
-  Reply<proto::StatusInfo> job(std::string_view id);
+  virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;
+  virtual Reply<proto::StatusInfo> job(std::string_view id) = 0;
   // A running or waiting job stops, within a second, and can be resumed; one that has ended is forgotten (410 from then
   // on). Results stay.
-  Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller);
-  Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller);
-  Reply<ServedFile> log(std::string_view id);
-  Reply<ServedFile> report(std::string_view id);
+  virtual Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) = 0;
+  virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
+  virtual Reply<ServedFile> log(std::string_view id) = 0;
+  virtual Reply<ServedFile> report(std::string_view id) = 0;
   // What a verify, export or info job found, as JSON; 404 result-not-ready before.
-  Reply<std::string> outcome(std::string_view id);
+  virtual Reply<std::string> outcome(std::string_view id) = 0;
 
   // Events after `last` (0: from now on), of one job or of all ("" ), in order, as they come; called by any thread,
   // must not block. Events that are no longer kept are replaced by a status of each job. Ends when the handle dies.
@@ -95,13 +96,13 @@ class Service {
     virtual ~Subscription() = default;
   };
   using OnEvent = std::function<void(const std::shared_ptr<const proto::Event>&)>;
-  Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event);
+  virtual Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) = 0;
 
-  Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after);
-  Reply<proto::TriangulationInfo> triangulation(std::string_view name);
-  Reply<ServedFile> file(std::string_view name, std::string_view path);
+  virtual Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) = 0;
+  virtual Reply<proto::TriangulationInfo> triangulation(std::string_view name) = 0;
+  virtual Reply<ServedFile> file(std::string_view name, std::string_view path) = 0;
   // 409 while a job works on it.
-  Reply<void> remove_triangulation(std::string_view name, const Caller& caller);
+  virtual Reply<void> remove_triangulation(std::string_view name, const Caller& caller) = 0;
 
   // Bytes `offset`... of an upload are taken as they come. Nothing is there under its name before finish().
   class Upload {
@@ -110,9 +111,9 @@ class Service {
     virtual Reply<void> write(std::string_view bytes) = 0;
     virtual Reply<void> finish() = 0;
   };
-  Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
-                                        const Caller& caller);
-  Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file);
+  virtual Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                                const Caller& caller) = 0;
+  virtual Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) = 0;
 
   // For /metrics and /readyz.
   struct Figures {
@@ -123,9 +124,40 @@ class Service {
     std::vector<std::pair<std::string, double>> phase_seconds;
     std::uint64_t subscribers = 0;
   };
-  Figures figures() const;
+  virtual Figures figures() const = 0;
   // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.
-  std::optional<std::string> unready() const;
+  virtual std::optional<std::string> unready() const = 0;
+};
+
+class Service final : public Backend {
+ public:
+  // Takes the data folder (one daemon a folder), reads what it holds, goes on with unfinished jobs. Error usage for
+  // options that do not fit, io for a folder that cannot be used.
+  static Result<std::unique_ptr<Service>> open(ServiceOptions options);
+  // Running jobs are interrupted and stay resumable.
+  ~Service() override;
+
+  Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
+                          std::string_view idempotency_key = {}) override;
+  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;
+  Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
+  Reply<proto::JobList> jobs(const JobQuery& query) override;
+  Reply<proto::StatusInfo> job(std::string_view id) override;
+  Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) override;
+  Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
+  Reply<ServedFile> log(std::string_view id) override;
+  Reply<ServedFile> report(std::string_view id) override;
+  Reply<std::string> outcome(std::string_view id) override;
+  Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
+  Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;
+  Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
+  Reply<ServedFile> file(std::string_view name, std::string_view path) override;
+  Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                        const Caller& caller) override;
+  Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Figures figures() const override;
+  std::optional<std::string> unready() const override;
 
  private:
   struct Impl;

@@ -29,7 +29,7 @@ class Triangulate(ServerTest):
         self.ok("triangulate", "a.laz", "-o", "block/", "--detach", "--dim", 2, "--max-points-per-tile", "1.5M", "--partition", "grid",
                 "--threads", 3, "--memory", "4G", "--kernel", "cgal", "--no-neighbors", "--crop", "-1,0.5,2e3,4", "--class", "2,9",
                 "--attributes", "red,intensity", "--resolution", "0.25", "--returns", "first", "--without", "withheld,overlap",
-                "--recursive", "--overwrite", env={"TESSERA_CRS": "EPSG:2154"})
+                "--recursive", "--overwrite", "--no-z", "--skip-invalid", env={"TESSERA_CRS": "EPSG:2154"})
         inputs = self.server.jobs["j1"].inputs
         crs = inputs.pop("crs")
         self.assertIn("2154", crs)
@@ -37,7 +37,7 @@ class Triangulate(ServerTest):
             "inputs": ["a.laz"], "output": "block", "dim": 2, "tile_points": 1500000, "partition": "grid", "threads": 3,
             "memory": "4G", "kernel": "cgal", "neighbors": False, "crop": [-1, 0.5, 2000, 4], "class": [2, 9],
             "attributes": ["red", "intensity"], "resolution": 0.25, "returns": "first", "without": ["withheld", "overlap"],
-            "recursive": True, "overwrite": True})
+            "recursive": True, "overwrite": True, "heights": False, "skip_invalid": True})
         self.ok("triangulate", "a.laz", "-o", "b", "--detach", "--tiles", 7, "--threads", "auto")
         self.assertEqual(self.server.jobs["j2"].inputs, {"inputs": ["a.laz"], "output": "b", "tiles": 7})
 
@@ -67,7 +67,7 @@ class Triangulate(ServerTest):
     def test_json_has_progress_and_summary(self):
         self.make_result()
         def work(job):
-            job.tell("running", phase="splaying", points=2000, tiles={"total": 4, "triangulated": 4, "asleep": 1, "stored": 0})
+            job.tell("running", phase="splaying", figures={"elapsed": 100, "pointsTotal": 2000, "tilesTotal": 4, "tilesAsleep": 1})
             # A second passes before the display shows what did not change: the job goes on when it has been seen.
             seen.wait(60)
             job.tell("successful", triangulation="block")
@@ -85,6 +85,7 @@ class Triangulate(ServerTest):
         self.assertEqual(lines[-1]["event"], "summary")
         shown = [line for line in lines if line["event"] == "progress"]
         self.assertEqual((shown[0]["phase"], shown[0]["tiles_asleep"], shown[0]["points_total"]), ("splaying", 1, 2000))
+        self.assertGreater(shown[0]["elapsed_s"], 100)
         self.assertEqual([line["status"] for line in lines if line["event"] == "job"][-1], "successful")
         self.assertEqual(lines[-1]["vertices"], 2000)
         self.assertEqual(lines[-1]["out"], "block")

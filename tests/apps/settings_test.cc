@@ -6,7 +6,7 @@
 #include <fstream>
 #include <map>
 
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 
 namespace tessera {
 namespace {

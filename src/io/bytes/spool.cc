@@ -82,7 +82,8 @@ class Spool::Source : public ByteSource {
   Place place_;
 };
 
-Spool::Spool(std::filesystem::path folder, std::stop_token stop) : folder_(std::move(folder)), stop_(std::move(stop)) {}
+Spool::Spool(std::filesystem::path folder, std::stop_token stop, std::uint64_t bytes_max)
+    : folder_(std::move(folder)), stop_(std::move(stop)), bytes_max_(bytes_max) {}
 
 Result<std::shared_ptr<Spool::File>> Spool::take() {
   {
@@ -110,6 +111,10 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
     if (file->size == begin &&
         format_of(block.first(std::min(block.size(), format_bytes)), origin.content_name) == FileFormat::unknown)
       return unknown_format(origin.path);
+    if ((bytes_ += block.size()) > bytes_max_ && bytes_max_ > 0) {
+      return error(Errc::io, name + ": holds more than may be unpacked here: with it and what came before it, over " +
+                                 megabytes(bytes_max_));
+    }
     while (!block.empty()) {
       const auto put = ::pwrite(file->handle.get(), block.data(), block.size(), static_cast<off_t>(file->size));
       if (put < 0 && errno == EINTR) continue;

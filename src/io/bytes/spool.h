@@ -2,6 +2,8 @@
 // file.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -19,12 +21,13 @@ namespace tessera {
 // threads.
 class Spool {
  public:
-  // `folder`: empty for the system's temporary folder. Nothing is made before it is needed.
-  explicit Spool(std::filesystem::path folder, std::stop_token stop = {});
+  // `folder`: empty for the system's temporary folder. Nothing is made before it is needed. `bytes_max`: of all that is
+  // unpacked together; 0: what the disk has.
+  explicit Spool(std::filesystem::path folder, std::stop_token stop = {}, std::uint64_t bytes_max = 0);
 
   // `source` itself, or what is in it if it is compressed: then a source that keeps its path, modification time and
   // stored size. Errors: bad_input for damaged streams and for contents of no format we know (found at once); io when
-  // the folder has no room, with how much was unpacked; interrupted, with nothing left behind.
+  // the folder has no room or bytes_max is reached, with how much was unpacked; interrupted, with nothing left behind.
   Result<std::shared_ptr<const ByteSource>> unpacked(std::shared_ptr<const ByteSource> source);
 
   // Standard input, unpacked if it is compressed. A file that it is redirected from is read in place. Errors: also a
@@ -40,6 +43,8 @@ class Spool {
 
   std::filesystem::path folder_;
   std::stop_token stop_;
+  std::uint64_t bytes_max_;
+  std::atomic<std::uint64_t> bytes_{0};
   std::mutex mutex_;
   std::vector<std::shared_ptr<File>> idle_;
 };

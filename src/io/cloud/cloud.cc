@@ -94,7 +94,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   if (options.dimension != 0 && options.dimension != 2 && options.dimension != 3)
     return error(Errc::usage, "the dimension must be 2 or 3");
   Cloud cloud;
-  Spool spool(options.spool_folder, stop);
+  Spool spool(options.spool_folder, stop, options.spool_bytes_max);
   BOOST_OUTCOME_TRY(
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
   const ReadHints hints{.crop = options.crop, .resolution = options.resolution};

@@ -37,6 +37,7 @@ struct CloudOptions {
   bool recursive = false;                    // folders with their subfolders
   // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
   std::filesystem::path spool_folder = {};
+  std::uint64_t spool_bytes_max = 0;  // that may wait there; 0: what the disk has
 };
 
 // The point flags of LAS, as attributes are called.

@@ -1,4 +1,4 @@
-#include "src/apps/arguments.h"
+#include "src/job/arguments.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,0 +1,180 @@
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "src/http/handlers.h"
+#include "src/http/openapi.h"
+#include "src/http/processes.h"
+
+namespace tessera::http {
+namespace {
+
+using nlohmann::ordered_json;
+constexpr const char* json = "application/json";
+
+struct Entry {
+  const char* path;
+  const char* rel;
+  const char* type;
+  const char* title;
+};
+constexpr Entry entries[] = {
+    {"/v1", "self", json, "This page"},
+    {"/v1/api", "service-desc", "application/vnd.oai.openapi+json;version=3.0", "The API"},
+    {"/v1/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", json, "What it conforms to"},
+    {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "What can be done"},
+    {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
+    {"/v1/triangulations", "data", json, "The results"},
+    {"/v1/events", "events", "text/event-stream", "What happens"}};
+
+Answer landing(const Call& call) {
+  if (prefers_html(call.request)) {
+    Answer answer;
+    answer.headers = {{"Content-Type", "text/html; charset=utf-8"}, {"Vary", "Accept"}};
+    answer.body = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Tessera</title><h1>Tessera</h1><ul>";
+    for (const Entry& entry : entries)
+      answer.body +=
+          "<li><a href=\"" + call.context.links.to(call.request, entry.path) + "\">" + entry.title + "</a></li>";
+    answer.body += "</ul></html>\n";
+    return answer;
+  }
+  ordered_json page{{"title", "Tessera"},
+                    {"description", "Exact Delaunay triangulations of large point clouds, as jobs."},
+                    {"links", ordered_json::array()}};
+  for (const Entry& entry : entries)
+    page["links"].push_back({{"href", call.context.links.to(call.request, entry.path)},
+                             {"rel", entry.rel},
+                             {"type", entry.type},
+                             {"title", entry.title}});
+  Answer answer = json_answer(200, page.dump());
+  answer.headers.emplace_back("Vary", "Accept");
+  return answer;
+}
+
+Answer conformance(const Call&) {
+  const std::string base = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/";
+  const ordered_json told{{"conformsTo",
+                           {base + "core", base + "json", base + "oas30", base + "ogc-process-description",
+                            base + "job-list", base + "dismiss"}}};
+  return json_answer(200, told.dump());
+}
+
+Answer process_list(const Call& call) {
+  ordered_json list{{"processes", ordered_json::array()}, {"links", ordered_json::array()}};
+  for (const Process& process : processes())
+    list["processes"].push_back(process_summary(process, call.context.links, call.request));
+  list["links"].push_back(
+      {{"href", call.context.links.to(call.request, "/v1/processes")}, {"rel", "self"}, {"type", json}});
+  return json_answer(200, list.dump());
+}
+
+Answer process(const Call& call) {
+  const Process* found = find_process(call.arguments[0]);
+  if (!found)
+    return problem(404, "there is no process '" + call.arguments[0] + "'", 0,
+                   "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/no-such-process");
+  return json_answer(200, process_description(*found, call.context.links, call.request).dump());
+}
+
+Answer text_answer(int status, std::string text, const char* type = "text/plain; charset=utf-8") {
+  Answer answer;
+  answer.status = status;
+  answer.headers = {{"Content-Type", type}, {"Cache-Control", "no-store"}};
+  answer.body = std::move(text);
+  return answer;
+}
+
+Answer ready(const Call& call) {
+  const std::optional<std::string> why = call.context.backend.unready();
+  if (!call.request.target.parameter("verbose")) return text_answer(why ? 503 : 200, why ? "not ready\n" : "ready\n");
+  std::string told = why ? "[-] service: " + *why + "\nnot ready\n" : "[+] service\n[+] http\nready\n";
+  return text_answer(why ? 503 : 200, std::move(told));
+}
+
+}  // namespace
+
+void add_common_routes(std::vector<Route>& routes, Shared& shared) {
+  const Response page{200, json, "LandingPage", "Where everything is"};
+  routes.push_back({"GET",
+                    "/",
+                    Role::read,
+                    "getRoot",
+                    "Where everything is; ?token= is exchanged for a cookie",
+                    {page},
+                    landing,
+                    {{"token", "string", "Exchanged for a cookie"}}});
+  routes.push_back({"GET", "/v1", Role::read, "getLandingPage", "Where everything is", {page}, landing});
+  routes.push_back({"GET",
+                    "/v1/api",
+                    Role::read,
+                    "getApi",
+                    "This document",
+                    {{200, "application/vnd.oai.openapi+json;version=3.0", "", "OpenAPI 3.0"}},
+                    [&shared](const Call&) {
+                      Answer answer = json_answer(200, shared.openapi);
+                      answer.headers.back().second = "application/vnd.oai.openapi+json;version=3.0";
+                      return answer;
+                    }});
+  routes.push_back({"GET",
+                    "/v1/conformance",
+                    Role::read,
+                    "getConformance",
+                    "What it conforms to",
+                    {{200, json, "Conformance", "The classes of the standard"}},
+                    conformance});
+  routes.push_back({"GET",
+                    "/v1/processes",
+                    Role::read,
+                    "listProcesses",
+                    "What can be done",
+                    {{200, json, "ProcessList", "The processes"}},
+                    process_list});
+  routes.push_back({"GET",
+                    "/v1/processes/{process}",
+                    Role::read,
+                    "getProcess",
+                    "What goes in and what comes out",
+                    {{200, json, "Process", "The process"}},
+                    process});
+}
+
+void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
+  Route live{
+      "GET", "/livez", Role::none, "live", "Whether it answers", {{200, "text/plain", "", "It does"}}, [](const Call&) {
+        return text_answer(200, "live\n");
+      }};
+  Route is_ready{"GET",
+                 "/readyz",
+                 Role::none,
+                 "ready",
+                 "Whether it takes jobs",
+                 {{200, "text/plain", "", "It does"}, {503, "text/plain", "", "Why not"}},
+                 ready,
+                 {{"verbose", "string", "What was looked at"}}};
+  Route metrics{"GET",
+                "/metrics",
+                Role::none,
+                "metrics",
+                "Figures for Prometheus",
+                {{200, "text/plain", "", "In its text format"}},
+                [&shared](const Call& call) {
+                  return text_answer(200, shared.metrics->text(call.context.backend.figures()),
+                                     "text/plain; version=0.0.4; charset=utf-8");
+                }};
+  for (Route* route : {&live, &is_ready, &metrics}) {
+    route->place = Place::operations;
+    routes.push_back(std::move(*route));
+  }
+}
+
+std::vector<Route> all_routes(Shared& shared) {
+  std::vector<Route> routes;
+  add_common_routes(routes, shared);
+  add_job_routes(routes, shared);
+  add_result_routes(routes);
+  add_operations_routes(routes, shared);
+  shared.openapi = openapi_document(routes, "..");
+  shared.metrics = std::make_unique<Metrics>(routes);
+  return routes;
+}
+
+}  // namespace tessera::http

@@ -1,0 +1,119 @@
+#include "src/http/front.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace tessera::http {
+namespace {
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+bool has(const Headers& headers, std::string_view name) {
+  return std::any_of(headers.begin(), headers.end(), [&](const auto& header) { return header.first == name; });
+}
+
+bool is_page(const Headers& headers) {
+  return std::any_of(headers.begin(), headers.end(), [](const auto& header) {
+    return header.first == "Content-Type" && header.second.starts_with("text/html");
+  });
+}
+
+}  // namespace
+
+Front::Front(Backend& backend, Tokens tokens, FrontOptions options)
+    : tokens_(std::move(tokens)),
+      links_(options.public_url),
+      guard_(tokens_, options.hosts, options.public_url),
+      router_(all_routes(shared_)),
+      context_{backend, links_} {}
+
+std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::string_view target, Place place) {
+  if (auto refused = guard_.check_host(request, place)) return refused;
+  if (request.method == "OPTIONS" && target == "*") {
+    Answer answer;
+    answer.status = 204;
+    answer.headers.emplace_back("Allow", "DELETE, GET, HEAD, OPTIONS, POST, PUT");
+    return answer;
+  }
+  Result<Target> parsed = parse_target(target);
+  if (!parsed) return bad_request(parsed.error());
+  request.target = std::move(parsed.value());
+  std::vector<std::string> allowed;
+  admitted.route = router_.find(place, request.method, request.target.segments, admitted.arguments, allowed);
+  if (allowed.empty()) return problem(404, "there is nothing at this address");
+  if (!admitted.route) {
+    std::sort(allowed.begin(), allowed.end());
+    Answer answer = problem(405, "this address takes " + joined(allowed));
+    if (request.method == "OPTIONS") {
+      answer = Answer{};
+      answer.status = 204;
+    }
+    answer.headers.emplace_back("Allow", joined(allowed));
+    return answer;
+  }
+  if (place == Place::api)
+    if (auto exchanged = guard_.exchange(request)) return exchanged;
+  const Guard::Shown shown = guard_.identify(request);
+  if (auto refused = guard_.check_role(request, shown, admitted.route->role)) {
+    if (shown.wrong) metrics().count_failed_authentication();
+    return refused;
+  }
+  if (auto refused = guard_.check_origin(request, shown)) return refused;
+  const auto& known = admitted.route->query;
+  for (const auto& [name, value] : request.target.query)
+    if (std::none_of(known.begin(), known.end(), [&](const Parameter& parameter) { return parameter.name == name; }))
+      return problem(400, "the parameter '" + name + "' is not one of this address", 2);
+  return std::nullopt;
+}
+
+Admitted Front::admit(Request& request, std::string_view target, Place place) {
+  Admitted admitted;
+  admitted.began = std::chrono::steady_clock::now();
+  admitted.answer = refusal(request, admitted, target, place);
+  return admitted;
+}
+
+Answer Front::answer(const Request& request, const Admitted& admitted) {
+  try {
+    return admitted.route->handler({request, admitted.arguments, context_});
+  } catch (const std::exception& failure) {
+    spdlog::error("{} {}: {}", request.method, request.target.path, failure.what());
+    return problem(500, "the service failed at it; its log says more", static_cast<int>(Errc::internal));
+  }
+}
+
+Reply<std::unique_ptr<Backend::Upload>> Front::begin_upload(const Request& request, const Admitted& admitted) {
+  return admitted.route->upload({request, admitted.arguments, context_});
+}
+
+void Front::complete(const Request& request, const Admitted& admitted, Answer& answer) {
+  write_problem(request, answer);
+  Headers& headers = answer.headers;
+  if (!has(headers, "Cache-Control")) headers.emplace_back("Cache-Control", "no-store");
+  headers.emplace_back("X-Content-Type-Options", "nosniff");
+  headers.emplace_back("X-Frame-Options", "DENY");
+  headers.emplace_back("Referrer-Policy", "no-referrer");
+  headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
+  // A report brings its own style and pictures; nothing runs in it, and nothing is fetched.
+  headers.emplace_back("Content-Security-Policy",
+                       is_page(headers)
+                           ? "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+                             "form-action 'none'; frame-ancestors 'none'"
+                           : "default-src 'none'; frame-ancestors 'none'");
+  const std::size_t place =
+      admitted.route ? static_cast<std::size_t>(admitted.route - router_.routes().data()) : router_.routes().size();
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - admitted.began;
+  metrics().count(place, answer.status, seconds.count());
+  if (admitted.route && request.method != "GET" && request.method != "HEAD")
+    spdlog::info("audit: {} ({}) from {}: {} {}: {}", request.caller.name.empty() ? "nobody" : request.caller.name,
+                 word_of(request.caller.role), request.remote, request.method, request.target.path, answer.status);
+}
+
+}  // namespace tessera::http

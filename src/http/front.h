@@ -1,0 +1,61 @@
+// From a request to its answer, without a socket: host, route, role, origin, handler, headers, figures, audit.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/http/guard.h"
+#include "src/http/handlers.h"
+#include "src/http/links.h"
+#include "src/http/message.h"
+#include "src/http/router.h"
+#include "src/http/tokens.h"
+#include "src/service/service.h"
+
+namespace tessera::http {
+
+struct FrontOptions {
+  std::string public_url;
+  std::vector<std::string> hosts;  // beside those of the loopback
+};
+
+// What is known of a request once its header is there.
+struct Admitted {
+  std::optional<Answer> answer;  // it is answered without its body
+  const Route* route = nullptr;
+  std::vector<std::string> arguments;
+  std::chrono::steady_clock::time_point began;
+};
+
+class Front {
+ public:
+  Front(Backend& backend, Tokens tokens, FrontOptions options);
+
+  // Sets request.caller and, unless it is refused for it, request.target.
+  Admitted admit(Request& request, std::string_view target, Place place);
+  // The body is there.
+  Answer answer(const Request& request, const Admitted& admitted);
+  Reply<std::unique_ptr<Backend::Upload>> begin_upload(const Request& request, const Admitted& admitted);
+  // Problem and headers of security are written; figures and audit.
+  void complete(const Request& request, const Admitted& admitted, Answer& answer);
+
+  const Router& router() const { return router_; }
+  const Tokens& tokens() const { return tokens_; }
+  Metrics& metrics() { return *shared_.metrics; }
+
+ private:
+  std::optional<Answer> refusal(Request& request, Admitted& admitted, std::string_view target, Place place);
+
+  Tokens tokens_;
+  Links links_;
+  Guard guard_;
+  Shared shared_;
+  Router router_;
+  Context context_;
+};
+
+}  // namespace tessera::http

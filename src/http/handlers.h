@@ -1,0 +1,33 @@
+// The table of routes and who answers them.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "src/http/events.h"
+#include "src/http/metrics.h"
+#include "src/http/router.h"
+
+namespace tessera::http {
+
+// What outlives the handlers, and grows after them: the document and the figures are made from the table.
+struct Shared {
+  EventTexts texts;
+  std::string openapi;
+  std::unique_ptr<Metrics> metrics;
+};
+
+std::vector<Route> all_routes(Shared& shared);
+
+void add_common_routes(std::vector<Route>& routes, Shared& shared);
+void add_job_routes(std::vector<Route>& routes, Shared& shared);
+void add_result_routes(std::vector<Route>& routes);
+void add_operations_routes(std::vector<Route>& routes, Shared& shared);
+
+// The number in a query: usage when it is none, or below 1; at most `max`.
+Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max);
+// Error of the caller as a problem with status 400.
+Answer bad_request(const Error& error);
+
+}  // namespace tessera::http

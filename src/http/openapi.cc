@@ -1,0 +1,140 @@
+#include "src/http/openapi.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+
+#include "src/http/schema.h"
+#include "src/http/tokens.h"
+
+namespace tessera::http {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json reference(const std::string& schema) { return {{"$ref", "#/components/schemas/" + schema}}; }
+
+// {path*} is {path}: the document cannot say that slashes are taken too.
+std::string documented_path(std::string path) {
+  path.erase(std::remove(path.begin(), path.end(), '*'), path.end());
+  return path;
+}
+
+ordered_json parameters_of(const Route& route) {
+  ordered_json parameters = ordered_json::array();
+  const std::string path = documented_path(route.path);
+  for (std::size_t open = path.find('{'); open != std::string::npos; open = path.find('{', open + 1)) {
+    const std::string name = path.substr(open + 1, path.find('}', open) - open - 1);
+    parameters.push_back({{"name", name}, {"in", "path"}, {"required", true}, {"schema", {{"type", "string"}}}});
+  }
+  for (const Parameter& parameter : route.query)
+    parameters.push_back({{"name", parameter.name},
+                          {"in", "query"},
+                          {"required", false},
+                          {"description", parameter.description},
+                          {"schema", {{"type", parameter.type}}}});
+  return parameters;
+}
+
+bool is_message(const ordered_json& schemas, const std::string& name) { return schemas.contains(name); }
+
+ordered_json operation_of(const Route& route, const ordered_json& messages) {
+  ordered_json operation{{"operationId", route.name},
+                         {"summary", route.summary},
+                         {"x-role", word_of(route.role)},
+                         {"parameters", parameters_of(route)},
+                         {"responses", ordered_json::object()}};
+  if (!route.body.empty()) {
+    ordered_json content;
+    if (route.body == "bytes") {
+      content["application/octet-stream"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+    } else {
+      content["application/json"] = {{"schema", reference(route.body)}};
+      content["application/x-protobuf"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+    }
+    operation["requestBody"] = {{"required", true}, {"content", std::move(content)}};
+  }
+  for (const Response& response : route.responses) {
+    ordered_json& told = operation["responses"][std::to_string(response.status)];
+    told["description"] = response.description;
+    if (response.type.empty()) continue;
+    ordered_json& content = told["content"];
+    content[response.type] = {
+        {"schema", response.schema.empty() ? ordered_json{{"type", "string"}} : reference(response.schema)}};
+    if (is_message(messages, response.schema))
+      content["application/x-protobuf"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+  }
+  operation["responses"]["default"] = {{"$ref", "#/components/responses/Problem"}};
+  if (route.role == Role::none) operation["security"] = ordered_json::array();
+  return operation;
+}
+
+// What is no message: the documents of the standard, and what the commands print.
+void add_documents(ordered_json& schemas) {
+  const ordered_json links{{"type", "array"}, {"items", reference("Link")}};
+  const ordered_json text{{"type", "string"}};
+  const ordered_json list_of_text{{"type", "array"}, {"items", text}};
+  schemas["LandingPage"] = {{"type", "object"},
+                            {"required", {"title", "links"}},
+                            {"properties", {{"title", text}, {"description", text}, {"links", links}}}};
+  schemas["Conformance"] = {
+      {"type", "object"}, {"required", {"conformsTo"}}, {"properties", {{"conformsTo", list_of_text}}}};
+  schemas["ProcessSummary"] = {{"type", "object"},
+                               {"required", {"id", "version", "jobControlOptions", "links"}},
+                               {"properties",
+                                {{"id", text},
+                                 {"title", text},
+                                 {"description", text},
+                                 {"version", text},
+                                 {"jobControlOptions", list_of_text},
+                                 {"outputTransmission", list_of_text},
+                                 {"links", links}}}};
+  schemas["ProcessList"] = {
+      {"type", "object"},
+      {"required", {"processes", "links"}},
+      {"properties", {{"processes", {{"type", "array"}, {"items", reference("ProcessSummary")}}}, {"links", links}}}};
+  schemas["Process"] = {{"allOf",
+                         {reference("ProcessSummary"),
+                          {{"type", "object"},
+                           {"required", {"inputs", "outputs"}},
+                           {"properties", {{"inputs", {{"type", "object"}}}, {"outputs", {{"type", "object"}}}}}}}}};
+  schemas["Results"] = {{"type", "object"}, {"additionalProperties", {{"type", "object"}}}};
+  schemas["Document"] = {{"type", "object"}};
+  schemas["JsonExecute"] = {{"type", "object"},
+                            {"required", {"inputs"}},
+                            {"additionalProperties", false},
+                            {"properties",
+                             {{"inputs", {{"type", "object"}}},
+                              {"outputs", {{"type", "object"}}},
+                              {"response", {{"type", "string"}, {"enum", {"document"}}}}}}};
+}
+
+}  // namespace
+
+std::string openapi_document(const std::vector<Route>& routes, const std::string& server) {
+  ordered_json document{{"openapi", "3.0.3"},
+                        {"info",
+                         {{"title", "Tessera"},
+                          {"version", "1.0.0"},
+                          {"description", "Exact Delaunay triangulations of large point clouds, as jobs."},
+                          {"license", {{"name", "GPL-3.0-or-later"}}}}},
+                        {"servers", {{{"url", server}}}},
+                        {"security", {{{"token", ordered_json::array()}}}},
+                        {"paths", ordered_json::object()}};
+  ordered_json schemas = message_schemas();
+  for (const Route& route : routes) {
+    std::string method = route.method;
+    std::transform(method.begin(), method.end(), method.begin(), [](unsigned char c) { return std::tolower(c); });
+    document["paths"][documented_path(route.path)][method] = operation_of(route, schemas);
+  }
+  add_documents(schemas);
+  ordered_json problem{{"description", "A problem document (RFC 9457)"}};
+  problem["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
+  document["components"] = {{"schemas", std::move(schemas)},
+                            {"responses", {{"Problem", std::move(problem)}}},
+                            {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}};
+  return document.dump();
+}
+
+}  // namespace tessera::http

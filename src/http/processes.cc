@@ -1,0 +1,174 @@
+#include "src/http/processes.h"
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "src/http/schema.h"
+#include "src/service/json.h"
+
+namespace tessera::http {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* version = "1.0.0";
+
+const std::array<Process, 4>& all() {
+  static const std::array<Process, 4> list{
+      {{"triangulate", "Triangulate", "The exact Delaunay triangulation of point clouds, in tiles.",
+        proto::TriangulateInputs::descriptor(), false, "The triangulation, by reference"},
+       {"verify", "Verify", "Proves that a result is the Delaunay triangulation of its points.",
+        proto::VerifyInputs::descriptor(), false, "What was proved"},
+       {"export", "Export", "Writes a result as a file of another program.", proto::ExportInputs::descriptor(), false,
+        "The file, by reference"},
+       {"info", "Info",
+        "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
+        proto::InfoInputs::descriptor(), true, "What they hold"}}};
+  return list;
+}
+
+const char* help_of(const std::string& field) {
+  static const std::map<std::string, const char*> texts{
+      {"inputs", "Files, folders or patterns below the configured roots, or upload:NAME/FILE."},
+      {"output", "The name of what is made; chosen when it is not given."},
+      {"dim", "2 or 3: the dimension of the triangulation."},
+      {"tiles", "How many tiles; chosen when it is not given."},
+      {"tile_points", "How many points a tile holds at most."},
+      {"partition", "How space is split into tiles."},
+      {"threads", "How many threads the job may use."},
+      {"memory", "How much memory the job may use: a number with K, M, G or T."},
+      {"kernel", "Which Delaunay kernel."},
+      {"neighbors", "Also store the neighbours of each cell."},
+      {"crop", "Only points in this box: the lower corner, then the upper one."},
+      {"class", "Only points of these classes."},
+      {"attributes", "Attributes of the points that are carried along."},
+      {"resolution", "At most one point in a cube of this edge."},
+      {"crs", "The coordinate system of the points."},
+      {"returns", "Only these returns of a pulse."},
+      {"without", "Points with these flags are left out."},
+      {"recursive", "Also files in folders below."},
+      {"overwrite", "Replace what already has that name."},
+      {"heights", "Keep the heights of a triangulation in two dimensions."},
+      {"skip_invalid", "Points that cannot be read are counted and left out."},
+      {"triangulation", "The name of a result."},
+      {"against_cgal", "Also compare with CGAL."},
+      {"format", "The format of the file; else its ending says."},
+      {"spatial_index", "Also write a spatial index."},
+      {"max_edge", "Cells with a longer edge are left out."},
+      {"stats", "Also read the points, for their statistics."}};
+  const auto text = texts.find(field);
+  return text == texts.end() ? nullptr : text->second;
+}
+
+bool is_required(const Process& process, const std::string& field) {
+  const std::string name = process.name;
+  if (name == "triangulate") return field == "inputs";
+  if (name == "verify") return field == "triangulation";
+  if (name == "export") return field == "triangulation" || field == "output";
+  return false;
+}
+
+// Before anything is built of it: a tree of a million levels costs much to make, and more to throw away.
+bool nests_at_most(std::string_view json, int levels) {
+  bool in_string = false;
+  int depth = 0;
+  for (std::size_t at = 0; at < json.size(); ++at) {
+    const char c = json[at];
+    if (in_string) {
+      if (c == '\\') ++at;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > levels) return false;
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  return true;
+}
+
+// In protobuf the process of the address and the member of the oneof are the same.
+const google::protobuf::FieldDescriptor& member_of(const Process& process) {
+  return *proto::Inputs::descriptor()->FindFieldByName(process.name);
+}
+
+}  // namespace
+
+std::span<const Process> processes() { return all(); }
+
+const Process* find_process(std::string_view name) {
+  for (const Process& process : all())
+    if (name == process.name) return &process;
+  return nullptr;
+}
+
+ordered_json process_summary(const Process& process, const Links& links, const Request& request) {
+  const std::string self = std::string("/v1/processes/") + process.name;
+  ordered_json summary{{"id", process.name},
+                       {"title", process.title},
+                       {"description", process.description},
+                       {"version", version},
+                       {"jobControlOptions", process.waits ? ordered_json::array({"sync-execute", "async-execute"})
+                                                           : ordered_json::array({"async-execute"})},
+                       {"outputTransmission", ordered_json::array({process.waits ? "value" : "reference"})},
+                       {"links", ordered_json::array()}};
+  summary["links"].push_back({{"href", links.to(request, self)}, {"rel", "self"}, {"type", "application/json"}});
+  summary["links"].push_back({{"href", links.to(request, self + "/execution")},
+                              {"rel", "http://www.opengis.net/def/rel/ogc/1.0/execute"},
+                              {"type", "application/json"}});
+  if (process.inputs == proto::TriangulateInputs::descriptor())
+    summary["links"].push_back(
+        {{"href", links.to(request, self + "/estimate")}, {"rel", "estimate"}, {"type", "application/json"}});
+  return summary;
+}
+
+ordered_json process_description(const Process& process, const Links& links, const Request& request) {
+  ordered_json description = process_summary(process, links, request);
+  description["inputs"] = ordered_json::object();
+  for (int at = 0; at < process.inputs->field_count(); ++at) {
+    const google::protobuf::FieldDescriptor& field = *process.inputs->field(at);
+    const std::string name = json_name(field);
+    ordered_json input{{"title", name}};
+    if (const char* help = help_of(name)) input["description"] = help;
+    input["minOccurs"] = is_required(process, name) ? 1 : 0;
+    input["maxOccurs"] = 1;
+    input["schema"] = field_schema(field);
+    description["inputs"][name] = std::move(input);
+  }
+  description["outputs"] = {{"result", {{"title", process.outcome}, {"schema", {{"type", "object"}}}}}};
+  return description;
+}
+
+Result<proto::Inputs> read_inputs(const Process& process, const Request& request) {
+  const std::string type = media_type(request.header("content-type"));
+  proto::Execute execute;
+  if (type == "application/x-protobuf") {
+    if (!execute.ParseFromString(request.body)) return error(Errc::usage, "the body is no Execute message");
+    if (!execute.inputs().GetReflection()->HasField(execute.inputs(), &member_of(process)))
+      return error(Errc::usage, std::string("inputs: must be those of ") + process.name);
+    return execute.inputs();
+  }
+  // In JSON the address alone says which inputs they are.
+  proto::Inputs inputs;
+  google::protobuf::Message* chosen = inputs.GetReflection()->MutableMessage(&inputs, &member_of(process));
+  if (!nests_at_most(request.body, 32))
+    return error(Errc::usage, "the body: lists and objects are nested more than 32 deep");
+  const nlohmann::json body = nlohmann::json::parse(request.body, nullptr, false);
+  if (!body.is_object()) return error(Errc::usage, "the body must be a JSON object");
+  for (const auto& [name, value] : body.items()) {
+    if (name == "inputs") continue;
+    // What the standard lets a client ask for, where the answer is as ours is anyway.
+    if (name == "outputs" && value.is_object()) continue;
+    if (name == "response" && value == "document") continue;
+    return error(Errc::usage, as_utf8(name) + ": is not supported");
+  }
+  const auto found = body.find("inputs");
+  if (found == body.end() || !found->is_object()) return error(Errc::usage, "inputs: must be an object");
+  BOOST_OUTCOME_TRYV(from_json(found->dump(), *chosen));
+  return inputs;
+}
+
+}  // namespace tessera::http

@@ -1,0 +1,84 @@
+#include "src/http/schema.h"
+
+#include <map>
+#include <vector>
+
+#include "service.pb.h"
+
+namespace tessera::http {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using nlohmann::ordered_json;
+
+// What every answer has; protobuf itself does not say.
+const std::map<std::string, std::vector<std::string>>& required_fields() {
+  static const std::map<std::string, std::vector<std::string>> fields{
+      {"Link", {"href", "rel"}},
+      {"Problem", {"type", "title", "status"}},
+      {"StatusInfo", {"jobID", "id", "processID", "type", "status", "links"}},
+      {"JobList", {"jobs", "links"}},
+      {"TriangulationInfo", {"name", "links"}},
+      {"TriangulationList", {"triangulations", "links"}},
+      {"Execute", {"inputs"}},
+      {"VerifyInputs", {"triangulation"}},
+      {"ExportInputs", {"triangulation", "output"}},
+      {"TriangulateInputs", {"inputs"}}};
+  return fields;
+}
+
+ordered_json value_schema(const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_BOOL:
+      return {{"type", "boolean"}};
+    case FieldDescriptor::CPPTYPE_STRING:
+      if (field.full_name() == "tessera.proto.StatusInfo.status")
+        return {{"type", "string"}, {"enum", {"accepted", "running", "successful", "failed", "dismissed"}}};
+      return {{"type", "string"}};
+    case FieldDescriptor::CPPTYPE_INT32:
+      return {{"type", "integer"}, {"format", "int32"}};
+    case FieldDescriptor::CPPTYPE_INT64:
+      return {{"type", "integer"}, {"format", "int64"}};
+    case FieldDescriptor::CPPTYPE_UINT32:
+      return {{"type", "integer"}, {"format", "int64"}, {"minimum", 0}};
+    case FieldDescriptor::CPPTYPE_UINT64:
+      return {{"type", "integer"}, {"minimum", 0}};
+    case FieldDescriptor::CPPTYPE_FLOAT:
+    case FieldDescriptor::CPPTYPE_DOUBLE:
+      return {{"type", "number"}};
+    case FieldDescriptor::CPPTYPE_ENUM:
+      return {{"type", "string"}};
+    case FieldDescriptor::CPPTYPE_MESSAGE:
+      return {{"$ref", "#/components/schemas/" + field.message_type()->name()}};
+  }
+  return ordered_json::object();
+}
+
+ordered_json message_schema(const Descriptor& message) {
+  ordered_json schema{{"type", "object"}, {"properties", ordered_json::object()}, {"additionalProperties", false}};
+  const auto required = required_fields().find(message.name());
+  if (required != required_fields().end()) schema["required"] = required->second;
+  for (int at = 0; at < message.field_count(); ++at)
+    schema["properties"][json_name(*message.field(at))] = field_schema(*message.field(at));
+  return schema;
+}
+
+}  // namespace
+
+std::string json_name(const FieldDescriptor& field) { return field.has_json_name() ? field.json_name() : field.name(); }
+
+ordered_json field_schema(const FieldDescriptor& field) {
+  if (!field.is_repeated()) return value_schema(field);
+  return {{"type", "array"}, {"items", value_schema(field)}};
+}
+
+ordered_json message_schemas() {
+  const google::protobuf::FileDescriptor& file = *proto::Problem::descriptor()->file();
+  ordered_json schemas = ordered_json::object();
+  for (int at = 0; at < file.message_type_count(); ++at)
+    schemas[file.message_type(at)->name()] = message_schema(*file.message_type(at));
+  return schemas;
+}
+
+}  // namespace tessera::http

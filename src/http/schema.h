@@ -1,0 +1,18 @@
+// JSON schemas (as OpenAPI 3.0 has them) of the messages of proto/service.proto, made from their descriptors.
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tessera::http {
+
+// A field's name in JSON.
+std::string json_name(const google::protobuf::FieldDescriptor& field);
+// Of one value, of a list of them for a repeated field. Messages are references.
+nlohmann::ordered_json field_schema(const google::protobuf::FieldDescriptor& field);
+// Of every message of the file, under its name.
+nlohmann::ordered_json message_schemas();
+
+}  // namespace tessera::http

@@ -1,0 +1,60 @@
+// The HTTP server: listeners, threads, connections. Boost.Asio stays behind it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/service/service.h"
+
+namespace tessera::http {
+
+struct ListenOptions {
+  std::string address = "127.0.0.1";  // IPv4 or IPv6
+  std::uint16_t port = 0;             // 0: a free one
+  bool operations = false;            // health and figures, without a token, instead of the API
+};
+
+struct ServerOptions {
+  std::vector<ListenOptions> listeners;
+  std::filesystem::path certificate, key;  // PEM; empty: no TLS. Of the API's listeners.
+  std::filesystem::path tokens;            // made when missing (src/http/tokens.h)
+  std::vector<std::string> hosts;          // allowed in Host beside those of the loopback
+  std::string public_url;                  // "https://name/prefix": links are absolute, below it
+  bool insecure = false;                   // the API beyond the loopback without TLS
+  std::uint32_t threads = 2;
+  std::uint32_t connections = 4096;  // at once; more are refused with 503
+  std::chrono::milliseconds header_time{10'000}, idle_time{60'000}, body_time{30'000}, write_time{30'000},
+      comment_time{15'000};
+};
+
+class Server {
+ public:
+  // Listens when it returns. Errors: usage for options that do not fit (and for the API beyond the loopback without
+  // TLS, unless `insecure`), io for an address that cannot be taken. `backend` outlives it.
+  static Result<std::unique_ptr<Server>> start(ServerOptions options, Backend& backend);
+  // Connections end at once.
+  ~Server();
+
+  // Of the listeners, in order.
+  std::vector<std::uint16_t> ports() const;
+  // A token of an admin, for the address that is printed.
+  std::string token() const;
+  // Reads certificate and key again, for connections to come. On an error the old ones stay.
+  Status reload();
+  // Takes no more connections, ends idle ones and streams, lets requests be answered for at most `time`. True when none
+  // was left.
+  bool drain(std::chrono::milliseconds time);
+
+ private:
+  struct Impl;
+  explicit Server(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tessera::http

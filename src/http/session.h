@@ -1,0 +1,65 @@
+// What is said over one connection: requests one after the other, each within its time and size.
+#pragma once
+
+#include "src/http/transport.h"
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "src/http/front.h"
+
+namespace tessera::http {
+
+struct SessionLimits {
+  std::uint32_t header_bytes = 8 << 10;
+  std::uint64_t body_bytes = 1 << 20;  // uploads apart
+  std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000};
+};
+
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  // `place`: what the listener offers. `front` outlives it.
+  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits);
+  ~Session();
+
+  // Until the connection ends.
+  asio::awaitable<void> run();
+  // From any thread: nothing new is begun, an idle connection ends, streams of events end.
+  void drain();
+  asio::any_io_executor executor() { return transport_->socket().get_executor(); }
+
+ private:
+  struct Incoming;  // a request while it is read
+
+  void give_up_after(std::chrono::milliseconds time);
+  asio::awaitable<void> watch_time();
+  asio::awaitable<bool> serve_one();
+  asio::awaitable<bool> read_header(Incoming& incoming);
+  asio::awaitable<bool> read_body(Incoming& incoming);
+  asio::awaitable<bool> take_upload(Incoming& incoming);
+  asio::awaitable<ErrorCode> read_more();
+  asio::awaitable<bool> send(Incoming& incoming, Answer answer);
+  asio::awaitable<ErrorCode> send_events(EventQueue& queue);
+  void watch_peer();
+  asio::awaitable<void> linger();
+
+  std::unique_ptr<Transport> transport_;
+  Front& front_;
+  const Place place_;
+  const SessionLimits& limits_;
+  boost::beast::flat_buffer buffer_;  // what was read and not yet understood
+  asio::steady_timer time_;
+  std::chrono::steady_clock::time_point deadline_;
+  asio::steady_timer wake_;  // while events are waited for
+  std::shared_ptr<EventQueue> events_;
+  bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
+  std::string remote_;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace tessera::http

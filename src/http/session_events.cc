@@ -1,0 +1,55 @@
+#include "src/http/incoming.h"
+
+#include <sys/socket.h>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+namespace tessera::http {
+
+using asio::redirect_error;
+using asio::use_awaitable;
+
+asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
+  ErrorCode error;
+  queue.on_wake([weak = weak_from_this(), executor = transport_->socket().get_executor()] {
+    asio::post(executor, [weak] {
+      if (const auto self = weak.lock()) self->wake_.cancel();
+    });
+  });
+  watch_peer();
+  while (!error) {
+    bool over = false;
+    const std::string text = queue.take(over);
+    if (!text.empty()) {
+      give_up_after(limits_.write);
+      error = co_await transport_->write(text, {});
+      continue;
+    }
+    if (over || peer_gone_ || draining_) break;
+    // Nothing is awaited between take() and here, so no wake-up is lost.
+    give_up_after(limits_.comment + limits_.write);
+    wake_.expires_after(limits_.comment);
+    ErrorCode woken;
+    co_await wake_.async_wait(redirect_error(use_awaitable, woken));
+    if (!woken) error = co_await transport_->write(": still here\n\n", {});
+  }
+  co_return error;
+}
+
+// A watcher that goes is noticed at once, not with the next comment.
+void Session::watch_peer() {
+  transport_->socket().async_wait(tcp::socket::wait_read, [weak = weak_from_this()](ErrorCode error) {
+    const auto self = weak.lock();
+    if (error || !self) return;
+    char byte = 0;
+    const ssize_t seen = ::recv(self->transport_->socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    // Under TLS it is the farewell; a watcher has nothing else to say.
+    if (seen > 0 && !self->transport_->is_tls()) return;
+    self->peer_gone_ = true;
+    self->wake_.cancel();
+  });
+}
+
+}  // namespace tessera::http

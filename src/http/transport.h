@@ -1,0 +1,44 @@
+// One connection, plain or under TLS: bytes in, bytes and files out, and the moment at which it is given up.
+#pragma once
+
+#include <utility>  // before awaitable.hpp of Boost 1.74, which forgets it
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string_view>
+
+namespace tessera::http {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using ErrorCode = boost::system::error_code;
+
+// All of it from the socket's executor alone, which is a strand.
+class Transport {
+ public:
+  virtual ~Transport() = default;
+  virtual asio::awaitable<ErrorCode> handshake() = 0;
+  // 0 bytes with an error, at the end as well.
+  virtual asio::awaitable<std::size_t> read_some(asio::mutable_buffer buffer, ErrorCode& error) = 0;
+  virtual asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body) = 0;
+  // `progress` is called whenever the peer has taken some of it.
+  virtual asio::awaitable<ErrorCode> send_file(int file, std::uint64_t offset, std::uint64_t bytes,
+                                               std::function<void()> progress) = 0;
+  // Says that nothing more will come.
+  virtual asio::awaitable<void> shut_down() = 0;
+  virtual tcp::socket& socket() = 0;
+  virtual bool is_tls() const = 0;
+};
+
+std::unique_ptr<Transport> plain_transport(tcp::socket socket);
+std::unique_ptr<Transport> tls_transport(tcp::socket socket, std::shared_ptr<asio::ssl::context> context);
+
+}  // namespace tessera::http

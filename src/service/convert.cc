@@ -1,0 +1,163 @@
+#include "src/service/convert.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/option.h"
+#include "src/crs/crs.h"
+#include "src/job/arguments.h"
+#include "src/service/json.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+namespace {
+
+// "crop: is an empty box", with the option marked.
+Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
+
+Result<double> distance(const char* key, double value) {
+  if (!std::isfinite(value) || value <= 0) return refuse(key, "is not a distance, a number above 0");
+  return value;
+}
+
+Result<std::uint64_t> memory(const std::string& text, const Share& share) {
+  const auto asked = parse_memory(text);
+  if (!asked) return refuse("memory", asked.error().where);
+  if (asked.value() == 0) return refuse("memory", "is 0");
+  return std::min(asked.value(), share.memory_bytes);
+}
+
+Status read_tiles(const proto::TriangulateInputs& inputs, const Share& share, JobOptions& options) {
+  if (inputs.has_tiles() && inputs.has_tile_points()) {
+    return error(Errc::usage, option("tiles") + " and " + option("max-points-per-tile") +
+                                  " contradict each other: give one of them");
+  }
+  if (inputs.has_tiles()) {
+    if (inputs.tiles() < 1 || inputs.tiles() > Partition::tiles_max)
+      return refuse("tiles", "is not a number from 1 to " + std::to_string(Partition::tiles_max));
+    options.tiles = inputs.tiles();
+  }
+  if (inputs.has_tile_points()) {
+    if (inputs.tile_points() < 1) return refuse("max-points-per-tile", "must be at least 1");
+    options.max_points_per_tile = inputs.tile_points();
+  }
+  if (inputs.has_partition()) {
+    const auto kind = parse_partition_kind(inputs.partition());
+    if (!kind) return refuse("partition", kind.error().where);
+    options.partition = kind.value();
+  }
+  options.threads = share.threads;
+  if (inputs.has_threads()) {
+    if (inputs.threads() < 1 || inputs.threads() > threads_max)
+      return refuse("threads", "is not a number from 1 to " + std::to_string(threads_max));
+    options.threads = std::min(share.threads, inputs.threads());
+  }
+  options.memory_bytes = share.memory_bytes;
+  if (inputs.has_memory()) {
+    BOOST_OUTCOME_TRY(bytes, memory(inputs.memory(), share));
+    options.memory_bytes = bytes;
+  }
+  if (inputs.has_kernel()) {
+    if (inputs.kernel() != "flat" && inputs.kernel() != "cgal")
+      return refuse("kernel", "'" + inputs.kernel() + "' is no kernel; there are flat and cgal");
+    options.kernel = inputs.kernel() == "flat" ? KernelKind::flat : KernelKind::cgal;
+  }
+  if (inputs.has_neighbors()) options.neighbors = inputs.neighbors();
+  return success();
+}
+
+Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
+  cloud.dimension = 0;
+  if (inputs.has_dim()) {
+    if (inputs.dim() != 2 && inputs.dim() != 3) return refuse("dim", "is neither 2 nor 3");
+    cloud.dimension = inputs.dim();
+  }
+  if (inputs.crop_size() > 0) {
+    const std::vector<double> numbers(inputs.crop().begin(), inputs.crop().end());
+    const bool finite = std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+    if (!finite) return refuse("crop", "is not a box: a number of it is not finite");
+    const auto box = crop_box(numbers, cloud.dimension == 2 ? 2 : 3);
+    if (!box) return refuse("crop", box.error().where);
+    cloud.crop = box.value();
+  }
+  if (inputs.has_resolution()) {
+    BOOST_OUTCOME_TRY(resolution, distance("resolution", inputs.resolution()));
+    cloud.resolution = resolution;
+  }
+  for (const auto number : inputs.class_()) {
+    if (number > 255) return refuse("class", std::to_string(number) + " is no LAS class, a number from 0 to 255");
+    cloud.classes.push_back(static_cast<int>(number));
+  }
+  if (inputs.has_returns()) {
+    const auto returns = parse_returns(inputs.returns());
+    if (!returns) return refuse("returns", returns.error().where);
+    cloud.returns = returns.value();
+  }
+  cloud.without = list_of(inputs.without());
+  if (const auto flags = check_flags(cloud.without); !flags) return refuse("without", flags.error().where);
+  cloud.attributes = list_of(inputs.attributes());
+  if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
+    return refuse("attributes", "one has an empty name");
+  if (inputs.has_crs()) {
+    // Never the name of a file: a service opens none but inputs, and GDAL none at all.
+    if (!looks_like_crs(inputs.crs()))
+      return refuse("crs", "'" + inputs.crs() + "' is neither EPSG:n nor WKT (of a file, give what it holds)");
+    if (const auto known = check_crs(inputs.crs()); !known)
+      return refuse("crs", "'" + inputs.crs() + "': " + known.error().where);
+    cloud.crs = inputs.crs();
+  }
+  if (inputs.has_heights()) cloud.heights = inputs.heights();
+  if (inputs.has_skip_invalid()) cloud.skip_invalid = inputs.skip_invalid();
+  if (inputs.has_recursive()) cloud.recursive = inputs.recursive();
+  return success();
+}
+
+}  // namespace
+
+std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::string>& texts) {
+  return {texts.begin(), texts.end()};
+}
+
+Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const Share& share) {
+  JobOptions options;
+  BOOST_OUTCOME_TRYV(read_tiles(inputs, share, options));
+  BOOST_OUTCOME_TRYV(read_cloud(inputs, options.cloud));
+  options.cloud.threads = options.threads;
+  return options;
+}
+
+Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs) {
+  // What has one name has one type, and goes over by its name.
+  proto::InfoInputs shared = inputs;
+  shared.clear_triangulation();
+  shared.clear_stats();
+  proto::TriangulateInputs cloud;
+  BOOST_OUTCOME_TRYV(from_json(to_json(shared), cloud));
+  return cloud;
+}
+
+Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share) {
+  VerifyOptions options;
+  options.memory_bytes = share.memory_bytes;
+  if (inputs.has_memory()) {
+    BOOST_OUTCOME_TRY(bytes, memory(inputs.memory(), share));
+    options.memory_bytes = bytes;
+  }
+  options.against_cgal = inputs.against_cgal();
+  return options;
+}
+
+Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
+  ExportOptions options;
+  options.format = inputs.format();
+  if (inputs.has_heights()) options.heights = inputs.heights();
+  if (inputs.has_spatial_index()) options.spatial_index = inputs.spatial_index();
+  if (inputs.has_max_edge()) {
+    BOOST_OUTCOME_TRY(edge, distance("max-edge", inputs.max_edge()));
+    options.max_edge = edge;
+  }
+  options.overwrite = inputs.overwrite();
+  return options;
+}
+
+}  // namespace tessera

@@ -1,0 +1,33 @@
+// What a triangulation would cost, and whether it may.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "service.pb.h"
+#include "src/base/result.h"
+#include "src/io/cloud/cloud.h"
+#include "src/job/job_options.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+// Bytes that this process may still write there; 0 when it cannot be told.
+std::uint64_t free_bytes(const std::filesystem::path& folder);
+
+// The problem of a job that costs too much: 422 for points, memory and disk beyond its limits, 507 for a disk that is
+// full now. `estimate` is filled in as far as is known, also when the job is refused.
+std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
+                                          const std::filesystem::path& data, proto::Estimate& estimate);
+
+// Whether one of these files has to be unpacked to be looked into: that is done when the job runs, and not before.
+// Error io for one that cannot be read.
+Result<bool> any_packed(const std::vector<std::string>& files);
+
+// How much may be unpacked for one job.
+std::uint64_t unpacked_max(const ServiceLimits& limits, const std::filesystem::path& data);
+
+}  // namespace tessera

@@ -1,0 +1,149 @@
+#include "src/service/events.h"
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+#include <utility>
+
+#include "src/files/whole_file.h"
+
+namespace tessera {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t reserved_at_once = 1'000'000;
+
+}  // namespace
+
+// `next` and `before` are the telling thread's; `alive` is guarded by `mutex`, which is held while on_event runs. It is
+// recursive since a listener may leave from inside of on_event.
+class Events::Listener {
+ public:
+  Listener(std::string job, std::uint64_t next, OnEvent on_event)
+      : job(std::move(job)), next(next), on_event(std::move(on_event)) {}
+
+  void tell(const Shared& event) {
+    if (!job.empty() && event->job_id() != job) return;
+    const std::lock_guard lock(mutex);
+    if (alive) on_event(event);
+  }
+
+  const std::string job;
+  std::uint64_t next;
+  std::vector<Shared> before;
+  std::recursive_mutex mutex;
+  bool alive = true;
+  const OnEvent on_event;
+};
+
+Result<std::unique_ptr<Events>> Events::open(fs::path numbers) {
+  std::unique_ptr<Events> events(new Events(std::move(numbers)));
+  std::error_code failed;
+  std::uint64_t from = 1;
+  if (fs::exists(events->numbers_, failed)) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(events->numbers_));
+    const auto text = as_text(bytes);
+    const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), from);
+    if (ec != std::errc{} || end == text.data())
+      return error(Errc::corrupt, events->numbers_.string() + ": holds no number");
+  }
+  BOOST_OUTCOME_TRYV(events->reserve(from));
+  events->next_ = from;
+  events->thread_ = std::thread([self = events.get()] { self->deliver(); });
+  return events;
+}
+
+Events::~Events() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+Status Events::reserve(std::uint64_t from) {
+  BOOST_OUTCOME_TRYV(write_whole(numbers_, std::to_string(from + reserved_at_once) + "\n"));
+  reserved_ = from + reserved_at_once;
+  return success();
+}
+
+void Events::tell(proto::Event event) {
+  {
+    const std::lock_guard lock(mutex_);
+    // Ten million jobs' worth of events in one process. On a full disk numbers go on without: only a crash before the
+    // next attempt could give them twice.
+    if (next_ >= reserved_ && !reserve(next_)) reserved_ = next_ + 1;
+    event.set_id(next_++);
+    kept_.push_back(std::make_shared<const proto::Event>(std::move(event)));
+    if (kept_.size() > kept_max) kept_.pop_front();
+  }
+  changed_.notify_all();
+}
+
+std::shared_ptr<Events::Listener> Events::listen(std::string job, std::uint64_t last, OnEvent on_event,
+                                                 const std::function<std::vector<proto::Event>()>& instead) {
+  const auto listener = std::make_shared<Listener>(std::move(job), 0, std::move(on_event));
+  std::unique_lock lock(mutex_);
+  const std::uint64_t first = kept_.empty() ? next_ : kept_.front()->id();
+  if (last == 0) {
+    listener->next = next_;
+  } else if (last + 1 >= first && last < next_) {
+    listener->next = last + 1;
+  } else {
+    lock.unlock();  // who makes them may be telling, too
+    for (auto& event : instead()) {
+      event.set_id(first - 1);
+      listener->before.push_back(std::make_shared<const proto::Event>(std::move(event)));
+    }
+    listener->next = first;
+    lock.lock();
+  }
+  listeners_.push_back(listener);
+  new_listener_ = true;
+  changed_.notify_all();
+  return listener;
+}
+
+void Events::leave(const std::shared_ptr<Listener>& listener) {
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase(listeners_, listener);
+  }
+  const std::lock_guard lock(listener->mutex);  // until on_event has returned
+  listener->alive = false;
+}
+
+std::size_t Events::listeners() const {
+  const std::lock_guard lock(mutex_);
+  return listeners_.size();
+}
+
+void Events::deliver() {
+  std::uint64_t told = 0;  // all before it is told to those who were there
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [&] { return ending_ || new_listener_ || told < next_; });
+    if (ending_) return;
+    new_listener_ = false;
+    told = next_;
+    const auto listeners = listeners_;
+    // As far back as anybody wants.
+    std::uint64_t least = next_;
+    for (const auto& listener : listeners) least = std::min(least, listener->next);
+    const auto begin = std::lower_bound(kept_.begin(), kept_.end(), least,
+                                        [](const Shared& event, std::uint64_t id) { return event->id() < id; });
+    const std::vector<Shared> events(begin, kept_.end());
+    lock.unlock();
+    for (const auto& listener : listeners) {
+      for (const auto& event : std::exchange(listener->before, {})) listener->tell(event);
+      const auto from = std::lower_bound(events.begin(), events.end(), listener->next,
+                                         [](const Shared& event, std::uint64_t id) { return event->id() < id; });
+      for (auto event = from; event != events.end(); ++event) listener->tell(*event);
+      listener->next = std::max(listener->next, told);
+    }
+    lock.lock();
+  }
+}
+
+}  // namespace tessera

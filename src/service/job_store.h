@@ -1,0 +1,51 @@
+// Jobs on disk: a folder for each, whose record is replaced whole. What is not ours is neither touched nor removed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "job_record.pb.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+class JobStore {
+ public:
+  explicit JobStore(std::filesystem::path data) : data_(std::move(data)) {}
+
+  struct Loaded {
+    std::vector<proto::JobRecord> jobs;  // by id
+    std::set<std::string> forgotten;     // ids of jobs that were removed
+    std::vector<std::string> warnings;   // sentences: what is there and cannot be read; it stays
+    std::string last_id;                 // the greatest that there ever was
+  };
+  // Also removes what a process that was killed has left: folders of jobs that were never accepted, or are forgotten.
+  Result<Loaded> load();
+
+  // On disk, for good, when this returns without error: then, and only then, a job is accepted. Without it nothing is
+  // left of a new job.
+  Status add(const proto::JobRecord& job);
+  Status replace(const proto::JobRecord& job);
+  // Its id stays in the list of forgotten ones.
+  Status forget(const std::string& id);
+
+  // A line for people, with the time. What cannot be written is lost: a full disk ends no job.
+  void log(const std::string& id, std::string_view line) const;
+  // Replaces the outcome: JSON.
+  Status write_outcome(const std::string& id, std::string_view json) const;
+
+  std::filesystem::path folder(const std::string& id) const;
+  const std::filesystem::path& data() const { return data_; }
+
+ private:
+  Status remove_files(const std::string& id) const;
+  Result<std::set<std::string>> read_forgotten() const;
+
+  std::filesystem::path data_;
+};
+
+}  // namespace tessera

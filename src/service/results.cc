@@ -1,0 +1,314 @@
+#include "src/service/results.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <system_error>
+#include <utility>
+
+#include "src/files/checksum.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
+#include "src/service/beneath.h"
+#include "src/service/naming.h"
+#include "src/service/problem.h"
+
+namespace tessera {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* program = "tesserad";
+constexpr std::size_t manifests_max = 16;
+
+bool is_folder(const fs::path& path) {
+  std::error_code failed;
+  return fs::is_directory(fs::symlink_status(path, failed));
+}
+
+std::string new_token() {
+  std::random_device random;
+  return checksum_text(std::uint64_t{random()} << 32 | random());
+}
+
+Result<std::vector<std::string>> names_in(const fs::path& folder) {
+  std::vector<std::string> names;
+  FolderReader reader(folder);
+  while (const char* name = reader.next()) names.emplace_back(name);
+  if (reader.error()) return error(Errc::io, folder.string() + ": cannot be read: " + reader.error().message());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// What is ours in a result folder that nobody finds any more; the folder, too, when nothing else is in it.
+Status remove_result(const fs::path& folder) {
+  const auto tree = [](const fs::path& path) -> Status {
+    if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));
+  BOOST_OUTCOME_TRYV(tree(exports_folder(folder)));
+  BOOST_OUTCOME_TRYV(tree(run_folder(folder)));
+  if (is_folder(tiles_folder(folder))) {
+    BOOST_OUTCOME_TRY(tiles, names_in(tiles_folder(folder)));
+    for (const auto& name : tiles) {
+      if (!is_tile_name(name)) continue;
+      BOOST_OUTCOME_TRYV(remove_file(tiles_folder(folder) / name));
+    }
+  }
+  BOOST_OUTCOME_TRY(names, names_in(folder));
+  for (const auto& name : names) {
+    if (is_result_name(name)) {
+      BOOST_OUTCOME_TRYV(remove_file(folder / name));
+    } else if (is_lock_name(name) || is_new_run_name(name)) {
+      BOOST_OUTCOME_TRYV(tree(folder / name));
+    }
+  }
+  std::error_code foreign;  // files keep their folders
+  fs::remove(tiles_folder(folder), foreign);
+  fs::remove(folder, foreign);
+  return success();
+}
+
+// By the ending; what a browser would run is none of it.
+std::string media_type(const fs::path& path) {
+  static const std::map<std::string, std::string> types{
+      {".json", "application/json"},
+      {".geojson", "application/geo+json"},
+      {".csv", "text/csv"},
+      {".gpkg", "application/geopackage+sqlite3"},
+      {".obj", "model/obj"},
+      {".pvtu", "application/vnd.vtk.xml"},
+      {".vtu", "application/vnd.vtk.xml"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".ply", "application/vnd.ply"},
+      {".xml", "application/landxml+xml"},
+  };
+  const auto found = types.find(path.extension().string());
+  return found == types.end() ? "application/octet-stream" : found->second;
+}
+
+// Of a file that is replaced by renaming alone: another content is another file.
+std::string identity(const struct stat& status) {
+  const std::uint64_t parts[] = {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
+                                 static_cast<std::uint64_t>(status.st_mtim.tv_sec),
+                                 static_cast<std::uint64_t>(status.st_mtim.tv_nsec)};
+  return checksum_text(checksum(std::as_bytes(std::span(parts))));
+}
+
+// The checksum in the manifest; empty when it has none of this file.
+std::string checksum_in(const Manifest& manifest, const fs::path& path) {
+  if (path == master_file("", manifest.format_version)) return checksum_text(manifest.master_xxh3);
+  if (path == duplicates_file("")) return checksum_text(manifest.duplicates_xxh3);
+  for (const auto& entry : manifest.tiles)
+    if (path == tile_file("", entry.tile, manifest.format_version)) return checksum_text(entry.xxh3);
+  return "";
+}
+
+// Whether a path in a result is for others to read.
+bool is_served(const fs::path& path) {
+  if (path.empty() || path.is_absolute()) return false;
+  for (const auto& part : path)
+    if (!check_name(part.string()) || is_temporary_name(part)) return false;
+  const auto parent = path.parent_path();
+  if (parent.empty()) return is_result_name(path);
+  if (parent == tiles_folder("")) return is_tile_name(path) && !is_done_name(path);
+  return *path.begin() == exports_folder("");
+}
+
+}  // namespace
+
+Result<ServedFile> served(FileHandle file, const fs::path& path, const std::string& type, std::string etag) {
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
+  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is no file");
+  const int descriptor = ::fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
+  if (descriptor < 0) return io_error(path, "cannot be opened", errno);
+  return ServedFile{descriptor, static_cast<std::uint64_t>(status.st_size), type,
+                    etag.empty() ? "" : "\"" + etag + "\""};
+}
+
+Results::Results(fs::path data) : results_(results_folder(data)) {}
+
+fs::path Results::folder(std::string_view name) const { return results_ / std::string(name); }
+fs::path Results::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
+fs::path Results::unfinished_export(std::string_view name, const std::string& job) const {
+  return unfinished_folder(exports_folder(folder(name)), job);
+}
+
+Status Results::open(const std::set<std::string>& jobs) {
+  BOOST_OUTCOME_TRYV(make_directories(results_));
+  const auto clear = [&](const fs::path& folder) -> Status {
+    BOOST_OUTCOME_TRY(names, names_in(folder));
+    for (const auto& name : names) {
+      const auto job = job_of_unfinished(name);
+      if (is_removed_name(name)) {
+        BOOST_OUTCOME_TRYV(remove_result(folder / name));
+      } else if (JobIds::is_id(job) && !jobs.contains(job)) {
+        if (const auto failed = remove_tree(folder / name))
+          return io_error(folder / name, "cannot be removed", failed.value());
+      }
+    }
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(clear(results_));
+  for (const auto& name : names()) {
+    if (!is_folder(exports_folder(folder(name)))) continue;
+    BOOST_OUTCOME_TRYV(clear(exports_folder(folder(name))));
+  }
+  return success();
+}
+
+std::vector<std::string> Results::names() const {
+  std::vector<std::string> names;
+  FolderReader reader(results_);
+  while (const char* name = reader.next())
+    if (check_name(name) && exists(name)) names.emplace_back(name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+bool Results::exists(std::string_view name) const {
+  std::error_code failed;
+  return is_folder(folder(name)) && fs::exists(manifest_file(folder(name)), failed);
+}
+
+bool Results::export_exists(std::string_view name, const std::string& file) const {
+  std::error_code failed;
+  return fs::exists(fs::symlink_status(exports_folder(folder(name)) / file, failed));
+}
+
+std::vector<std::string> Results::command_of(const std::string& job, const std::string& process) {
+  return {program, process, job};
+}
+
+bool Results::made_by(std::string_view name, const std::string& job) const {
+  if (!exists(name)) return false;
+  const auto manifest = read_manifest(folder(name));
+  return manifest && manifest.value().command.size() == 3 && manifest.value().command.front() == program &&
+         manifest.value().command.back() == job;
+}
+
+Result<fs::path> Results::publish(const std::string& job, const std::string& name, bool overwrite) {
+  const auto made = unfinished(job);
+  std::error_code failed;
+  if (!is_folder(made) && made_by(name, job)) return fs::path();  // before a crash
+  fs::path replaced;
+  if (fs::exists(fs::symlink_status(folder(name), failed))) {
+    if (!overwrite || !exists(name))
+      return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
+    replaced = removed_folder(results_, new_token());
+    BOOST_OUTCOME_TRYV(rename_file(folder(name), replaced));
+  }
+  BOOST_OUTCOME_TRYV(rename_file(made, folder(name)));
+  BOOST_OUTCOME_TRYV(sync_folder(results_));
+  return replaced;
+}
+
+Status Results::discard(const fs::path& folder) {
+  if (folder.empty()) return success();
+  return remove_result(folder);
+}
+
+Status Results::publish_export(const std::string& job, const std::string& name) {
+  const auto made = unfinished_export(name, job);
+  const auto to = exports_folder(folder(name));
+  BOOST_OUTCOME_TRY(names, names_in(made));
+  for (const auto& file : names) {
+    if (is_folder(to / file)) {  // cannot be renamed over
+      const auto gone = removed_folder(to, new_token());
+      BOOST_OUTCOME_TRYV(rename_file(to / file, gone));
+      if (const auto failed = remove_tree(gone)) return io_error(gone, "cannot be removed", failed.value());
+    }
+    BOOST_OUTCOME_TRYV(rename_file(made / file, to / file));
+  }
+  if (const auto failed = remove_tree(made)) return io_error(made, "cannot be removed", failed.value());
+  return sync_folder(to);
+}
+
+Result<fs::path> Results::take_away(std::string_view name) {
+  auto gone = removed_folder(results_, new_token());
+  BOOST_OUTCOME_TRYV(rename_file(folder(name), gone));
+  BOOST_OUTCOME_TRYV(sync_folder(results_));
+  return gone;
+}
+
+Result<Results::Held> Results::hold(std::string_view name) {
+  if (const auto fits = check_name(name); !fits) return error(Errc::usage, "the name " + fits.error().where);
+  Held held;
+  BOOST_OUTCOME_TRY(folder, open_handle(this->folder(name), O_PATH | O_DIRECTORY | O_NOFOLLOW));
+  held.folder = std::move(folder);
+  const auto file = manifest_file(path_of(held.folder));
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return io_error(manifest_file(this->folder(name)), "cannot be read", errno);
+  const auto key = identity(status);
+  held.created = time_text(std::chrono::system_clock::from_time_t(status.st_mtim.tv_sec) +
+                           std::chrono::milliseconds(status.st_mtim.tv_nsec / 1'000'000));
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = manifests_.find(key); found != manifests_.end()) held.manifest = found->second;
+  }
+  if (held.manifest) return held;
+  BOOST_OUTCOME_TRY(manifest, read_manifest(path_of(held.folder)));
+  held.manifest = std::make_shared<const Manifest>(std::move(manifest));
+  const std::lock_guard lock(mutex_);
+  if (manifests_.size() >= manifests_max) manifests_.clear();
+  manifests_[key] = held.manifest;
+  return held;
+}
+
+Result<std::shared_ptr<const Manifest>> Results::manifest(std::string_view name) {
+  BOOST_OUTCOME_TRY(held, hold(name));
+  return held.manifest;
+}
+
+Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
+  const auto nothing = [&] { return problem(404, "there is no triangulation '" + std::string(name) + "'"); };
+  if (!check_name(name) || !exists(name)) return nothing();
+  const auto held = hold(name);
+  if (!held) return exists(name) ? problem_of(held.error()) : nothing();
+  const Manifest& manifest = *held.value().manifest;
+  proto::TriangulationInfo info;
+  info.set_name(std::string(name));
+  info.set_dimension(manifest.dimension);
+  info.set_vertices(manifest.vertices);
+  info.set_cells(manifest.cells);
+  info.set_tiles(manifest.tiles.size());
+  std::uint64_t bytes = 0;
+  for (const auto& tile : manifest.tiles) bytes += tile.bytes;
+  info.set_bytes(bytes);
+  if (manifest.digest) info.set_digest(digest_text(*manifest.digest));
+  info.set_created(held.value().created);
+  info.set_crs(manifest.crs);
+  const auto& box = manifest.bounds;
+  if (!box.empty()) {
+    for (const Point& corner : {box.lo, box.hi})
+      for (int axis = 0; axis < manifest.dimension; ++axis) info.add_bounds(corner[axis]);
+  }
+  return info;
+}
+
+Reply<ServedFile> Results::file(std::string_view name, std::string_view path) {
+  const auto nothing = [&] {
+    return problem(404, "there is no file '" + std::string(path) + "' of a triangulation '" + std::string(name) + "'");
+  };
+  const fs::path inside{std::string(path)};
+  if (!check_name(name) || !is_served(inside) || !exists(name)) return nothing();
+  const auto held = hold(name);
+  if (!held) return exists(name) ? problem_of(held.error()) : nothing();
+  auto opened = open_beneath(held.value().folder, inside.string(), O_RDONLY, Links::refused);
+  if (!opened) return nothing();
+  struct stat status {};
+  if (::fstat(opened.value().get(), &status) != 0 || !S_ISREG(status.st_mode)) return nothing();
+  auto sum = checksum_in(*held.value().manifest, inside);
+  const bool page = inside == report_file("");
+  auto sent = served(std::move(opened).value(), inside, page ? "text/html; charset=utf-8" : media_type(inside),
+                     sum.empty() ? "file-" + identity(status) : "xxh3-" + sum);
+  if (!sent) return problem_of(sent.error());
+  return sent.value();
+}
+
+}  // namespace tessera

@@ -1,0 +1,73 @@
+// The result folders of a data folder: complete ones only. What a job makes stands beside them under a hidden name, and
+// is renamed when it is whole.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service.pb.h"
+#include "src/base/result.h"
+#include "src/files/descriptor.h"
+#include "src/service/service.h"
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+class Results {
+ public:
+  explicit Results(std::filesystem::path data);
+  // Makes the folder, and removes what was being removed or made for jobs that are not among `jobs`. What of it is not
+  // ours stays.
+  Status open(const std::set<std::string>& jobs);
+
+  std::filesystem::path folder(std::string_view name) const;
+  // Where the job makes its triangulation, or what it exports: on the same file system.
+  std::filesystem::path unfinished(const std::string& job) const;
+  std::filesystem::path unfinished_export(std::string_view name, const std::string& job) const;
+
+  bool exists(std::string_view name) const;
+  bool export_exists(std::string_view name, const std::string& file) const;
+  // The command in the manifest of what this job makes; by it a result is known to be the job's.
+  static std::vector<std::string> command_of(const std::string& job, const std::string& process);
+  bool made_by(std::string_view name, const std::string& job) const;
+
+  // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
+  // when one stands there that may not be replaced.
+  Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
+  Status publish_export(const std::string& job, const std::string& name);
+  // The result is gone; its files are, once what this returns is given to discard(), which takes its time. Error io.
+  Result<std::filesystem::path> take_away(std::string_view name);
+  static Status discard(const std::filesystem::path& folder);
+
+  std::vector<std::string> names() const;  // sorted
+  Reply<proto::TriangulationInfo> info(std::string_view name);
+  Reply<ServedFile> file(std::string_view name, std::string_view path);
+  // Error io when there is none, corrupt.
+  Result<std::shared_ptr<const Manifest>> manifest(std::string_view name);
+
+ private:
+  struct Held {
+    FileHandle folder;  // the result cannot be exchanged for another behind it
+    std::shared_ptr<const Manifest> manifest;
+    std::string created;
+  };
+  Result<Held> hold(std::string_view name);
+
+  std::filesystem::path results_;
+  // Manifests are large where there are many tiles: those asked for last, by what identifies the file.
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const Manifest>> manifests_;
+};
+
+// A file that is open and regular, to be sent; `etag` without quotes.
+Result<ServedFile> served(FileHandle file, const std::filesystem::path& path, const std::string& type,
+                          std::string etag);
+
+}  // namespace tessera

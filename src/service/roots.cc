@@ -1,0 +1,221 @@
+#include "src/service/roots.h"
+
+#include <fcntl.h>
+#include <fnmatch.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/files/folder.h"
+#include "src/io/cloud/inputs.h"
+#include "src/io/format.h"
+#include "src/service/beneath.h"
+
+namespace tessera {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::size_t files_max = 1'000'000;
+constexpr std::string_view upload_begin = "upload:";
+
+bool has_pattern(std::string_view text) { return text.find_first_of("*?[") != std::string_view::npos; }
+
+// Names in a folder below `root`, those that begin with a dot left out.
+Result<std::vector<std::string>> names_in(const FileHandle& root, const std::string& folder) {
+  BOOST_OUTCOME_TRY(opened, open_beneath(root, folder, O_RDONLY | O_DIRECTORY, Links::followed_beneath));
+  std::vector<std::string> names;
+  FolderReader reader(path_of(opened));
+  while (const char* name = reader.next()) {
+    if (name[0] != '.') names.emplace_back(name);
+    if (names.size() > files_max) return error(Errc::usage, folder + ": holds too many files");
+  }
+  if (reader.error()) return error(Errc::io, folder + ": cannot be read: " + reader.error().message());
+  return names;
+}
+
+std::string below(const std::string& folder, const std::string& name) {
+  return folder == "." ? name : folder + "/" + name;
+}
+
+enum class Kind : std::uint8_t { file, folder, other };
+
+struct Found {
+  Kind kind = Kind::other;
+  fs::path real;
+};
+
+Result<Found> look_at(const FileHandle& root, const std::string& path) {
+  BOOST_OUTCOME_TRY(opened, open_beneath(root, path, O_PATH, Links::followed_beneath));
+  struct stat status {};
+  if (::fstat(opened.get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
+  BOOST_OUTCOME_TRY(real, real_path(opened));
+  const Kind kind = S_ISREG(status.st_mode) ? Kind::file : S_ISDIR(status.st_mode) ? Kind::folder : Kind::other;
+  return Found{kind, std::move(real)};
+}
+
+// What a pattern means below a root, in no order; nothing found is nothing wrong.
+Result<std::vector<std::string>> expand(const FileHandle& root, const std::string& pattern) {
+  std::vector<std::string> found{"."};
+  for (const auto& part : fs::path(pattern)) {
+    const std::string name = part.string();
+    if (name.empty() || name == ".") continue;
+    std::vector<std::string> next;
+    for (const auto& folder : found) {
+      if (!has_pattern(name)) {
+        next.push_back(below(folder, name));
+        continue;
+      }
+      const auto names = names_in(root, folder);
+      if (!names) {
+        // A file where the pattern wants a folder, or one that leads out: neither matches.
+        continue;
+      }
+      for (const auto& candidate : names.value())
+        if (::fnmatch(name.c_str(), candidate.c_str(), FNM_PERIOD) == 0) next.push_back(below(folder, candidate));
+      if (next.size() > files_max) return error(Errc::usage, pattern + ": means too many files");
+    }
+    found = std::move(next);
+  }
+  std::vector<std::string> there;
+  for (const auto& path : found) {
+    // What the pattern means and the root does not hold is told; what is not there is not meant.
+    const auto looked = look_at(root, path);
+    if (!looked && looked.error().code == Errc::usage) return looked.error();
+    if (looked) there.push_back(path);
+  }
+  return there;
+}
+
+Status add_folder(const FileHandle& root, const std::string& folder, bool recursive, std::vector<std::string>& files) {
+  BOOST_OUTCOME_TRY(names, names_in(root, folder));
+  for (const auto& name : names) {
+    const std::string path = below(folder, name);
+    // Links between folders may go round in a circle, and those that lead out are told when the file is opened.
+    const auto plain = open_beneath(root, path, O_PATH | O_DIRECTORY, Links::refused);
+    if (plain) {
+      BOOST_OUTCOME_TRY(real, real_path(plain.value()));
+      if (recursive && !is_result_folder(real)) {
+        BOOST_OUTCOME_TRYV(add_folder(root, path, recursive, files));
+      }
+    } else if (has_point_file_name(path)) {
+      files.push_back(path);
+    }
+    if (files.size() > files_max) return error(Errc::usage, folder + ": holds too many files");
+  }
+  return success();
+}
+
+// Real paths of the files, sorted by what they were called below the root.
+Result<std::vector<std::string>> files_below(const FileHandle& root, const std::string& input, bool recursive) {
+  std::vector<std::string> paths{input.empty() ? "." : input};
+  if (has_pattern(input) && !look_at(root, input)) {
+    BOOST_OUTCOME_TRY(expanded, expand(root, input));
+    if (expanded.empty()) return error(Errc::io, input + ": no file matches this pattern");
+    paths = std::move(expanded);
+    std::sort(paths.begin(), paths.end());
+  }
+  std::vector<std::string> files;
+  for (const auto& path : paths) {
+    BOOST_OUTCOME_TRY(found, look_at(root, path));
+    if (found.kind == Kind::other) return error(Errc::usage, path + ": is neither a file nor a folder");
+    if (found.kind == Kind::file) {
+      files.push_back(found.real.string());
+      continue;
+    }
+    if (is_result_folder(found.real))
+      return error(Errc::usage, path + ": is a result folder, and holds no input; exporting it makes point files");
+    std::vector<std::string> inside;
+    BOOST_OUTCOME_TRYV(add_folder(root, path, recursive, inside));
+    if (inside.empty()) return error(Errc::io, path + ": holds no point files");
+    std::sort(inside.begin(), inside.end());
+    for (const auto& file : inside) {
+      BOOST_OUTCOME_TRY(one, look_at(root, file));
+      if (one.kind != Kind::file) return error(Errc::usage, file + ": is no file");
+      files.push_back(one.real.string());
+    }
+  }
+  return files;
+}
+
+// `path` from `folder` on, when it is absolute and stands below it.
+std::optional<std::string> from_folder(const std::string& path, const fs::path& folder) {
+  const std::string begin = folder.string() == "/" ? "/" : folder.string() + "/";
+  if (path == folder.string()) return ".";
+  if (!path.starts_with(begin)) return std::nullopt;
+  return path.substr(begin.size());
+}
+
+}  // namespace
+
+Result<Roots::Root> Roots::open_root(const fs::path& path) {
+  BOOST_OUTCOME_TRY(folder, open_folder(path));
+  BOOST_OUTCOME_TRY(real, real_path(folder));
+  auto given = fs::absolute(path).lexically_normal();
+  if (!given.has_filename() && given.has_relative_path()) given = given.parent_path();
+  return Root{std::move(given), std::move(real), std::move(folder)};
+}
+
+Result<Roots> Roots::open(const std::vector<fs::path>& roots, const fs::path& uploads) {
+  BOOST_OUTCOME_TRYV(check_beneath());
+  Roots opened;
+  for (const auto& root : roots) {
+    BOOST_OUTCOME_TRY(one, open_root(root));
+    opened.roots_.push_back(std::move(one));
+  }
+  if (!uploads.empty()) {
+    BOOST_OUTCOME_TRY(one, open_root(uploads));
+    opened.uploads_.push_back(std::move(one));
+  }
+  return opened;
+}
+
+Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool recursive) const {
+  const auto refuse = [&](const std::string& reason) {
+    return error(Errc::usage, "inputs: '" + input + "' " + reason);
+  };
+  if (input.empty()) return error(Errc::usage, "inputs: one is an empty text");
+  if (input == "-") return refuse("is standard input, which a service does not have");
+  if (input.find('\0') != std::string::npos) return refuse("holds a zero byte");
+  if (input.find("://") != std::string::npos) return refuse("is an address: none is fetched; give files");
+  const auto told = [](Error wrong) { return error(wrong.code, "inputs: " + wrong.where); };
+  if (input.starts_with(upload_begin)) {
+    if (uploads_.empty()) return refuse("is an upload, and this service takes none");
+    auto files = files_below(uploads_.front().folder, input.substr(upload_begin.size()), recursive);
+    if (!files) return told(files.error());
+    return files;
+  }
+  if (roots_.empty()) return refuse("cannot be read: no folder for inputs is configured");
+  std::optional<Error> first;
+  for (const auto& root : roots_) {
+    std::optional<std::string> inside = input;
+    if (input.front() == '/') {
+      inside = from_folder(input, root.given);
+      if (!inside) inside = from_folder(input, root.real);
+      if (!inside) continue;
+    }
+    auto files = files_below(root.folder, *inside, recursive);
+    if (files) return files;
+    if (!first || files.error().code == Errc::usage) first = files.error();
+  }
+  if (first) return told(*first);
+  return refuse("is not below a folder that is configured for inputs");
+}
+
+Result<std::vector<std::string>> Roots::files(const std::vector<std::string>& inputs, bool recursive) const {
+  if (inputs.empty()) return error(Errc::usage, "inputs: none is given");
+  std::vector<std::string> all;
+  for (const auto& input : inputs) {
+    BOOST_OUTCOME_TRY(files, files_of(input, recursive));
+    if (all.size() + files.size() > files_max) return error(Errc::usage, "inputs: too many files");
+    all.insert(all.end(), files.begin(), files.end());
+  }
+  return all;
+}
+
+}  // namespace tessera

@@ -1,0 +1,36 @@
+// The folders in which inputs may lie, and the files in them that a job's inputs mean.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/files/descriptor.h"
+
+namespace tessera {
+
+class Roots {
+ public:
+  // `uploads` is the folder of uploads, or empty when none are taken. Error io for one that is no folder.
+  static Result<Roots> open(const std::vector<std::filesystem::path>& roots, const std::filesystem::path& uploads);
+
+  // The files that these inputs mean, as find_inputs() (src/io/cloud) orders them: files, folders and patterns,
+  // absolute or from a root on (the first in which they are found), or "upload:NAME/FILE". Each was opened below its
+  // root, is a regular file, and is given by its real path. Errors: usage for one that leads out of the roots, for
+  // standard input and for addresses; io for one that is not there.
+  Result<std::vector<std::string>> files(const std::vector<std::string>& inputs, bool recursive) const;
+
+ private:
+  struct Root {
+    std::filesystem::path given, real;
+    FileHandle folder;
+  };
+  static Result<Root> open_root(const std::filesystem::path& path);
+  Result<std::vector<std::string>> files_of(const std::string& input, bool recursive) const;
+
+  std::vector<Root> roots_;
+  std::vector<Root> uploads_;  // one or none
+};
+
+}  // namespace tessera

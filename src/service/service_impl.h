@@ -1,0 +1,128 @@
+// The inside of Service: its jobs, the threads that work on them, and who may touch what.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "actors/engine.h"
+#include "job_record.pb.h"
+#include "src/base/progress.h"
+#include "src/files/folder_lock.h"
+#include "src/service/events.h"
+#include "src/service/job_store.h"
+#include "src/service/naming.h"
+#include "src/service/results.h"
+#include "src/service/roots.h"
+#include "src/service/service.h"
+#include "src/service/uploads.h"
+#include "src/service/work.h"
+
+namespace tessera {
+
+namespace job_state {
+inline constexpr const char* accepted = "accepted";
+inline constexpr const char* running = "running";
+inline constexpr const char* successful = "successful";
+inline constexpr const char* failed = "failed";
+inline constexpr const char* dismissed = "dismissed";
+}  // namespace job_state
+
+// Of a job that a thread works on.
+struct Running {
+  Progress progress;
+  std::stop_source stop;
+};
+
+struct Job {
+  proto::JobRecord record;
+  std::shared_ptr<Running> running;  // also of a dismissed job until its thread has let go
+  std::string told;                  // the last progress that was told, as text
+
+  bool is(const char* state) const { return record.state() == state; }
+  bool waits_or_runs() const { return is(job_state::accepted) || is(job_state::running); }
+};
+
+// Two locks, in this order: `changing` is held by who changes a job's record, while it is written; `mutex` guards
+// memory, and is never held while anything is written or anybody is called. What is read needs only `mutex`; to change
+// what others read, both.
+struct Service::Impl {
+  Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events);
+  ~Impl();
+  Status load();
+  void begin();  // the threads
+  void tell(const std::string& line) const {
+    if (options.log) options.log(line);
+  }
+
+  // service.cc: the threads.
+  void work();
+  std::shared_ptr<Job> take();
+  bool start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running);
+  void end(const std::shared_ptr<Job>& job, Reply<JobDone> done);
+  Reply<JobDone> finish(const proto::JobRecord& job, Reply<JobDone> done, std::filesystem::path& replaced);
+  void tick();
+  void tell_progress();
+  void write_again();
+  void forget_old();
+
+  // service_jobs.cc. REQUIRES: `changing` is held, for change() and forget(); `mutex` for status_of() and find().
+  enum class Need : bool { written, done };  // or nothing changes; or it changes, and is written as soon as can be
+  Status change(Job& job, Need need, const std::function<void(proto::JobRecord&)>& how);
+  Status forget(const std::shared_ptr<Job>& job);
+  void log(const std::string& id, const std::string& line);
+  proto::StatusInfo status_of(const Job& job) const;
+  Reply<std::shared_ptr<Job>> find(std::string_view id) const;
+  void tell_status(const Job& job);
+
+  // service_submit.cc
+  std::optional<proto::Problem> check_inputs(const proto::Inputs& inputs, std::string& triangulation) const;
+  Reply<proto::Estimate> costs(const proto::TriangulateInputs& inputs, std::optional<proto::Problem>& refused) const;
+  // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others.
+  std::optional<proto::Problem> conflict(const proto::JobRecord& job) const;
+  std::optional<Service::Submitted> same_as(const proto::Inputs& inputs, const Caller& caller, const std::string& key,
+                                            std::optional<proto::Problem>& other) const;
+
+  const ServiceOptions options;
+  const Share share;
+  FolderLock folder_lock;
+  JobStore store;
+  Results results;
+  Uploads uploads;
+  const Roots roots;
+  std::unique_ptr<Events> events;
+  Engine engine;
+  const Workshop shop;
+
+  std::mutex changing;
+  mutable std::mutex mutex;
+  std::condition_variable waiting_changed;  // with `mutex`: something waits, or all is ending
+  std::condition_variable let_go;           // with `mutex`: a thread has let go of a job
+  std::map<std::string, std::shared_ptr<Job>, std::less<>> jobs;
+  std::set<std::string> active;                  // ids of jobs that wait or run, or that a thread still holds
+  std::map<std::uint64_t, std::string> waiting;  // by place
+  std::set<std::string> unwritten;               // whose record is newer than the one on disk
+  std::uint64_t next_place = 1;
+  std::map<std::pair<std::string, std::string>, std::string> by_key;  // caller and key: id
+  std::set<std::string, std::less<>> forgotten;
+  JobIds ids;
+  bool ending = false;
+  Service::Figures since_start;
+  std::map<std::string, double> phase_seconds;
+  std::chrono::steady_clock::time_point ticked = std::chrono::steady_clock::now();
+  std::condition_variable tick_now;  // with `mutex`: only at the end
+  std::vector<std::thread> threads;
+};
+
+}  // namespace tessera

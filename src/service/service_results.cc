@@ -1,0 +1,109 @@
+// Results, uploads, and how the service is.
+#include <fcntl.h>
+
+#include <algorithm>
+
+#include "src/files/descriptor.h"
+#include "src/report/human.h"
+#include "src/service/costs.h"
+#include "src/service/problem.h"
+#include "src/service/service_impl.h"
+
+namespace tessera {
+
+Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std::string_view after) {
+  const auto names = impl_->results.names();
+  proto::TriangulationList list;
+  list.set_number_matched(names.size());
+  for (auto name = std::upper_bound(names.begin(), names.end(), after); name != names.end(); ++name) {
+    if (static_cast<std::uint32_t>(list.triangulations_size()) >= limit) break;
+    auto info = impl_->results.info(*name);
+    if (!info) {  // damaged, or gone since: it must not hide the others
+      impl_->tell("triangulation '" + *name + "': " + info.error().detail());
+      list.add_triangulations()->set_name(*name);
+      continue;
+    }
+    *list.add_triangulations() = std::move(info).value();
+  }
+  return list;
+}
+
+Reply<proto::TriangulationInfo> Service::triangulation(std::string_view name) { return impl_->results.info(name); }
+
+Reply<ServedFile> Service::file(std::string_view name, std::string_view path) {
+  return impl_->results.file(name, path);
+}
+
+Reply<void> Service::remove_triangulation(std::string_view name, const Caller& caller) {
+  auto& impl = *impl_;
+  std::filesystem::path gone;
+  {
+    const std::lock_guard changes(impl.changing);
+    if (!check_name(name) || !impl.results.exists(name))
+      return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+    const std::lock_guard lock(impl.mutex);
+    for (const auto& id : impl.active) {
+      if (impl.jobs.at(id)->record.triangulation() == name)
+        return problem(409, "triangulation '" + std::string(name) + "': job " + id + " works on it", Errc::usage);
+    }
+    const bool own = std::any_of(impl.jobs.begin(), impl.jobs.end(), [&](const auto& job) {
+      const auto& record = job.second->record;
+      return record.caller() == caller.name && record.triangulation() == name && record.inputs().has_triangulate();
+    });
+    if (caller.role < Role::admin && !(own && caller.role >= Role::submit))
+      return problem(403, "triangulation '" + std::string(name) + "': who submitted its job or an admin may remove it",
+                     Errc::usage);
+    auto taken = impl.results.take_away(name);
+    if (!taken) return problem_of(taken.error());
+    gone = std::move(taken).value();
+  }
+  if (const auto discarded = Results::discard(gone); !discarded) return problem_of(discarded.error());
+  return success();
+}
+
+Reply<std::unique_ptr<Service::Upload>> Service::upload(std::string_view folder, std::string_view file,
+                                                        std::uint64_t offset, const Caller& caller) {
+  if (!impl_->options.uploads) return problem(403, "this service takes no uploads", Errc::usage);
+  if (caller.role < Role::submit) return problem(403, "an upload takes the role submit", Errc::usage);
+  return impl_->uploads.begin(folder, file, offset);
+}
+
+Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view file) {
+  if (!impl_->options.uploads) return problem(403, "this service takes no uploads", Errc::usage);
+  return impl_->uploads.uploaded(folder, file);
+}
+
+Service::Figures Service::figures() const {
+  const std::lock_guard lock(impl_->mutex);
+  Figures figures = impl_->since_start;
+  for (const auto& id : impl_->active) {
+    const Job& job = *impl_->jobs.at(id);
+    if (job.is(job_state::accepted)) ++figures.accepted;
+    if (job.is(job_state::running)) ++figures.running;
+    if (job.running) figures.memory_used_bytes += job.running->progress.memory_bytes;
+  }
+  figures.memory_budget_bytes = impl_->options.memory_bytes;
+  figures.disk_free_bytes = free_bytes(impl_->options.data);
+  figures.phase_seconds = {impl_->phase_seconds.begin(), impl_->phase_seconds.end()};
+  figures.subscribers = impl_->events->listeners();
+  return figures;
+}
+
+std::optional<std::string> Service::unready() const {
+  constexpr std::uint64_t free_min = std::uint64_t{16} << 20;  // records and logs of many jobs
+  constexpr std::chrono::seconds silence_max{30};
+  if (const auto held = check_held(impl_->folder_lock.file()); !held) return held.error().where;
+  const auto writable = nameless_file(impl_->options.data);
+  if (!writable) return problem_of(writable.error()).detail();
+  if (const auto free = free_bytes(impl_->options.data); free < free_min)
+    return impl_->options.data.string() + ": only " + human_bytes(free) + " are free";
+  const std::lock_guard lock(impl_->mutex);
+  if (!impl_->unwritten.empty())
+    return "the state of " + grouped(impl_->unwritten.size()) + " jobs could not be written to " +
+           impl_->options.data.string();
+  if (std::chrono::steady_clock::now() - impl_->ticked > silence_max)
+    return "the thread that watches the jobs does not answer";
+  return std::nullopt;
+}
+
+}  // namespace tessera

@@ -1,0 +1,199 @@
+// How a job is accepted, or why not.
+#include <algorithm>
+
+#include "src/job/open_cloud.h"
+#include "src/report/human.h"
+#include "src/service/costs.h"
+#include "src/service/problem.h"
+#include "src/service/service_impl.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::system_clock;
+
+constexpr std::size_t key_bytes_max = 255;
+constexpr std::uint64_t info_points_max = 20'000'000;  // some seconds
+
+std::optional<proto::Problem> check_field_name(const char* field, const std::string& name) {
+  const auto fits = check_name(name);
+  if (fits) return std::nullopt;
+  return problem(400, std::string(field) + ": '" + name + "' " + fits.error().where, Errc::usage);
+}
+
+}  // namespace
+
+std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& inputs,
+                                                          std::string& triangulation) const {
+  const auto read_from = [&](const std::string& name) -> std::optional<proto::Problem> {
+    if (const auto bad = check_field_name("triangulation", name)) return bad;
+    triangulation = name;
+    if (results.exists(name)) return std::nullopt;
+    return problem(422, "triangulation: there is none called '" + name + "'", Errc::usage);
+  };
+  switch (inputs.of_case()) {
+    case proto::Inputs::kTriangulate: {
+      triangulation = inputs.triangulate().output();
+      if (triangulation.empty()) return std::nullopt;
+      return check_field_name("output", triangulation);
+    }
+    case proto::Inputs::kVerify: {
+      if (const auto options = verify_options(inputs.verify(), share); !options) return problem_of(options.error());
+      if (const auto bad = read_from(inputs.verify().triangulation())) return bad;
+      return check_verify(shop, inputs.verify());
+    }
+    case proto::Inputs::kExport: {
+      if (const auto options = export_options(inputs.export_()); !options) return problem_of(options.error());
+      if (const auto bad = check_field_name("output", inputs.export_().output())) return bad;
+      return read_from(inputs.export_().triangulation());
+    }
+    case proto::Inputs::kInfo: {
+      const auto cloud = cloud_of(inputs.info());
+      if (!cloud) return problem_of(cloud.error());
+      if (const auto options = job_options(cloud.value(), share); !options) return problem_of(options.error());
+      if (!inputs.info().triangulation().empty()) return read_from(inputs.info().triangulation());
+      const auto files = roots.files(list_of(inputs.info().inputs()), inputs.info().recursive());
+      return files ? std::nullopt : std::optional(problem_of(files.error()));
+    }
+    case proto::Inputs::OF_NOT_SET:
+      return problem(400, "inputs: none is given of triangulate, verify, export and info", Errc::usage);
+  }
+  return std::nullopt;
+}
+
+Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inputs,
+                                            std::optional<proto::Problem>& refused) const {
+  auto options = job_options(inputs, share);
+  if (!options) return problem_of(options.error());
+  proto::Estimate estimate;
+  const auto looked = [&]() -> Status {
+    BOOST_OUTCOME_TRY(files, roots.files(list_of(inputs.inputs()), inputs.recursive()));
+    BOOST_OUTCOME_TRY(packed, any_packed(files));
+    if (packed) {
+      estimate.set_reason("compressed files are measured when the job runs");
+      return success();
+    }
+    BOOST_OUTCOME_TRY(cloud, open_cloud(files, options.value()));
+    refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate);
+    return success();
+  }();
+  if (!looked) return problem_of(looked.error());
+  if (refused) estimate.set_reason(refused->detail());
+  estimate.set_accepted(!refused);
+  return estimate;
+}
+
+std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& job) const {
+  const auto& inputs = job.inputs();
+  const auto& name = job.triangulation();
+  const auto clash = [](const std::string& detail) { return problem(409, detail, Errc::usage); };
+  if (waiting.size() >= options.limits.queued)
+    return problem(429, grouped(waiting.size()) + " jobs wait already, as many as may", Errc::usage);
+  std::uint32_t of_caller = 0;
+  for (const auto& id : active) {
+    const Job& other = *jobs.at(id);
+    if (id == job.id()) continue;
+    if (other.waits_or_runs() && other.record.caller() == job.caller()) ++of_caller;
+    if (name.empty() || other.record.triangulation() != name) continue;
+    // One that makes a triangulation has it alone; others read it together, but write no export twice.
+    if (inputs.has_triangulate() || other.record.inputs().has_triangulate())
+      return clash("triangulation '" + name + "': job " + id + " works on it");
+    if (inputs.has_export_() && other.record.inputs().has_export_() &&
+        inputs.export_().output() == other.record.inputs().export_().output())
+      return clash("output: job " + id + " exports to '" + inputs.export_().output() + "' already");
+  }
+  if (of_caller >= options.limits.jobs_of_a_caller) {
+    return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::usage);
+  }
+  if (inputs.has_triangulate() && !name.empty() && !inputs.triangulate().overwrite() && results.exists(name) &&
+      !results.made_by(name, job.id()))
+    return clash("output: there is a triangulation called '" + name + "' already; overwrite: true replaces it");
+  if (inputs.has_export_() && !inputs.export_().overwrite() && results.export_exists(name, inputs.export_().output()))
+    return clash("output: '" + name + "' has an export of this name already; overwrite: true replaces it");
+  return std::nullopt;
+}
+
+std::optional<Service::Submitted> Service::Impl::same_as(const proto::Inputs& inputs, const Caller& caller,
+                                                         const std::string& key,
+                                                         std::optional<proto::Problem>& other) const {
+  if (key.empty()) return std::nullopt;
+  const auto found = by_key.find({caller.name, key});
+  if (found == by_key.end()) return std::nullopt;
+  const Job& job = *jobs.at(found->second);
+  if (job.record.inputs().SerializeAsString() == inputs.SerializeAsString())
+    return Service::Submitted{status_of(job), false};
+  other = problem(422, "this idempotency key was sent before with other inputs, for job " + found->second, Errc::usage);
+  return std::nullopt;
+}
+
+Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Caller& caller,
+                                          std::string_view idempotency_key) {
+  auto& impl = *impl_;
+  if (caller.role < Role::submit) return problem(403, "submitting takes the role submit", Errc::usage);
+  if (idempotency_key.size() > key_bytes_max)
+    return problem(400, "the idempotency key is longer than " + std::to_string(key_bytes_max) + " bytes", Errc::usage);
+  const std::string key = problem(0, idempotency_key).detail();  // as it will be stored: UTF-8
+  proto::JobRecord record;
+  std::optional<proto::Problem> other;
+  {
+    const std::lock_guard lock(impl.mutex);
+    if (const auto same = impl.same_as(inputs, caller, key, other)) return *same;
+    if (other) return *other;
+  }
+  std::string triangulation;
+  if (const auto bad = impl.check_inputs(inputs, triangulation)) return *bad;
+  if (inputs.has_triangulate()) {
+    std::optional<proto::Problem> refused;
+    BOOST_OUTCOME_TRY(estimate, impl.costs(inputs.triangulate(), refused));
+    if (refused) return *refused;
+    record.set_points(estimate.points());
+    record.set_memory_bytes(estimate.memory_bytes());
+    record.set_disk_bytes(estimate.result_bytes() + estimate.temporary_bytes());
+  }
+  const std::lock_guard changes(impl.changing);
+  {
+    const std::lock_guard lock(impl.mutex);
+    // Somebody may have been as quick.
+    if (const auto same = impl.same_as(inputs, caller, key, other)) return *same;
+    if (other) return *other;
+    record.set_id(impl.ids.next(system_clock::now()));
+    record.set_place(impl.next_place++);
+    *record.mutable_inputs() = inputs;
+    record.set_caller(caller.name);
+    record.set_idempotency_key(key);
+    record.set_state(job_state::accepted);
+    record.set_triangulation(inputs.has_triangulate() && triangulation.empty() ? record.id() : triangulation);
+    record.set_message("waits");
+    record.set_created(time_text(system_clock::now()));
+    record.set_updated(record.created());
+    if (const auto against = impl.conflict(record)) return *against;
+  }
+  if (const auto added = impl.store.add(record); !added) return problem_of(added.error());
+  const std::lock_guard lock(impl.mutex);
+  const auto job = std::make_shared<Job>();
+  job->record = record;
+  impl.jobs[record.id()] = job;
+  impl.active.insert(record.id());
+  impl.waiting[record.place()] = record.id();
+  if (!key.empty()) impl.by_key[{caller.name, key}] = record.id();
+  impl.tell_status(*job);
+  impl.waiting_changed.notify_all();
+  return Submitted{impl.status_of(*job), true};
+}
+
+Reply<proto::Estimate> Service::estimate(const proto::TriangulateInputs& inputs, const Caller& caller) {
+  if (caller.role < Role::submit)
+    return problem(403, "an estimate reads inputs: it takes the role submit", Errc::usage);
+  std::optional<proto::Problem> refused;
+  return impl_->costs(inputs, refused);
+}
+
+Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& caller) {
+  if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
+    return problem(403, "to be told of inputs takes the role submit", Errc::usage);
+  auto text = describe_inputs(impl_->shop, inputs, info_points_max, {});
+  if (!text) return problem_of(text.error());
+  return std::move(text).value();
+}
+
+}  // namespace tessera

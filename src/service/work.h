@@ -1,0 +1,61 @@
+// What a job does, from its record to what it leaves: without queue, states and locks.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "actors/engine.h"
+#include "job_record.pb.h"
+#include "src/base/progress.h"
+#include "src/service/convert.h"
+#include "src/service/results.h"
+#include "src/service/roots.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+// What all jobs of a service work with.
+struct Workshop {
+  Engine& engine;
+  const Roots& roots;
+  Results& results;
+  std::filesystem::path data;
+  ServiceLimits limits;
+  Share share;
+};
+
+struct JobWork {
+  const proto::JobRecord& job;
+  Progress& progress;
+  std::stop_token stop;
+  std::function<void(const std::string&)> log;
+  std::filesystem::path scratch;
+};
+
+struct JobDone {
+  std::string outcome;  // JSON
+  std::uint64_t points = 0;
+  std::vector<std::pair<std::string, double>> seconds;  // by phase
+};
+
+// "triangulate", ...; empty when there are no inputs.
+std::string process_of(const proto::Inputs& inputs);
+
+// A triangulation is complete in Results::unfinished(job), an export in Results::unfinished_export(), and nowhere else,
+// when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it
+// was. After other problems what cannot be gone on with is removed.
+Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
+
+// The problem of a comparison with CGAL, which is made in memory, that needs more than there is.
+std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::VerifyInputs& inputs);
+
+// What `tessera info --json` prints. Error usage for statistics of more than `points_max` points (0: of any).
+Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, std::uint64_t points_max,
+                                    const std::stop_token& stop);
+
+}  // namespace tessera

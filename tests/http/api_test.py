@@ -1,0 +1,174 @@
+"""The API as a client sees it: every route's answer is what the document says."""
+
+import unittest
+import urllib.parse
+
+import serving
+
+
+class Api(serving.ServerTest):
+    def test_every_answer_fits_the_document(self):
+        job = self.submit()
+        done = self.submit()
+        self.server.tell(f"state {done} successful")
+        files = "/v1/triangulations/{triangulation}/files/{path}"
+        execution = {"inputs": {"inputs": ["a.las"]}}
+        asked = {
+            ("GET", "/"): ["/"], ("GET", "/v1"): ["/v1"], ("GET", "/v1/api"): ["/v1/api"],
+            ("GET", "/v1/conformance"): ["/v1/conformance"], ("GET", "/v1/processes"): ["/v1/processes"],
+            ("GET", "/v1/processes/{process}"): [f"/v1/processes/{name}" for name in
+                                                 ("triangulate", "verify", "export", "info", "none")],
+            ("POST", "/v1/processes/{process}/execution"): ["/v1/processes/triangulate/execution",
+                                                            "/v1/processes/info/execution"],
+            ("POST", "/v1/processes/{process}/estimate"): ["/v1/processes/triangulate/estimate"],
+            ("GET", "/v1/jobs"): ["/v1/jobs", "/v1/jobs?limit=1&status=accepted,running", "/v1/jobs?limit=0"],
+            ("GET", "/v1/jobs/{job}"): [f"/v1/jobs/{job}", "/v1/jobs/none"],
+            ("GET", "/v1/jobs/{job}/results"): [f"/v1/jobs/{job}/results", f"/v1/jobs/{done}/results"],
+            ("GET", "/v1/jobs/{job}/log"): [f"/v1/jobs/{job}/log"],
+            ("GET", "/v1/jobs/{job}/report"): [f"/v1/jobs/{job}/report"],
+            ("GET", "/v1/jobs/{job}/events"): [f"/v1/jobs/{done}/events", "/v1/jobs/none/events"],
+            ("DELETE", "/v1/jobs/{job}"): [f"/v1/jobs/{job}"],
+            ("POST", "/v1/jobs/{job}/resume"): [f"/v1/jobs/{job}/resume"],
+            ("GET", "/v1/triangulations"): ["/v1/triangulations?limit=1"],
+            ("GET", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block", "/v1/triangulations/none"],
+            ("DELETE", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block"],
+            ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
+            ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
+            ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
+        }
+        routes = {(method.upper(), path) for path, operations in self.api()["paths"].items() for method in operations}
+        operations = {("GET", "/livez"), ("GET", "/readyz"), ("GET", "/metrics")}
+        self.assertEqual(routes - operations, set(asked) | {("GET", "/v1/events")})
+        for (method, path), targets in asked.items():
+            for target in targets:
+                with self.subTest(f"{method} {target}"):
+                    body = b"abc" if method == "PUT" else execution if "execution" in path or "estimate" in path else None
+                    self.check(self.ask(method, target, body), path, method)
+        for method, path in operations:
+            self.check(self.ask(method, path, token=None, port=self.server.operations), path, method)
+
+    def test_the_document_is_openapi_3(self):
+        document = self.api()
+        self.assertEqual(document["openapi"][:4], "3.0.")
+        for path, operations in document["paths"].items():
+            for operation in operations.values():
+                named = [p["name"] for p in operation["parameters"] if p["in"] == "path"]
+                self.assertEqual(named, [part[1:-1] for part in path.split("/") if part.startswith("{")])
+
+    def test_a_bare_submission_gives_a_job_that_is_found_by_its_links(self):
+        path = "/v1/processes/triangulate/execution"
+        answer = self.ask("POST", path, {"inputs": {"inputs": ["a.las"]}})
+        self.assertEqual(answer.status, 201)
+        place = urllib.parse.urljoin(path, answer.headers["Location"])
+        self.assertEqual(place, "/v1/jobs/" + answer.json()["id"])
+        job = self.ask("GET", place).json()
+        self.assertEqual((job["jobID"], job["id"], job["type"]), (job["id"], job["jobID"], "process"))
+        links = {link["rel"]: urllib.parse.urljoin(place, link["href"]) for link in job["links"]}
+        self.assertEqual(links["self"], place)
+        self.assertEqual(self.ask("GET", links["runlog"]).body, b"one\ntwo\n")
+        page = self.ask("GET", "/v1").json()
+        for link in page["links"]:
+            if link["rel"] != "events":
+                self.assertEqual(self.ask("GET", urllib.parse.urljoin("/v1", link["href"])).status, 200)
+
+    def test_one_key_is_one_job(self):
+        path, key = "/v1/processes/triangulate/execution", {"Idempotency-Key": "once"}
+        first = self.ask("POST", path, {"inputs": {"inputs": ["a.las"]}}, headers=key)
+        again = self.ask("POST", path, {"inputs": {"inputs": ["a.las"]}}, headers=key)
+        other = self.ask("POST", path, {"inputs": {"inputs": ["b.las"]}}, headers=key)
+        self.assertEqual(first.json()["id"], again.json()["id"])
+        self.assertEqual(other.status, 422)
+
+    def test_info_is_told_at_once_or_by_a_job(self):
+        path, body = "/v1/processes/info/execution", {"inputs": {"inputs": ["a.las"]}}
+        at_once = self.ask("POST", path, body)
+        self.assertEqual((at_once.status, at_once.json()), (200, {"points": 7}))
+        job = self.ask("POST", path, body, headers={"Prefer": "respond-async"})
+        self.assertEqual((job.status, job.headers["Preference-Applied"]), (201, "respond-async"))
+        self.server.tell(f"state {job.json()['id']} successful")
+        self.assertEqual(self.ask("GET", f"/v1/jobs/{job.json()['id']}/results").json()["outcome"]["value"], {"proved": True})
+
+    def test_lists_are_read_in_pages(self):
+        wanted = [self.submit() for _ in range(7)]
+        place, found = "/v1/jobs?limit=3", []
+        while place:
+            page = self.ask("GET", place).json()
+            found += [job["id"] for job in page["jobs"]]
+            following = [link["href"] for link in page["links"] if link["rel"] == "next"]
+            place = urllib.parse.urljoin(place, following[0]) if following else None
+        self.assertEqual(found[-7:], wanted)
+        self.assertEqual(len(set(found)), len(found))
+
+    def test_64_bit_numbers_are_numbers(self):
+        answer = self.ask("POST", "/v1/processes/triangulate/estimate", {"inputs": {"inputs": ["a"]}})
+        self.assertIn(b"9007199254740993", answer.body)
+        self.assertNotIn(b'"9007199254740993"', answer.body)
+
+    def test_protobuf_goes_in_and_out(self):
+        inputs = b"\x0a\x05a.las"                                   # TriangulateInputs.inputs
+        body = b"\x0a" + bytes([len(inputs) + 2]) + b"\x0a" + bytes([len(inputs)]) + inputs
+        kinds = {"Content-Type": "application/x-protobuf", "Accept": "application/x-protobuf"}
+        answer = self.ask("POST", "/v1/processes/triangulate/execution", body, headers=kinds)
+        self.assertEqual((answer.status, answer.headers["Content-Type"]), (201, "application/x-protobuf"))
+        self.assertEqual(answer.body[:3], b"\x0a" + bytes([answer.body[1]]) + b"j")
+        wrong = self.ask("POST", "/v1/processes/verify/execution", body, headers=kinds)
+        self.assertEqual(wrong.status, 400)
+        self.assertEqual(self.ask("POST", "/v1/processes/verify/execution", b"\xff\xff", headers=kinds).status, 400)
+
+    def test_results_are_by_reference_and_not_there_before(self):
+        job = self.submit()
+        path = f"/v1/jobs/{job}/results"
+        early = self.ask("GET", path)
+        self.assertEqual(early.status, 404)
+        self.assertTrue(early.json()["type"].endswith("/result-not-ready"))
+        self.server.tell(f"state {job} successful")
+        href = self.ask("GET", path).json()["triangulation"]["href"]
+        self.assertEqual(self.ask("GET", urllib.parse.urljoin(path, href)).json()["name"], "block")
+        self.server.tell(f"state {job} failed")
+        self.assertEqual(self.ask("GET", path).status, 422)
+
+    def test_head_is_get_without_its_body(self):
+        for path in ("/v1", "/v1/jobs", "/v1/triangulations/block/files/deep/tile.vtu", "/v1/jobs/none"):
+            get, head = self.ask("GET", path), self.ask("HEAD", path)
+            self.assertEqual((head.status, head.headers["Content-Length"], head.body),
+                             (get.status, get.headers["Content-Length"], b""))
+
+    def test_wrong_types_and_parameters_are_refused(self):
+        path = "/v1/processes/triangulate/execution"
+        self.assertEqual(self.ask("POST", path, b"{}", headers={"Content-Type": "text/plain"}).status, 415)
+        self.assertEqual(self.ask("GET", "/v1/jobs?limt=3").status, 400)
+        self.assertEqual(self.ask("GET", "/v1/jobs?status=lost").status, 400)
+        problem = self.ask("GET", "/v1/jobs?limit=x").json()
+        self.assertIn("limit", problem["detail"])
+        self.assertEqual((problem["instance"], problem["cause"]), ("/v1/jobs", 2))
+
+    def test_uploads_say_how_far_they_are(self):
+        path = "/v1/uploads/mine/b.las"
+        self.assertEqual(self.ask("HEAD", path).status, 404)
+        data = bytes(range(256)) * 8000
+        self.assertEqual(self.ask("PUT", path, data).status, 204)
+        self.assertEqual(self.ask("HEAD", path).headers["Upload-Offset"], str(len(data)))
+        self.assertEqual(self.ask("PUT", path, b"more", headers={"Upload-Offset": str(len(data))}).status, 204)
+        self.assertEqual(self.ask("PUT", path, b"more", headers={"Upload-Offset": "5"}).status, 409)
+        self.assertIn(b" 411 ", self.raw(self.head("PUT", path, "Transfer-Encoding: chunked\r\nConnection: close\r\n")))
+
+    def test_figures_are_those_of_prometheus(self):
+        self.ask("GET", "/v1/jobs")
+        text = self.ask("GET", "/metrics", token=None, port=self.server.operations).body.decode()
+        self.assertRegex(text, r'tessera_http_requests_total\{route="listJobs",status="2xx"\} [1-9]')
+        self.assertRegex(text, r'tessera_phase_seconds_total\{phase="triangulating"\} 1.5')
+        self.assertIn("\nready\n", self.ask("GET", "/readyz?verbose", token=None, port=self.server.operations).body.decode())
+
+
+class PublicUrl(serving.ServerTest):
+    options = {"public_url": "https://tessera.example/x/"}
+
+    def test_links_are_absolute(self):
+        answer = self.ask("POST", "/v1/processes/verify/execution", {"inputs": {"triangulation": "block"}})
+        self.assertEqual(answer.headers["Location"], "https://tessera.example/x/v1/jobs/j1")
+        self.assertEqual(answer.json()["links"][0]["href"], "https://tessera.example/x/v1/jobs/j1")
+        self.assertEqual(self.ask("GET", "/v1", headers={"Host": "tessera.example"}).status, 200)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,67 @@
+// A service without an engine: jobs are accepted and stand still until a test says otherwise, results are files of a
+// folder made for it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/service/service.h"
+
+namespace tessera {
+
+class FakeBackend final : public Backend {
+ public:
+  // Makes a result "block" below `folder`, with a file of `file_bytes` bytes i % 251.
+  FakeBackend(std::filesystem::path folder, std::uint64_t file_bytes);
+  ~FakeBackend() override;
+
+  // The job is in that state from now on; watchers hear of it.
+  void set_state(const std::string& id, const std::string& state);
+  // Watchers of all jobs hear `count` events.
+  void tell(int count);
+
+  Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller, std::string_view idempotency_key) override;
+  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;
+  Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
+  Reply<proto::JobList> jobs(const JobQuery& query) override;
+  Reply<proto::StatusInfo> job(std::string_view id) override;
+  Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) override;
+  Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
+  Reply<ServedFile> log(std::string_view id) override;
+  Reply<ServedFile> report(std::string_view id) override;
+  Reply<std::string> outcome(std::string_view id) override;
+  Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
+  Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;
+  Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
+  Reply<ServedFile> file(std::string_view name, std::string_view path) override;
+  Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                        const Caller& caller) override;
+  Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Figures figures() const override;
+  std::optional<std::string> unready() const override;
+
+ private:
+  class Watcher;
+  class Taken;
+  using Event = std::shared_ptr<const proto::Event>;
+  void publish(const proto::StatusInfo& status);
+  Reply<ServedFile> open(const std::filesystem::path& path, const char* type, std::string etag) const;
+
+  const std::filesystem::path folder_;
+  mutable std::mutex mutex_;
+  std::vector<proto::StatusInfo> jobs_;                                           // j1, j2, ...
+  std::map<std::string, std::pair<std::string, std::string>, std::less<>> keys_;  // key -> inputs, id
+  std::vector<Event> events_;
+  std::vector<Watcher*> watchers_;
+  std::map<std::string, std::string, std::less<>> uploads_;
+};
+
+}  // namespace tessera

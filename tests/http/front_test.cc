@@ -1,0 +1,133 @@
+#include "src/http/front.h"
+
+#include <gtest/gtest.h>
+
+#include <cctype>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+#include <string>
+
+#include "tests/http/fake_backend.h"
+
+namespace tessera::http {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FrontOf : public testing::Test {
+ protected:
+  FrontOf()
+      : folder_(testing::TempDir() + "front-" + random_hex(8)),
+        backend_(folder_, 100),
+        front_(backend_, Tokens::open(folder_ / "tokens").value(), {}) {}
+  ~FrontOf() override { fs::remove_all(folder_); }
+
+  Answer ask(const std::string& method, const std::string& target, const std::string& body = {}, Headers more = {}) {
+    Request request;
+    request.method = method;
+    request.headers = {{"host", "localhost"},
+                       {"authorization", "Bearer " + front_.tokens().first(Role::admin)},
+                       {"content-type", "application/json"}};
+    for (auto& header : more) request.headers.push_back(std::move(header));
+    Admitted admitted = front_.admit(request, target, Place::api);
+    request.body = body;
+    Answer answer = admitted.answer ? std::move(*admitted.answer) : front_.answer(request, admitted);
+    front_.complete(request, admitted, answer);
+    return answer;
+  }
+
+  fs::path folder_;
+  FakeBackend backend_;
+  Front front_;
+};
+
+TEST_F(FrontOf, DocumentHasEveryRoute) {
+  const auto document = nlohmann::json::parse(ask("GET", "/v1/api").body);
+  std::set<std::string> documented, names;
+  for (const auto& [path, operations] : document["paths"].items())
+    for (const auto& [method, operation] : operations.items()) {
+      documented.insert(method + " " + path);
+      EXPECT_FALSE(operation["responses"].empty());
+      names.insert(operation["operationId"]);
+    }
+  EXPECT_GT(front_.router().routes().size(), 25U);
+  for (const Route& route : front_.router().routes()) {
+    std::string method = route.method, path = route.path;
+    for (char& c : method) c = static_cast<char>(std::tolower(c));
+    std::erase(path, '*');
+    EXPECT_EQ(documented.count(method + " " + path), 1U) << route.path;
+  }
+  EXPECT_EQ(documented.size(), front_.router().routes().size());
+  EXPECT_EQ(names.size(), documented.size());
+  // Every reference leads somewhere.
+  const std::string text = document.dump();
+  for (std::size_t at = text.find("#/components/"); at != std::string::npos; at = text.find("#/components/", at + 1)) {
+    const std::string pointer = text.substr(at + 1, text.find('"', at) - at - 1);
+    EXPECT_TRUE(document.contains(nlohmann::json::json_pointer(pointer))) << pointer;
+  }
+}
+
+TEST_F(FrontOf, OptionsAndWrongMethodsSayWhatIsAllowed) {
+  for (const char* method : {"OPTIONS", "PATCH"}) {
+    const Answer answer = ask(method, "/v1/jobs/j1");
+    EXPECT_EQ(answer.status, std::string(method) == "OPTIONS" ? 204 : 405);
+    EXPECT_EQ(answer.headers[0].first == "Allow" || answer.headers[1].first == "Allow" ? "yes" : "no",
+              std::string("yes"));
+  }
+  EXPECT_EQ(ask("GET", "/v1/nothing").status, 404);
+  EXPECT_EQ(ask("GET", "/metrics").status, 404) << "figures are not on the API's listener";
+}
+
+TEST_F(FrontOf, ExecutionOfWrongInputsNamesTheField) {
+  const auto detail = [&](const std::string& body) {
+    const Answer answer = ask("POST", "/v1/processes/triangulate/execution", body);
+    EXPECT_EQ(answer.status, 400) << body;
+    const auto problem = nlohmann::json::parse(answer.body);
+    EXPECT_EQ(problem["cause"], 2) << body;
+    return problem["detail"].get<std::string>();
+  };
+  EXPECT_NE(detail(R"({"inputs":{"inputs":["a"],"tile_point":5}})").find("tile_point"), std::string::npos);
+  EXPECT_NE(detail(R"({"inputs":{"inputs":["a"],"tiles":"x"}})").find("tiles"), std::string::npos);
+  EXPECT_NE(detail(R"({"inputs":{"inputs":["a"]},"subscriber":{}})").find("subscriber"), std::string::npos);
+  EXPECT_NE(detail(R"({})").find("inputs"), std::string::npos);
+  EXPECT_NE(detail(R"([1])").find("object"), std::string::npos);
+  EXPECT_NE(detail("{").find("JSON"), std::string::npos);
+  EXPECT_NE(detail(std::string(500'000, '[')).find("nested"), std::string::npos);
+  EXPECT_NE(detail(R"({"inputs":)" + std::string(100, '[') + std::string(100, ']') + "}").find("nested"),
+            std::string::npos);
+}
+
+// Whatever comes: an answer that is one, never an exception, never 500.
+TEST_F(FrontOf, AnswersMutatedRequests) {
+  std::mt19937 random(12);
+  const std::string body = R"({"inputs":{"inputs":["a.las"],"tiles":5,"crop":[0,0,0,1,1,1],"memory":"4G"}})";
+  const char* targets[] = {"/v1/jobs?limit=5&status=running", "/v1/processes/triangulate/execution",
+                           "/v1/triangulations/block/files/deep/tile.vtu", "/v1/processes/triangulate/estimate"};
+  const auto mutated = [&](std::string text) {
+    for (std::size_t times = random() % 4; times > 0 && !text.empty(); --times) {
+      const std::size_t at = random() % text.size();
+      if (random() % 3 == 0)
+        text.erase(at, random() % 5);
+      else if (random() % 2 == 0)
+        text.insert(at, text.substr(random() % text.size(), random() % 9));
+      else
+        text[at] = static_cast<char>(random());
+    }
+    return text;
+  };
+  std::map<int, int> statuses;
+  for (int round = 0; round < 20'000; ++round) {
+    const Answer answer = ask(random() % 2 ? "POST" : "GET", mutated(targets[random() % 4]), mutated(body),
+                              {{"range", mutated("bytes=3-50")}, {"last-event-id", mutated("17")}});
+    ++statuses[answer.status];
+    ASSERT_NE(answer.status, 500);
+    ASSERT_NE(reason_phrase(answer.status), "Status") << answer.status;
+  }
+  for (const int expected : {200, 201, 206, 400, 404, 405}) EXPECT_GT(statuses[expected], 20) << expected;
+}
+
+}  // namespace
+}  // namespace tessera::http

@@ -1,0 +1,148 @@
+"""Nobody gets in who does not belong: every route of the document, and every way around."""
+
+import re
+import unittest
+import urllib.parse
+
+import serving
+
+RANK = {"none": 0, "read": 1, "submit": 2, "admin": 3}
+
+
+class Security(serving.ServerTest):
+    def routes(self):
+        for path, operations in self.api()["paths"].items():
+            for method, operation in operations.items():
+                yield method.upper(), re.sub(r"\{\w+\}", "x", path), operation["x-role"]
+
+    def test_every_route_without_with_a_wrong_and_with_a_weak_token(self):
+        seen = 0
+        for method, path, role in self.routes():
+            if role == "none":
+                self.assertIn(path, ("/livez", "/readyz", "/metrics"))
+                continue
+            seen += 1
+            body = b"{}" if method in ("PUT", "POST") else None
+            with self.subTest(f"{method} {path}"):
+                answer = self.ask(method, path, body, token=None)
+                self.assertEqual(answer.status, 401)
+                self.assertTrue(answer.headers["WWW-Authenticate"].startswith("Bearer"))
+                # Too many of them, and the address has to wait.
+                self.assertIn(self.ask(method, path, body, token="x" * 40).status, (401, 429))
+                for weak, rank in RANK.items():
+                    if 0 < rank < RANK[role]:
+                        self.assertEqual(self.ask(method, path, body, token=weak).status, 403)
+                if not path.endswith("events"):
+                    self.assertNotIn(self.ask(method, path, body, token=role).status, (401, 403))
+        self.assertGreater(seen, 20)
+
+    def test_a_refused_submission_makes_no_job(self):
+        before = len(self.ask("GET", "/v1/jobs").json()["jobs"])
+        path, body = "/v1/processes/triangulate/execution", {"inputs": {"inputs": ["a.las"]}}
+        for token, status in ((None, 401), ("read", 403), ("submit", 201)):
+            self.assertEqual(self.ask("POST", path, body, token=token).status, status)
+        self.assertEqual(len(self.ask("GET", "/v1/jobs").json()["jobs"]), before + 1)
+
+    def test_authorization_is_bearer_with_the_whole_token(self):
+        token = self.server.tokens["admin"]
+        for value in (token, "Basic " + token, "Bearer", "Bearer ", "Bearer " + token[:-1], f"Bearer {token}a",
+                      f"Bearer {token} {token}", "Bearer  " + token):
+            self.assertIn(self.ask("GET", "/v1", token=None, headers={"Authorization": value}).status, (401, 429), value)
+        self.assertEqual(self.ask("GET", "/v1", token=None, headers={"Authorization": "bearer " + token}).status, 200)
+        self.assertEqual(self.ask("GET", "/v1?token=" + token, token=None).status, 401)
+
+    def cookie(self):
+        answer = self.ask("GET", "/?token=" + self.server.tokens["submit"], token=None)
+        self.assertEqual((answer.status, answer.headers["Location"]), (303, "./"))
+        cookie, *attributes = answer.headers["Set-Cookie"].split("; ")
+        self.assertLessEqual({"HttpOnly", "SameSite=Strict"}, set(attributes))
+        self.assertNotIn(self.server.tokens["submit"], cookie)
+        return cookie
+
+    def test_a_token_is_exchanged_for_a_cookie(self):
+        cookie = self.cookie()
+        page = self.ask("GET", "/", token=None, headers={"Cookie": "a=b; " + cookie, "Accept": "text/html"})
+        self.assertEqual(page.status, 200)
+        self.assertIn("text/html", page.headers["Content-Type"])
+        self.assertEqual(self.ask("GET", "/", token=None, headers={"Cookie": cookie + "0"}).status, 401)
+        self.assertIn(self.ask("GET", "/?token=" + "y" * 40, token=None).status, (401, 429))
+        # The cookie's value is no token.
+        value = cookie.split("=")[1]
+        self.assertIn(self.ask("GET", "/v1", token=None, headers={"Authorization": "Bearer " + value}).status, (401, 429))
+
+    def test_a_page_of_another_origin_changes_nothing(self):
+        cookie = self.cookie()
+        path, body = "/v1/processes/triangulate/execution", {"inputs": {"inputs": ["a.las"]}}
+        own = f"http://127.0.0.1:{self.server.port}"
+        for headers, status in (
+                ({}, 403), ({"Origin": own}, 201), ({"Sec-Fetch-Site": "same-origin"}, 201),
+                ({"Origin": "https://evil.example"}, 403), ({"Origin": "null"}, 403),
+                ({"Origin": own, "Sec-Fetch-Site": "cross-site"}, 403), ({"Sec-Fetch-Site": "same-site"}, 403),
+                ({"Origin": f"http://127.0.0.1:{self.server.port + 1}"}, 403)):
+            self.assertEqual(self.ask("POST", path, body, token=None, headers={"Cookie": cookie, **headers}).status,
+                             status, headers)
+        # Who shows a token is no browser that was led astray.
+        self.assertEqual(self.ask("POST", path, body, headers={"Origin": "https://evil.example"}).status, 201)
+
+    def test_only_names_of_this_service_are_answered(self):
+        for host in ("evil.example", "127.0.0.1.evil.example", "10.0.0.1", "localhost@evil.example", "localhost:80:80", ""):
+            got = self.raw(f"GET /v1 HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {self.server.tokens['admin']}\r\n"
+                           "Connection: close\r\n\r\n".encode())
+            self.assertRegex(got, rb"^HTTP/1.1 4(21|00) ", host)
+        for hosts in ("", "Host: localhost\r\nHost: localhost\r\n"):
+            got = self.raw(f"GET /v1 HTTP/1.1\r\n{hosts}Connection: close\r\n\r\n".encode())
+            self.assertTrue(got.startswith(b"HTTP/1.1 400 "), got)
+        for host in ("localhost", "LOCALHOST:1", "[::1]:7070"):
+            self.assertEqual(self.ask("GET", "/v1", headers={"Host": host}).status, 200)
+        # Supervisors ask by address.
+        ask = lambda host: self.ask("GET", "/livez", token=None, port=self.server.operations, headers={"Host": host})
+        self.assertEqual(ask("10.1.2.3:80").status, 200)
+        self.assertEqual(ask("evil.example").status, 421)
+
+    def test_there_is_no_way_around_a_path(self):
+        token = self.server.tokens["admin"]
+        for target in ("/v1/../v1", "/v1/triangulations/block/files/../../x", "/%2e%2e/etc/passwd", "/v1/%2E%2e/x",
+                       "/v1/triangulations/block/files/..%2f..%2fetc", "/v1/jobs/a%00b", "/v1/jobs/%252e%252e",
+                       "//v1", "/v1//jobs", "http://localhost/v1", "http://evil.example/v1", "/v1/jobs/a%5c..%5cb",
+                       "/v1/jobs/%c0%ae%c0%ae", "*", "localhost:80", "/v1#x", "/v1/jobs/"):
+            got = self.raw(f"GET {target} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\n"
+                           "Connection: close\r\n\r\n".encode())
+            self.assertRegex(got, rb"^HTTP/1.1 400 ", target)
+            self.assertIn(b"application/problem+json", got)
+
+    def test_no_answer_allows_what_a_browser_should_not_do(self):
+        for path, token in (("/v1", "read"), ("/v1/none", "read"), ("/v1/jobs", None)):
+            answer = self.ask("GET", path, token=token, headers={"Origin": "https://evil.example"})
+            self.assertFalse([name for name in answer.headers if name.lower().startswith("access-control")])
+            self.assertEqual(answer.headers["X-Content-Type-Options"], "nosniff")
+            self.assertIn("default-src 'none'", answer.headers["Content-Security-Policy"])
+            self.assertEqual(answer.headers["Cache-Control"], "no-store")
+
+    def test_changes_are_told_in_the_log(self):
+        job = self.submit()
+        self.ask("DELETE", f"/v1/jobs/{job}", token="submit")
+        self.assertIn(f"audit: submiter (submit) from 127.0.0.1: DELETE /v1/jobs/{job}: 200", self.server.log())
+
+
+class FailedAuthentications(serving.ServerTest):
+    def test_are_bounded_and_lock_nobody_out(self):
+        statuses = [self.ask("GET", "/v1", token="z" * 40).status for _ in range(40)]
+        self.assertEqual(statuses[0], 401)
+        self.assertEqual(statuses[-1], 429)
+        self.assertEqual(self.ask("GET", "/v1").status, 200)
+        text = self.ask("GET", "/metrics", token=None, port=self.server.operations).body.decode()
+        self.assertIn("tessera_http_authentications_failed_total 40", text)
+
+
+class Beyond(unittest.TestCase):
+    def test_the_loopback_is_not_left_without_tls(self):
+        server = serving.Server(address="0.0.0.0")
+        self.assertIn("certificate", server.started["error"])
+        self.assertEqual(server.close(), 2)
+        server = serving.Server(address="0.0.0.0", insecure=1)
+        self.assertNotIn("error", server.started)
+        self.assertEqual(server.close(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

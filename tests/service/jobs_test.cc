@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "tests/service/service_testing.h"
+
+namespace tessera::testing {
+namespace {
+
+using Jobs = ServiceTest;
+
+TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
+  make_cloud("a.xyz", 2000);
+  open();
+  const auto made = ended(submit(triangulate("a.xyz", "block")));
+  ASSERT_EQ(made.status(), "successful") << made.message();
+  EXPECT_EQ(made.progress(), 100);
+  EXPECT_EQ(made.points(), 2000);
+  const auto info = service->triangulation("block");
+  ASSERT_TRUE(info) << info.error().detail();
+  EXPECT_EQ(info.value().vertices(), 2000);
+  EXPECT_EQ(info.value().digest().size(), 32);
+  EXPECT_EQ(ended(submit(verify("block"))).status(), "successful");
+  proto::Inputs exported;
+  exported.mutable_export_()->set_triangulation("block");
+  exported.mutable_export_()->set_output("mesh.ply");
+  const auto ply = ended(submit(exported));
+  ASSERT_EQ(ply.status(), "successful") << ply.message();
+  EXPECT_NE(service->outcome(ply.id()).value().find("\"mesh.ply\""), std::string::npos);
+  EXPECT_TRUE(service->file("block", "exports/mesh.ply"));
+  EXPECT_EQ(refused(exported).status(), 409);
+  exported.mutable_export_()->set_overwrite(true);
+  EXPECT_EQ(ended(submit(exported)).status(), "successful");
+  proto::InfoInputs question;
+  question.add_inputs("a.xyz");
+  question.set_stats(true);
+  const auto told = service->info(question, alice);
+  ASSERT_TRUE(told) << told.error().detail();
+  EXPECT_NE(told.value().find("\"points\":"), std::string::npos);
+  EXPECT_NE(service->outcome(made.id()).value().find("\"event\":\"summary\""), std::string::npos);
+}
+
+TEST_F(Jobs, AFailedJobTellsWhyHarmsNoOtherAndLeavesNothing) {
+  options.limits.running = 2;
+  make_cloud("a.xyz", 3000);
+  std::ofstream(inputs() / "bad.xyz") << "1 2 3\n4 5 6\n7 8 9\n1 2 nan\n";
+  open();
+  std::vector<std::string> good, bad;
+  for (int i = 0; i < 4; ++i) {
+    good.push_back(submit(triangulate("a.xyz", "good" + std::to_string(i))));
+    bad.push_back(submit(triangulate("bad.xyz", "bad" + std::to_string(i))));
+  }
+  for (const auto& id : good) EXPECT_EQ(ended(id).status(), "successful");
+  for (const auto& id : bad) {
+    const auto failed = ended(id);
+    EXPECT_EQ(failed.status(), "failed");
+    EXPECT_EQ(failed.problem().cause(), 3);
+    EXPECT_EQ(failed.problem().status(), 422);
+    EXPECT_NE(failed.message().find("skip_invalid"), std::string::npos) << failed.message();
+    EXPECT_EQ(service->outcome(id).error().status(), 422);
+  }
+  service.reset();
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(data() / "results"))
+    names.insert(entry.path().filename());
+  EXPECT_EQ(names, (std::set<std::string>{"good0", "good1", "good2", "good3"}));
+}
+
+TEST_F(Jobs, OneKeyIsOneJobAlsoAfterARestart) {
+  make_cloud("a.xyz", 500);
+  open();
+  const auto id = submit(triangulate("a.xyz"), alice, "once");
+  const auto again = service->submit(triangulate("a.xyz"), alice, "once");
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again.value().fresh);
+  EXPECT_EQ(again.value().status.id(), id);
+  restart();
+  EXPECT_EQ(submit(triangulate("a.xyz"), alice, "once"), id);
+  EXPECT_EQ(refused(triangulate("a.xyz", "other"), alice, "once").status(), 422);
+  EXPECT_NE(submit(triangulate("a.xyz"), bob, "once"), id);
+}
+
+TEST_F(Jobs, QueuedRunningAndEndedJobsGoOnAfterARestartInTheirOrder) {
+  make_cloud("small.xyz", 500);
+  make_cloud("large.ply", 300'000);
+  open();
+  const auto first = submit(triangulate("small.xyz", "first"));
+  EXPECT_EQ(ended(first).status(), "successful");
+  const auto running = submit(triangulate("large.ply", "running"));
+  const auto second = submit(triangulate("small.xyz", "second"));
+  const auto third = submit(triangulate("small.xyz", "third"));
+  working(running);
+  restart();
+  EXPECT_EQ(status(first).status(), "successful");
+  EXPECT_EQ(status(first).starts(), 1);
+  for (const auto& id : {running, second, third}) EXPECT_EQ(ended(id).status(), "successful");
+  EXPECT_EQ(status(running).starts(), 2);
+  EXPECT_LE(status(running).started(), status(second).started());
+  EXPECT_LE(status(second).started(), status(third).started());
+  EXPECT_EQ(service->triangulations(10, "").value().number_matched(), 4);
+}
+
+TEST_F(Jobs, ADismissedJobStopsAndCanGoOn) {
+  make_cloud("large.ply", 400'000);
+  open();
+  const auto id = submit(triangulate("large.ply", "block"));
+  wait(id, [](const auto& now) { return now.phase() == "triangulating" || now.status() != "running"; });
+  EXPECT_EQ(service->dismiss(id, bob).error().status(), 403);
+  const auto dismissed = service->dismiss(id, alice);
+  ASSERT_TRUE(dismissed) << dismissed.error().detail();
+  EXPECT_EQ(dismissed.value().status(), "dismissed");
+  EXPECT_TRUE(dismissed.value().resumable());
+  EXPECT_EQ(service->outcome(id).error().status(), 410);
+  EXPECT_FALSE(service->triangulation("block"));
+  ASSERT_TRUE(service->resume(id, alice));
+  EXPECT_EQ(ended(id).status(), "successful");
+  EXPECT_EQ(service->triangulation("block").value().vertices(), 400'000);
+  EXPECT_EQ(service->resume(id, alice).error().status(), 409);
+}
+
+TEST_F(Jobs, AWaitingJobThatIsDismissedNeverRunsAndOneThatEndedIsForgottenForGood) {
+  make_cloud("large.ply", 200'000);
+  make_cloud("small.xyz", 500);
+  open();
+  const auto running = submit(triangulate("large.ply"));
+  const auto waiting = submit(triangulate("small.xyz", "waiting"));
+  ASSERT_TRUE(service->dismiss(waiting, alice));
+  EXPECT_EQ(ended(running).status(), "successful");
+  EXPECT_EQ(status(waiting).starts(), 0);
+  ASSERT_TRUE(service->dismiss(waiting, alice));
+  EXPECT_EQ(service->job(waiting).error().status(), 410);
+  restart();
+  EXPECT_EQ(service->job(waiting).error().status(), 410);
+  EXPECT_EQ(service->job("nothing").error().status(), 404);
+  EXPECT_FALSE(std::filesystem::exists(data() / "jobs" / waiting));
+  // The result of a job that is forgotten stays.
+  ASSERT_TRUE(service->dismiss(running, alice));
+  EXPECT_TRUE(service->triangulation(running));
+}
+
+TEST_F(Jobs, AResultIsReplacedOnlyWhenAskedForAndWhenTheNewOneIsWhole) {
+  make_cloud("a.xyz", 500);
+  make_cloud("b.xyz", 600);
+  std::ofstream(inputs() / "bad.xyz") << "1 2 3\n4 5 nan\n";
+  open();
+  ended(submit(triangulate("a.xyz", "block")));
+  EXPECT_EQ(refused(triangulate("b.xyz", "block")).status(), 409);
+  auto replacing = triangulate("bad.xyz", "block");
+  replacing.mutable_triangulate()->set_overwrite(true);
+  EXPECT_EQ(ended(submit(replacing)).status(), "failed");
+  EXPECT_EQ(service->triangulation("block").value().vertices(), 500);
+  *replacing.mutable_triangulate()->mutable_inputs(0) = "b.xyz";
+  EXPECT_EQ(ended(submit(replacing)).status(), "successful");
+  EXPECT_EQ(service->triangulation("block").value().vertices(), 600);
+  EXPECT_EQ(service->remove_triangulation("block", bob).error().status(), 403);
+  ASSERT_TRUE(service->remove_triangulation("block", alice));
+  EXPECT_EQ(service->triangulation("block").error().status(), 404);
+  EXPECT_TRUE(std::filesystem::is_empty(data() / "results"));
+}
+
+TEST_F(Jobs, WhatCostsTooMuchIsRefusedAtOnceWithTheFigures) {
+  make_cloud("a.xyz", 5000);
+  options.limits.points = 1000;
+  open();
+  const auto points = refused(triangulate("a.xyz"));
+  EXPECT_EQ(points.status(), 422);
+  EXPECT_NE(points.detail().find("a job may have 1 000"), std::string::npos) << points.detail();
+  const auto estimate = service->estimate(triangulate("a.xyz").triangulate(), alice);
+  ASSERT_TRUE(estimate);
+  EXPECT_FALSE(estimate.value().accepted());
+  options.limits.points = 0;
+  options.limits.disk_bytes = 1000;
+  service.reset();
+  open();
+  EXPECT_EQ(refused(triangulate("a.xyz")).status(), 422);
+  options.limits.disk_bytes = 0;
+  options.limits.jobs_of_a_caller = 0;
+  service.reset();
+  open();
+  EXPECT_EQ(refused(triangulate("a.xyz")).status(), 429);
+  EXPECT_EQ(refused(triangulate("a.xyz"), {"eve", Role::read}).status(), 403);
+}
+
+TEST_F(Jobs, ListsComeInPagesNewestFirst) {
+  make_cloud("a.xyz", 100);
+  open();
+  std::vector<std::string> ids;
+  for (int i = 0; i < 7; ++i) ids.push_back(submit(triangulate("a.xyz")));
+  std::reverse(ids.begin(), ids.end());
+  std::vector<std::string> listed;
+  JobQuery query{.limit = 3};
+  while (true) {
+    const auto page = service->jobs(query).value();
+    EXPECT_EQ(page.number_matched(), 7);
+    if (page.jobs_size() == 0) break;
+    for (const auto& job : page.jobs()) listed.push_back(job.id());
+    query.after = listed.back();
+  }
+  EXPECT_EQ(listed, ids);
+  EXPECT_EQ(service->jobs({.processes = {"verify"}}).value().number_matched(), 0);
+}
+
+TEST_F(Jobs, EventsAscendOverRestartsAndAreReplayed) {
+  make_cloud("a.xyz", 500);
+  open();
+  const auto id = submit(triangulate("a.xyz"));
+  ended(id);
+  const auto events_after = [&](std::uint64_t last, std::size_t wanted) {
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::vector<proto::Event> events;
+    const auto handle = service->subscribe(id, last, [&](const auto& event) {
+      const std::lock_guard lock(mutex);
+      events.push_back(*event);
+      changed.notify_all();
+    });
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return events.size() >= wanted; });
+    return events;
+  };
+  const auto all = events_after(1, 3);  // 1 was its acceptance
+  for (std::size_t i = 1; i < all.size(); ++i) EXPECT_LT(all[i - 1].id(), all[i].id());
+  restart();
+  // What is not kept is replaced by the status of the job.
+  const auto replaced = events_after(all.back().id(), 1);
+  EXPECT_EQ(replaced.front().status().status(), "successful");
+  EXPECT_GT(replaced.front().id(), all.back().id());
+  EXPECT_FALSE(service->subscribe("nothing", 0, [](const auto&) {}));
+}
+
+TEST_F(Jobs, ASecondServiceHasNoPlaceInTheFolder) {
+  open();
+  const auto second = Service::open(options);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, Errc::usage);
+}
+
+TEST_F(Jobs, WhatIsNotOursInTheDataFolderStays) {
+  const std::vector<std::string> foreign{"jobs/mine/x.txt",
+                                         "jobs/job.json",
+                                         "results/mine/x.txt",
+                                         "x.txt",
+                                         "results/.unfinished-mine/x.txt",
+                                         "jobs/0193e1f0a2b4-0001-9f3a2b1c/x.txt"};
+  for (const auto& file : foreign) {
+    std::filesystem::create_directories((data() / file).parent_path());
+    std::ofstream(data() / file) << "mine";
+  }
+  std::filesystem::create_directories(data() / "jobs/0193e1f0a2b4-0002-9f3a2b1c");
+  std::ofstream(data() / "jobs/0193e1f0a2b4-0002-9f3a2b1c/job.json") << "{\"id\": \"cut";
+  make_cloud("a.xyz", 500);
+  open();
+  ended(submit(triangulate("a.xyz", "a")));
+  EXPECT_EQ(service->jobs({}).value().number_matched(), 1);
+  ASSERT_TRUE(service->remove_triangulation("a", admin));
+  EXPECT_EQ(service->remove_triangulation("mine", admin).error().status(), 404);
+  restart();
+  for (const auto& file : foreign) EXPECT_TRUE(std::filesystem::exists(data() / file)) << file;
+  EXPECT_TRUE(std::filesystem::exists(data() / "jobs/0193e1f0a2b4-0002-9f3a2b1c/job.json"));
+}
+
+TEST_F(Jobs, WhereNoStateCanBeWrittenNothingIsAccepted) {
+  make_cloud("a.xyz", 100);
+  open();
+  EXPECT_FALSE(service->unready());
+  std::filesystem::remove_all(data() / "jobs");
+  std::ofstream(data() / "jobs") << "a file";
+  EXPECT_EQ(refused(triangulate("a.xyz")).status(), 500);
+  EXPECT_EQ(service->jobs({}).value().number_matched(), 0);
+}
+
+}  // namespace
+}  // namespace tessera::testing
