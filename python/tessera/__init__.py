@@ -20,10 +20,11 @@ from ._progress import Progress
 from ._tile import Tile
 from ._triangulate import info, triangulate
 from ._triangulation import Proof, Tiles, Triangulation, open
+from .client import Client, Event, Job, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "open", "info", "Triangulation", "Tile", "Tiles", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # What help() and messages call them.
 for _public in __all__:

@@ -28,8 +28,20 @@ Command add_triangulate(CLI::App& root);
 Command add_verify(CLI::App& root);
 Command add_info(CLI::App& root);
 Command add_export(CLI::App& root);
+Command add_jobs(CLI::App& root);
+Command add_job(CLI::App& root);
+Command add_watch(CLI::App& root);
+Command add_cancel(CLI::App& root);
+Command add_resume(CLI::App& root);
+Command add_results(CLI::App& root);
+Command add_fetch(CLI::App& root);
 Command add_generate(CLI::App& root);
 Command add_harness(CLI::App& root);
+
+// Under which the help lists commands that ask a daemon.
+constexpr const char* daemon_group = "Asking a daemon (--server)";
+// Its argument: the id of a job.
+std::shared_ptr<std::string> add_job_id(Command& command);
 
 // The parts of a command's declaration that all share.
 Command new_command(CLI::App& root, const std::string& name, const std::string& description,

@@ -21,6 +21,13 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_verify(root));
   commands.push_back(add_info(root));
   commands.push_back(add_export(root));
+  commands.push_back(add_jobs(root));
+  commands.push_back(add_job(root));
+  commands.push_back(add_watch(root));
+  commands.push_back(add_cancel(root));
+  commands.push_back(add_resume(root));
+  commands.push_back(add_results(root));
+  commands.push_back(add_fetch(root));
   commands.push_back(add_generate(root));
   commands.push_back(add_harness(root));
   return commands;

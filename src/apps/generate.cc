@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "src/job/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/job/arguments.h"
 #include "src/report/human.h"
 
 namespace tessera {

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "src/job/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/job/arguments.h"
 #include "src/reference/clouds.h"
 #include "src/report/human.h"
 

@@ -74,6 +74,14 @@ void Settings::load_environment(const std::function<const char*(const char*)>& g
   }
 }
 
+std::vector<std::string> Settings::given() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, setting] : settings_) {
+    if (setting.source != Source::none) keys.push_back(key);
+  }
+  return keys;
+}
+
 Settings::Source Settings::source(const std::string& key) const {
   const auto found = settings_.find(key);
   return found == settings_.end() ? Source::none : found->second.source;

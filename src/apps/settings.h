@@ -36,6 +36,8 @@ class Settings {
   void set_flag(const std::string& key, std::string text);
   void load_environment(const std::function<const char*(const char*)>& get_environment);
 
+  // The keys that some source has, in order.
+  std::vector<std::string> given() const;
   Source source(const std::string& key) const;
   std::optional<std::string> text(const std::string& key) const;
 

@@ -1,6 +1,5 @@
 // tessera triangulate: point files in, result folder out.
 #include <malloc.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -14,7 +13,10 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/remote_triangulate.h"
+#include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
+#include "src/apps/watching.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
 #include "src/report/progress_display.h"
@@ -22,13 +24,6 @@
 
 namespace tessera {
 namespace {
-
-ProgressStyle progress_style(const OutputOptions& output) {
-  if (output.quiet) return ProgressStyle::none;
-  if (output.json) return ProgressStyle::json;
-  // Log lines would tear the panel apart.
-  return isatty(STDERR_FILENO) != 0 && !output.verbose ? ProgressStyle::terminal : ProgressStyle::lines;
-}
 
 // By default each thread gets a pool of its own from which little goes back, and what has been freed once is kept the
 // next time: 10 to 25 MiB that no account shows. More memory than this has room for it.
@@ -90,8 +85,11 @@ Command add_triangulate(CLI::App& root) {
                   "  zcat scan.xyz.gz | tessera triangulate - -o out/\n"
                   "  tessera triangulate city.copc.laz -o out/ --crop 885000,629000,885200,629200 --resolution 0.5\n"
                   "  tessera triangulate scan.las -o ground/ --dim 2 --class 2,9 --attributes intensity\n"
-                  "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)");
+                  "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)\n"
+                  "  tessera triangulate block/*.las -o block --server http://127.0.0.1:7070      (by a daemon)");
   add_triangulate_options(command);
+  add_switch(command, "detach", "with --server: do not watch the job", 0, true);
+  add_server_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app
       ->add_option("inputs", *inputs,
@@ -101,6 +99,9 @@ Command add_triangulate(CLI::App& root) {
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(options, read_triangulate_options(*settings, *inputs));
     if (options.output.verbose) log_everything();
+    if (names_server(*settings)) return triangulate_remotely(*settings, options);
+    BOOST_OUTCOME_TRY(detach, settings->on("detach"));
+    if (detach) return error(Errc::usage, "--detach is for a job of a daemon: give --server, too");
     spare_memory(options.job.memory_bytes);
     options.job.command = command_line;
     return run_triangulate(std::move(options));

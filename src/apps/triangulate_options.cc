@@ -114,7 +114,7 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
 }
 
 void add_triangulate_options(Command& command) {
-  add_value(command, "output", "FOLDER", "the result folder", 'o', true);
+  add_value(command, "output", "FOLDER", "the result folder; with --server, the name of the result", 'o', true);
   add_cloud_options(command);
   add_value(command, "kernel", "KIND", "flat (default), cgal");
   add_choices(command, "kernel", "flat, cgal");

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "src/job/arguments.h"
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/job/arguments.h"
 #include "src/job/machine.h"
 #include "src/report/human.h"
 

@@ -146,6 +146,12 @@ Result<Box> parse_crop(std::string_view text, int dimension) {
   return box;
 }
 
+Result<double> parse_finite(std::string_view text) {
+  const auto number = finite_number(text);
+  if (!number) return refuse(text, "is not a number");
+  return *number;
+}
+
 Result<double> parse_distance(std::string_view text) {
   const auto number = finite_number(text);
   if (!number || *number <= 0) return refuse(text, "is not a distance, a number above 0");

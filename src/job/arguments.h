@@ -29,6 +29,9 @@ Result<bool> parse_switch(std::string_view text);
 // A closed box: xmin,ymin,xmax,ymax (any z) or xmin,ymin,zmin,xmax,ymax,zmax (3D only).
 Result<Box> parse_crop(std::string_view text, int dimension);
 
+// A finite number.
+Result<double> parse_finite(std::string_view text);
+
 // A distance: finite and above 0, in the units of the coordinates.
 Result<double> parse_distance(std::string_view text);
 

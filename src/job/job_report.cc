@@ -1,10 +1,12 @@
 #include "src/job/job_report.h"
 
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 #include "src/crs/crs.h"
 #include "src/job/version.h"
+#include "src/store/digest.h"
 
 namespace tessera {
 
@@ -65,6 +67,37 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"splaying_cpu_s", e.work.splaying},
                       {"collecting_cpu_s", e.work.collecting},
                       {"peak_memory_bytes", number(summary.peak_memory_bytes)}};
+}
+
+JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out) {
+  const auto figure = [&](const char* name) {
+    const auto found = manifest.figures.find(name);
+    return found == manifest.figures.end() || !(found->second >= 0) ? 0 : static_cast<std::uint64_t>(found->second);
+  };
+  RunSummary tiles;
+  ExchangeFigures& e = tiles.exchange;
+  e.updates = figure("messages");
+  e.points.sent = figure("points_sent");
+  e.points.received = figure("points_received");
+  e.points.inserted = figure("points_inserted");
+  e.points.kept = figure("points_kept");
+  e.hops = figure("rounds");
+  e.most_received = figure("most_received");
+  e.sleeps = figure("sleeps");
+  JobOptions options;
+  options.threads = static_cast<std::uint32_t>(figure("threads"));
+  auto summary = summary_of(options, out, manifest, tiles);
+  summary.duplicates = manifest.duplicates;
+  summary.memory_budget_bytes = 0;
+  summary.peak_memory_bytes = figure("peak_memory_bytes");
+  if (manifest.digest) summary.digest = digest_text(*manifest.digest);
+  for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {
+    const auto found = manifest.seconds.find(name_of(static_cast<Phase>(i)));
+    if (found == manifest.seconds.end()) continue;
+    summary.seconds.emplace_back(*found);
+    summary.total_s += found->second;
+  }
+  return summary;
 }
 
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,

@@ -19,6 +19,8 @@ Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunS
 // Without duplicates, seconds and peak memory.
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
                       const RunSummary& tiles);
+// Of a finished result: what its manifest keeps. Without warnings and memory budget.
+JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out);
 // What the manifest keeps of the summary, for people.
 void add_figures(const JobSummary& summary, Manifest& manifest);
 ReportData report_of(const JobSummary& summary, const Manifest& manifest, const RunSummary& tiles,

@@ -29,8 +29,12 @@ double interval_s(ProgressStyle style) {
 
 }  // namespace
 
-ProgressDisplay::ProgressDisplay(const Progress& progress, ProgressStyle style, std::FILE* out)
-    : progress_(progress), style_(style), out_(out), start_(std::chrono::steady_clock::now()) {
+ProgressDisplay::ProgressDisplay(const Progress& progress, ProgressStyle style, std::FILE* out, double elapsed_before_s)
+    : progress_(progress),
+      style_(style),
+      out_(out),
+      start_(std::chrono::steady_clock::now() - std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                                    std::chrono::duration<double>(elapsed_before_s))) {
   if (style_ != ProgressStyle::none) thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 

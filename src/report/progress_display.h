@@ -25,8 +25,9 @@ enum class ProgressStyle : std::uint8_t {
 
 class ProgressDisplay {
  public:
-  // Writes to `out` until stop() or destruction. REQUIRES: `progress` and `out` outlive it.
-  ProgressDisplay(const Progress& progress, ProgressStyle style, std::FILE* out);
+  // Writes to `out` until stop() or destruction. The job has worked so long already. REQUIRES: `progress` and `out`
+  // outlive it.
+  ProgressDisplay(const Progress& progress, ProgressStyle style, std::FILE* out, double elapsed_before_s = 0);
   ~ProgressDisplay();
   ProgressDisplay(const ProgressDisplay&) = delete;
   ProgressDisplay& operator=(const ProgressDisplay&) = delete;

@@ -24,7 +24,8 @@ std::string summary_text(const JobSummary& s) {
   for (const auto& [name, seconds] : s.seconds)
     phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds);
   line("time", human_seconds(s.total_s) + " (" + phases + ")");
-  line("memory", human_bytes(s.peak_memory_bytes) + " at most, of " + human_bytes(s.memory_budget_bytes));
+  const auto budget = s.memory_budget_bytes == 0 ? "" : ", of " + human_bytes(s.memory_budget_bytes);
+  line("memory", human_bytes(s.peak_memory_bytes) + " at most" + budget);
   line("result", s.out + " (" + human_bytes(s.result_bytes) + ")");
   if (!s.digest.empty()) line("digest", s.digest);
   for (const auto& warning : s.warnings) line("warning", warning);

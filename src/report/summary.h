@@ -21,7 +21,7 @@ struct JobSummary {
   std::string digest;  // "" when a tile stored by an older version has none
   std::uint64_t peak_memory_bytes = 0;
   std::uint32_t threads = 1;
-  std::uint64_t memory_budget_bytes = 0;
+  std::uint64_t memory_budget_bytes = 0;                // 0: not known
   std::vector<std::pair<std::string, double>> seconds;  // by phase, in order
   double total_s = 0;
   std::vector<std::string> warnings;  // sentences about the input

@@ -3,7 +3,8 @@ import unittest
 
 from cli import IO, OK, USAGE, CliTest
 
-COMMANDS = ["triangulate", "verify", "info", "export", "generate", "harness"]
+DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch"]  # ask one
+COMMANDS = ["triangulate", "verify", "info", "export", *DAEMON, "generate", "harness"]
 
 
 class Help(CliTest):
@@ -19,9 +20,11 @@ class Help(CliTest):
             self.assertIn(f"tessera {command} ", text)
 
     def test_the_overview_lists_commands_for_tests_apart(self):
-        users, tests = self.ok("--help").split("For tests:")
+        users, rest = self.ok("--help").split("Asking a daemon (--server):")
+        daemon, tests = rest.split("For tests:")
         for command in COMMANDS:
-            self.assertIn(f"\n  {command} ", tests if command in ("generate", "harness") else users)
+            place = tests if command in ("generate", "harness") else daemon if command in DAEMON else users
+            self.assertIn(f"\n  {command} ", place)
 
     def test_help_is_a_command_too(self):
         self.assertEqual(self.ok("help"), self.ok("--help"))
@@ -128,13 +131,14 @@ class Sources(CliTest):
         for line in shipped.read_text().splitlines():
             key = line.removeprefix("# ").split(" =")[0]
             shown = line.startswith("# ") and " = " in line.split("#")[1] and "-" + key in KEYS
-            lines.append(line[2:] if shown and key not in ("crop", "class", "crs", "without", "attributes", "scratch", "format") else line)
+            lines.append(line[2:] if shown and key not in ("crop", "class", "crs", "without", "attributes", "scratch", "format", "status") else line)
         self.ok("info", self.cloud, "--config", self.write("uncommented.toml", "\n".join(lines)))
 
 
 KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "crs", "returns", "without",
                               "attributes", "z", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
-                              "against-cgal", "scratch", "stats", "format", "index", "max-edge", "seed"]}
+                              "against-cgal", "scratch", "stats", "format", "index", "max-edge", "seed", "server", "token-file", "token", "ca",
+                              "patience", "status", "limit"]}
 
 if __name__ == "__main__":
     unittest.main()

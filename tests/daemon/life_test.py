@@ -53,7 +53,7 @@ class Life(DaemonTest):
             self.start()
 
     def test_beyond_the_loopback_it_does_not_start_without_tls(self):
-        with self.assertRaisesRegex(AssertionError, "insecure"):
+        with self.assertRaisesRegex(AssertionError, "certificate"):
             self.start(listen="0.0.0.0:0")
 
     def test_after_kill_9_every_job_ends_as_if_nothing_had_been(self):

@@ -1,0 +1,167 @@
+"""HTTP to a daemon, with the standard library: documents, files and events."""
+from __future__ import annotations
+
+import contextlib
+import http.client
+import json
+import pathlib
+import ssl
+import typing
+import urllib.parse
+
+from ._errors import BY_CAUSE, Error, IoError, UsageError
+
+TIMEOUT_S = 60.0
+SILENCE_OF_EVENTS_S = 45.0  # the daemon sends something every 15 s
+
+
+class Transport:
+    """One daemon: its address, the token, and how it is trusted. Every call has a connection of its own, so that all may be
+    made from any thread."""
+
+    def __init__(self, url: str, token: str | None, ca: str | None):
+        parts = urllib.parse.urlsplit(url)
+        if parts.scheme not in ("http", "https") or not parts.hostname or parts.username is not None:
+            raise UsageError("url is no address like http://127.0.0.1:7070")
+        try:
+            self._port = parts.port
+        except ValueError:
+            raise UsageError("url has no port from 1 to 65535") from None
+        self._host, self._base = parts.hostname, parts.path.rstrip("/")
+        given = urllib.parse.parse_qs(parts.query).get("token", [None])[0]  # as the daemon prints its address
+        self._token = token if token is not None else given
+        if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
+            raise UsageError("token holds characters that a token cannot hold")
+        self._tls = None
+        if parts.scheme == "https":
+            try:
+                self._tls = ssl.create_default_context(cafile=ca)
+            except (OSError, ssl.SSLError) as error:
+                raise IoError(f"ca: {ca} holds no certificates that can be read: {error}") from None
+        self.url = urllib.parse.urlunsplit((parts.scheme, parts.netloc, self._base, "", ""))
+
+    def _connection(self, timeout: float) -> http.client.HTTPConnection:
+        if self._tls is not None:
+            return http.client.HTTPSConnection(self._host, self._port, timeout=timeout, context=self._tls)
+        return http.client.HTTPConnection(self._host, self._port, timeout=timeout)
+
+    @contextlib.contextmanager
+    def open(self, method: str, path: str, headers: dict[str, str] | None = None, body: bytes | None = None,
+             timeout: float = TIMEOUT_S) -> typing.Iterator[http.client.HTTPResponse]:
+        """The answer to /v1 + path, which is 2xx; anything else is raised."""
+        connection = self._connection(timeout)
+        sent = {"Accept": "application/json", **(headers or {})}
+        if self._token is not None:
+            sent["Authorization"] = f"Bearer {self._token}"
+        try:
+            with self._as_ours():
+                connection.request(method, f"{self._base}/v1{path}", body, sent)
+                answer = connection.getresponse()
+            if not 200 <= answer.status < 300:
+                raise self._refusal(answer)
+            yield answer
+        finally:
+            connection.close()
+
+    @contextlib.contextmanager
+    def _as_ours(self) -> typing.Iterator[None]:
+        """What the connection raises, as Error."""
+        try:
+            yield
+        except ssl.SSLCertVerificationError as error:
+            raise UsageError(f"{self.url}: the certificate of the server is not trusted: {error.verify_message}; "
+                             "ca names a file with its authority's") from None
+        except ssl.SSLError as error:
+            raise UsageError(f"{self.url}: no TLS is spoken there: {error.reason or error}") from None
+        except TimeoutError:
+            raise IoError(f"{self.url}: the server does not answer in time") from None
+        except OSError as error:
+            raise IoError(f"{self.url}: the server cannot be reached: {error.strerror or error}") from None
+        except http.client.BadStatusLine:
+            raise UsageError(f"{self.url}: no HTTP is spoken there") from None
+        except http.client.HTTPException as error:
+            raise IoError(f"{self.url}: the server has ended the connection: {error!r}") from None
+
+    def read(self, answer: http.client.HTTPResponse, amount: int | None = None) -> bytes:
+        """Bytes of an answer; the connection's end before theirs is an IoError."""
+        with self._as_ours():
+            content = answer.read(amount)
+        if not content and answer.length:  # of what its head has promised; the library is silent about it
+            raise IoError(f"{self.url}: the server has ended the connection within its answer")
+        return content
+
+    def line(self, answer: http.client.HTTPResponse) -> bytes:
+        """A line of an answer, b"" at its end."""
+        with self._as_ours():
+            return answer.readline(1 << 20)
+
+    def no_tessera(self) -> Error:
+        return UsageError(f"{self.url}: what answers there is no Tessera server")
+
+    def _refusal(self, answer: http.client.HTTPResponse) -> Error:
+        if "json" not in answer.headers.get("Content-Type", ""):
+            return self.no_tessera()
+        problem = self.document(answer)
+        if answer.status == 401:
+            return UsageError(f"{self.url}: " + ("the server does not know this token" if self._token else
+                                                 "the server wants a token"))
+        said = problem.get("detail") or problem.get("title") or f"{self.url}: status {answer.status}"
+        default = IoError if answer.status == 429 or answer.status >= 500 else UsageError
+        return BY_CAUSE.get(problem.get("cause", 0), default)(said)
+
+    def document(self, answer: http.client.HTTPResponse) -> dict[str, typing.Any]:
+        """The object in an answer."""
+        content = self.read(answer)
+        try:
+            found = json.loads(content)
+        except ValueError:
+            found = None
+        if not isinstance(found, dict):
+            raise self.no_tessera()
+        return found
+
+    def ask(self, method: str, path: str, document: object = None, headers: dict[str, str] | None = None) -> dict[str, typing.Any]:
+        """What the server answers to /v1 + path."""
+        sent = dict(headers or {})
+        body = None
+        if document is not None:
+            sent["Content-Type"] = "application/json"
+            body = json.dumps(document, allow_nan=False).encode()
+        with self.open(method, path, sent, body) as answer:
+            if "json" not in answer.headers.get("Content-Type", ""):
+                raise self.no_tessera()
+            return self.document(answer)
+
+    def ask_for_all(self, path: str, member: str) -> list[dict[str, typing.Any]]:
+        """A list over all its pages."""
+        found: list[dict[str, typing.Any]] = []
+        here = f"{self._base}/v1{path}"
+        while True:
+            page = self.ask("GET", here[len(self._base) + 3:])
+            found += page.get(member, [])
+            following = [link["href"] for link in page.get("links", []) if link.get("rel") == "next"]
+            if not following or not page.get(member):
+                return found
+            there = urllib.parse.urlsplit(urllib.parse.urljoin(f"{self.url[:len(self.url) - len(self._base)]}{here}", following[0]))
+            here = there.path + (f"?{there.query}" if there.query else "")
+            if there.netloc != urllib.parse.urlsplit(self.url).netloc or not here.startswith(f"{self._base}/v1/"):
+                raise IoError(f"{self.url}: the server's answer links to another one")
+
+    def download(self, path: str, to: pathlib.Path, etag: str | None, size: int | None) -> None:
+        """A file, under `to` when it is whole. What is there of it under its temporary name is gone on with when `etag` says
+        which it is; and stays when the connection ends."""
+        partial = to.with_name(to.name + ".tmp")
+        have = partial.stat().st_size if etag is not None and partial.exists() else 0
+        if size is None or have != size:
+            headers = {"Range": f"bytes={have}-", "If-Range": etag} if have and etag else {}
+            with self.open("GET", path, headers) as answer, partial.open("ab" if answer.status == 206 else "wb") as out:
+                its = answer.headers.get("ETag")
+                if etag and its and its.startswith('"xxh3-') and its != etag:
+                    raise BY_CAUSE[5](f"{path}: is another file on the server than its manifest says")
+                while content := self.read(answer, 1 << 20):
+                    out.write(content)
+        if size is not None and partial.stat().st_size != size:
+            has = partial.stat().st_size
+            partial.unlink()
+            raise BY_CAUSE[5](f"{path}: has {has} bytes on the server, its manifest says {size}")
+        partial.replace(to)

@@ -1,0 +1,126 @@
+#include "src/apps/job_text.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+using Row = std::vector<std::string>;
+
+// Columns as wide as they must be, two spaces apart.
+std::string table(const std::vector<Row>& rows) {
+  std::vector<std::size_t> widths(rows.front().size());
+  for (const auto& row : rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i];
+      if (i + 1 < row.size()) line.append(widths[i] - row[i].size() + 2, ' ');
+    }
+    while (line.ends_with(' ')) line.pop_back();
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string percent(const proto::StatusInfo& job) { return std::to_string(job.progress()) + " %"; }
+
+}  // namespace
+
+bool has_ended(const proto::StatusInfo& job) { return job.status() != "accepted" && job.status() != "running"; }
+
+std::string jobs_text(const std::vector<proto::StatusInfo>& jobs) {
+  if (jobs.empty()) return "there are no jobs\n";
+  std::vector<Row> rows{{"JOB", "STATUS", "DONE", "PHASE", "PROCESS", "RESULT", "CREATED"}};
+  for (const auto& job : jobs) {
+    rows.push_back({job.job_id(), job.status(), percent(job), has_ended(job) ? "" : plain_phase(job.phase()),
+                    job.process_id(), job.triangulation(), job.created()});
+  }
+  return table(rows);
+}
+
+std::string results_text(const std::vector<proto::TriangulationInfo>& results) {
+  if (results.empty()) return "there are no results\n";
+  std::vector<Row> rows{{"RESULT", "DIM", "VERTICES", "CELLS", "TILES", "SIZE", "CREATED"}};
+  for (const auto& result : results) {
+    rows.push_back({result.name(), std::to_string(result.dimension()), grouped(result.vertices()),
+                    grouped(result.cells()), grouped(result.tiles()), human_bytes(result.bytes()), result.created()});
+  }
+  return table(rows);
+}
+
+std::string job_text(const proto::StatusInfo& job) {
+  std::string text;
+  const auto line = [&](std::string name, const std::string& value) {
+    if (value.empty()) return;
+    name.resize(14, ' ');
+    text += name + value + "\n";
+  };
+  line("job", job.job_id());
+  line("process", job.process_id());
+  line("status", job.status() + ", " + percent(job) +
+                     (has_ended(job) || job.phase().empty() ? "" : ", " + plain_phase(job.phase())) +
+                     (has_ended(job) && job.resumable() ? ", can be resumed" : ""));
+  line("message", job.message());
+  if (job.has_problem()) line("problem", job.problem().detail());
+  line("result", job.triangulation());
+  if (job.tiles().total() > 0) {
+    line("tiles", grouped(job.tiles().triangulated()) + " of " + grouped(job.tiles().total()) + " triangulated, " +
+                      grouped(job.tiles().stored()) + " stored");
+  }
+  if (job.points() > 0) line("points", grouped(job.points()));
+  if (job.memory_bytes() > 0) line("memory", human_bytes(job.memory_bytes()));
+  line("submitter", job.submitter());
+  line("created", job.created());
+  line("started", job.started() + (job.starts() > 1 ? " (for the " + std::to_string(job.starts()) + ". time)" : ""));
+  line("finished", job.finished());
+  return text;
+}
+
+nlohmann::ordered_json job_json(const proto::StatusInfo& job) {
+  nlohmann::ordered_json json{{"event", "job"},
+                              {"id", job.job_id()},
+                              {"process", job.process_id()},
+                              {"status", job.status()},
+                              {"progress", job.progress()},
+                              {"phase", job.phase()},
+                              {"message", job.message()},
+                              {"result", job.triangulation()},
+                              {"points", job.points()},
+                              {"tiles_total", job.tiles().total()},
+                              {"tiles_triangulated", job.tiles().triangulated()},
+                              {"tiles_stored", job.tiles().stored()},
+                              {"memory_bytes", job.memory_bytes()},
+                              {"resumable", job.resumable()},
+                              {"starts", job.starts()},
+                              {"submitter", job.submitter()},
+                              {"created", job.created()},
+                              {"started", job.started()},
+                              {"finished", job.finished()}};
+  if (job.has_problem()) json["problem"] = {{"detail", job.problem().detail()}, {"cause", job.problem().cause()}};
+  return json;
+}
+
+nlohmann::ordered_json result_json(const proto::TriangulationInfo& result) {
+  return {{"event", "result"},
+          {"name", result.name()},
+          {"dimension", result.dimension()},
+          {"vertices", result.vertices()},
+          {"cells", result.cells()},
+          {"tiles", result.tiles()},
+          {"bytes", result.bytes()},
+          {"digest", result.digest()},
+          {"crs", result.crs()},
+          {"bounds", std::vector<double>(result.bounds().begin(), result.bounds().end())},
+          {"created", result.created()}};
+}
+
+}  // namespace tessera

@@ -1,0 +1,86 @@
+#include "src/apps/remote_inputs.h"
+
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+using Json = nlohmann::ordered_json;
+using Type = FieldDescriptor::CppType;
+
+// Options that the daemon calls otherwise.
+const std::map<std::string, std::string> other_names{{"max-points-per-tile", "tile_points"}, {"z", "heights"}};
+
+const FieldDescriptor* field_of(const Descriptor& inputs, std::string key) {
+  if (const auto other = other_names.find(key); other != other_names.end()) {
+    if (const auto* field = inputs.FindFieldByName(other->second)) return field;
+  }
+  std::replace(key.begin(), key.end(), '-', '_');
+  return inputs.FindFieldByName(key);
+}
+
+Result<Json> count_json(const std::string& text, std::uint64_t highest) {
+  BOOST_OUTCOME_TRY(count, parse_count(text));
+  if (count > highest) return error(Errc::usage, "'" + text + "' is too large");
+  return Json(count);
+}
+
+Result<Json> value_json(const std::string& text, const FieldDescriptor& field) {
+  switch (field.cpp_type()) {
+    case Type::CPPTYPE_BOOL: {
+      BOOST_OUTCOME_TRY(on, parse_switch(text));
+      return Json(on);
+    }
+    case Type::CPPTYPE_INT32:
+    case Type::CPPTYPE_INT64:
+      return count_json(text, std::numeric_limits<std::int32_t>::max());
+    case Type::CPPTYPE_UINT32:
+      return count_json(text, std::numeric_limits<std::uint32_t>::max());
+    case Type::CPPTYPE_UINT64:
+      return count_json(text, std::numeric_limits<std::uint64_t>::max());
+    case Type::CPPTYPE_FLOAT:
+    case Type::CPPTYPE_DOUBLE: {
+      BOOST_OUTCOME_TRY(number, parse_finite(text));
+      return Json(number);
+    }
+    default:
+      return Json(text);
+  }
+}
+
+Result<Json> json_of(const std::string& text, const FieldDescriptor& field) {
+  if (!field.is_repeated()) return value_json(text, field);
+  BOOST_OUTCOME_TRY(names, parse_names(text));
+  Json list = Json::array();
+  for (const auto& name : names) {
+    BOOST_OUTCOME_TRY(value, value_json(name, field));
+    list.push_back(value);
+  }
+  return list;
+}
+
+}  // namespace
+
+Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, const std::vector<std::string>& here) {
+  Json json = Json::object();
+  for (const auto& key : settings.given()) {
+    if (std::find(here.begin(), here.end(), key) != here.end() || settings.text(key) == "auto") continue;
+    const auto* field = field_of(inputs, key);
+    if (field == nullptr) return error(Errc::usage, "--" + key + " is not for a job of a daemon");
+    BOOST_OUTCOME_TRY(value, settings.get(key, [&](const std::string& text) { return json_of(text, *field); }));
+    json[field->name()] = *value;
+  }
+  return json;
+}
+
+}  // namespace tessera

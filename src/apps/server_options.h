@@ -1,0 +1,21 @@
+// How a command finds the daemon it asks: --server, a token, TLS.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "src/apps/command.h"
+#include "src/base/result.h"
+#include "src/client/server.h"
+
+namespace tessera {
+
+void add_server_options(Command& command);
+// Whether one is named, by a flag, TESSERA_SERVER or the file.
+bool names_server(const Settings& settings);
+// Error usage when none is named, or something is wrong with what is; io when the token's file cannot be read.
+Result<Server> open_server(Settings& settings);
+
+// One object on a line of stdout.
+void print_json_line(const nlohmann::ordered_json& object);
+
+}  // namespace tessera

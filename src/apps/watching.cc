@@ -1,0 +1,166 @@
+#include "src/apps/watching.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "src/apps/interrupt.h"
+#include "src/apps/job_text.h"
+#include "src/apps/log.h"
+#include "src/apps/server_options.h"
+#include "src/base/progress.h"
+#include "src/client/fetch.h"
+#include "src/job/job_report.h"
+#include "src/report/progress_display.h"
+#include "src/report/summary.h"
+
+namespace tessera {
+namespace {
+
+void set_progress(const proto::StatusInfo& job, Progress& progress) {
+  for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {
+    if (job.phase() == name_of(static_cast<Phase>(i))) progress.phase = static_cast<Phase>(i);
+  }
+  if (!job.has_figures()) return;
+  const auto& figures = job.figures();
+  progress.points_total = figures.points_total();
+  progress.points_routed = figures.points_routed();
+  progress.points_triangulated = figures.points_triangulated();
+  progress.tiles_total = figures.tiles_total();
+  progress.tiles_triangulated = figures.tiles_triangulated();
+  progress.tiles_stored = figures.tiles_stored();
+  progress.tiles_asleep = figures.tiles_asleep();
+  progress.updates_sent = figures.updates_sent();
+  progress.updates_processed = figures.updates_processed();
+  progress.points_sent = figures.points_sent();
+  progress.memory_bytes = figures.memory_bytes();
+}
+
+class Watch {
+ public:
+  explicit Watch(const OutputOptions& output) : output_(output) {}
+
+  // True when the job has ended.
+  Result<bool> take(const proto::Event& event) {
+    if (event.kind() == "log") log_debug(event.text());
+    if (!event.has_status()) return false;
+    const auto& job = event.status();
+    set_progress(job, progress_);
+    if (job.status() == "running" && !display_)
+      display_.emplace(progress_, progress_style(output_), output_.json ? stdout : stderr, job.figures().elapsed_s());
+    if (job.status() != "running") display_.reset();
+    if (job.status() != last_.status()) tell_status(job);
+    last_ = job;
+    return has_ended(job);
+  }
+  // The panel goes, so that something else can be said.
+  void pause() { display_.reset(); }
+  const proto::StatusInfo& last() const { return last_; }
+
+ private:
+  void tell_status(const proto::StatusInfo& job) const {
+    if (output_.json) {
+      print_json_line(job_json(job));
+      std::fflush(stdout);
+    } else if (!output_.quiet && job.status() == "accepted") {
+      std::fprintf(stderr, "job %s waits for its turn\n", job.job_id().c_str());
+    }
+  }
+
+  const OutputOptions& output_;
+  Progress progress_;
+  std::optional<ProgressDisplay> display_;
+  proto::StatusInfo last_;
+};
+
+Status show_summary(Server& server, const proto::StatusInfo& job, const OutputOptions& output,
+                    const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(manifest, fetch_manifest(server, job.triangulation(), stop));
+  const auto summary = summary_of(manifest, job.triangulation());
+  std::fputs(output.json ? (summary_json(summary) + "\n").c_str() : summary_text(summary).c_str(), stdout);
+  return success();
+}
+
+Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOptions& output,
+                    const std::stop_token& stop) {
+  if (output.quiet) return success();
+  if (job.process_id() == "triangulate") return show_summary(server, job, output, stop);
+  if (!output.json) {
+    std::printf("job %s: %s%s%s\n", job.job_id().c_str(), job.status().c_str(), job.message().empty() ? "" : ": ",
+                job.message().c_str());
+    return success();
+  }
+  BOOST_OUTCOME_TRY(found, server.outcome(job.job_id(), stop));
+  const auto json = nlohmann::ordered_json::parse(found, nullptr, false);
+  if (json.is_discarded()) return error(Errc::io, server.address().text() + ": the server's answer is no JSON");
+  print_json_line(json);
+  return success();
+}
+
+Error problem_of(const proto::StatusInfo& job) {
+  const int cause = job.problem().cause();
+  const bool known = cause >= static_cast<int>(Errc::usage) && cause <= static_cast<int>(Errc::internal);
+  const auto& said = job.problem().detail().empty() ? job.message() : job.problem().detail();
+  return error(known ? static_cast<Errc>(cause) : Errc::internal,
+               said.empty() ? "job " + job.job_id() + " has failed, and the daemon does not say why" : said);
+}
+
+}  // namespace
+
+std::string command_for(const Settings& settings, const std::string& verb, const std::string& id) {
+  std::string text = "tessera " + verb + " " + id;
+  if (settings.source("server") == Settings::Source::flag) {
+    const auto address = parse_address(settings.text("server").value_or(""));
+    if (address) text += " --server " + address.value().text();  // without its token
+  }
+  return "'" + text + "'";
+}
+
+ProgressStyle progress_style(const OutputOptions& output) {
+  if (output.quiet) return ProgressStyle::none;
+  if (output.json) return ProgressStyle::json;
+  // Log lines would tear the panel apart.
+  return isatty(STDERR_FILENO) != 0 && !output.verbose ? ProgressStyle::terminal : ProgressStyle::lines;
+}
+
+void print_detached(const Settings& settings, const proto::StatusInfo& job, const OutputOptions& output) {
+  if (output.json) {
+    print_json_line(job_json(job));
+  } else if (output.quiet) {
+    std::printf("%s\n", job.job_id().c_str());
+  } else {
+    std::printf("job %s is %s; %s shows it, %s stops it\n", job.job_id().c_str(), job.status().c_str(),
+                command_for(settings, "watch", job.job_id()).c_str(),
+                command_for(settings, "cancel", job.job_id()).c_str());
+  }
+}
+
+Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output) {
+  const Interrupt interrupt;
+  Watch watch(output);
+  const auto on_gone = [&](const std::string& why) {
+    watch.pause();
+    if (!output.quiet) std::fprintf(stderr, "%s; the job is waited for\n", why.c_str());
+  };
+  const auto watched = server.events(
+      id, [&](const proto::Event& event) { return watch.take(event); }, on_gone, interrupt.token());
+  watch.pause();
+  if (!watched) {
+    if (watched.error().code != Errc::interrupted) return watched.error();
+    return error(Errc::interrupted, "detached; the job goes on: " + command_for(settings, "watch", id) +
+                                        " shows it again, " + command_for(settings, "cancel", id) + " stops it");
+  }
+  const auto& job = watch.last();
+  if (job.status() == "successful") return show_outcome(server, job, output, interrupt.token());
+  if (job.status() == "dismissed") {
+    return error(Errc::interrupted,
+                 "job " + id + " was cancelled" +
+                     (job.resumable() ? "; " + command_for(settings, "resume", id) + " goes on with it" : ""));
+  }
+  return problem_of(job);
+}
+
+}  // namespace tessera

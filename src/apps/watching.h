@@ -1,0 +1,26 @@
+// A job of a daemon, watched as if it ran here: the same progress, summary and exit statuses.
+#pragma once
+
+#include <string>
+
+#include "src/apps/command.h"
+#include "src/base/result.h"
+#include "src/client/server.h"
+#include "src/report/progress_display.h"
+
+namespace tessera {
+
+// "tessera watch ID", with the server when a flag named it: what can be typed as it stands.
+std::string command_for(const Settings& settings, const std::string& verb, const std::string& id);
+
+// How the display on this terminal looks.
+ProgressStyle progress_style(const OutputOptions& output);
+
+// Tells that the job is there, for those who do not watch it.
+void print_detached(const Settings& settings, const proto::StatusInfo& job, const OutputOptions& output);
+
+// Shows the job until it has ended, then what came of it. Errors: what made it fail, with its cause; interrupted when
+// it was cancelled, and when Ctrl-C ends the watching, which leaves the job alone; those of Server.
+Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output);
+
+}  // namespace tessera

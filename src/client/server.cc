@@ -1,0 +1,278 @@
+#include "src/client/server.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <cstdint>
+#include <cstdio>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <utility>
+
+#include "src/client/event_stream.h"
+#include "src/client/messages.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds silence_of_events{45};  // the server sends something every 15 s
+
+bool is_json(const HttpHead& head) {
+  const auto& type = head.header("content-type");
+  return type.starts_with("application/json") || type.starts_with("application/problem+json");
+}
+
+// 401 ... of what has no cause of ours.
+Errc code_of(int status, int cause) {
+  if (cause >= static_cast<int>(Errc::usage) && cause <= static_cast<int>(Errc::internal))
+    return static_cast<Errc>(cause);
+  if (status == 429 || status >= 500) return Errc::io;
+  return Errc::usage;
+}
+
+}  // namespace
+
+std::string new_idempotency_key() {
+  std::random_device random;
+  std::string key;
+  for (int i = 0; i < 4; ++i) {
+    char part[9];
+    std::snprintf(part, sizeof part, "%08x", random());
+    key += part;
+  }
+  return key;
+}
+
+Server::Server(ServerOptions options, Connection connection, Connection watching)
+    : options_(std::move(options)), connection_(std::move(connection)), watching_(std::move(watching)) {}
+
+Result<Server> Server::make(ServerOptions options) {
+  if (options.token.empty()) options.token = options.address.token;
+  const auto printable = [](unsigned char c) { return c > 0x20 && c < 0x7f; };
+  if (!std::all_of(options.token.begin(), options.token.end(), printable))
+    return error(Errc::usage, "the token holds spaces, or characters that a token cannot hold");
+  BOOST_OUTCOME_TRY(connection, Connection::make(options.address, options.authorities));
+  BOOST_OUTCOME_TRY(watching, Connection::make(options.address, options.authorities));
+  return Server(std::move(options), std::move(connection), std::move(watching));
+}
+
+void Server::authorize(HttpRequest& request) const {
+  if (!options_.token.empty()) request.headers["Authorization"] = "Bearer " + options_.token;
+}
+
+Error Server::no_tessera() const {
+  return error(Errc::usage, options_.address.text() + ": what answers there is no Tessera server");
+}
+
+Error Server::with_advice(Error failed) const {
+  if (failed.code == Errc::usage && failed.where.find("certificate") != std::string::npos &&
+      !options_.authorities_advice.empty())
+    failed.where += "; " + options_.authorities_advice;
+  return failed;
+}
+
+Error Server::refusal(const HttpAnswer& answer) const {
+  if (!is_json(answer)) return no_tessera();
+  proto::Problem problem;
+  if (!read_message(answer.body, problem)) return no_tessera();
+  const auto& said = problem.detail().empty() ? problem.title() : problem.detail();
+  if (answer.status == 401) {
+    return error(Errc::usage, options_.address.text() +
+                                  (options_.token.empty() ? ": the server wants a token"
+                                                          : ": the server does not know "
+                                                            "this token") +
+                                  (options_.token_advice.empty() ? "" : "; " + options_.token_advice));
+  }
+  if (said.empty()) {
+    return error(code_of(answer.status, problem.cause()), options_.address.text() +
+                                                              ": the server answers with status " +
+                                                              std::to_string(answer.status) + ", and does not say why");
+  }
+  return error(code_of(answer.status, problem.cause()), said);
+}
+
+Result<HttpAnswer> Server::ask(HttpRequest request, const std::stop_token& stop) {
+  authorize(request);
+  request.headers["Accept"] = "application/json";
+  auto answer = connection_.ask(request, stop);
+  if (!answer) return with_advice(answer.error());
+  if (answer.value().status / 100 != 2) return refusal(answer.value());
+  if (!is_json(answer.value())) return no_tessera();
+  return answer;
+}
+
+template <class Message>
+Result<Message> Server::ask_for(HttpRequest request, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(answer, ask(std::move(request), stop));
+  Message message;
+  if (!read_message(answer.body, message)) return no_tessera();
+  return message;
+}
+
+namespace {
+
+const auto& members(const proto::JobList& list) { return list.jobs(); }
+const auto& members(const proto::TriangulationList& list) { return list.triangulations(); }
+
+}  // namespace
+
+template <class List, class Member>
+Result<std::vector<Member>> Server::ask_for_all(std::string target, std::size_t limit, const std::stop_token& stop) {
+  std::vector<Member> all;
+  while (true) {
+    BOOST_OUTCOME_TRY(list, ask_for<List>({.target = target}, stop));
+    const auto before = all.size();
+    for (const auto& member : members(list)) {
+      if (all.size() < limit) all.push_back(member);
+    }
+    const auto next = std::find_if(list.links().begin(), list.links().end(),
+                                   [](const proto::Link& link) { return link.rel() == "next"; });
+    // A page without members would never come to an end.
+    if (next == list.links().end() || all.size() == limit || all.size() == before) return all;
+    BOOST_OUTCOME_TRY(followed, follow_link(options_.address, target, next->href()));
+    target = followed;
+  }
+}
+
+Result<proto::StatusInfo> Server::submit(const std::string& process, const nlohmann::ordered_json& inputs,
+                                         const std::string& idempotency_key, const std::stop_token& stop) {
+  HttpRequest request{.method = "POST", .target = target("/processes/" + process + "/execution")};
+  request.headers = {{"Content-Type", "application/json"}, {"Idempotency-Key", idempotency_key}};
+  // Of names that are not UTF-8 the server would make U+FFFD, and not find them.
+  request.body =
+      nlohmann::ordered_json{{"inputs", inputs}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return ask_for<proto::StatusInfo>(std::move(request), stop);
+}
+
+Result<std::vector<proto::StatusInfo>> Server::jobs(const std::vector<std::string>& states, std::size_t limit,
+                                                    const std::stop_token& stop) {
+  constexpr std::size_t page = 1000;
+  std::string query = "?limit=" + std::to_string(std::min(limit, page));
+  if (!states.empty()) {
+    std::string list;
+    for (const auto& state : states) list += (list.empty() ? "" : ",") + percent_encoded(state);
+    query += "&status=" + list;
+  }
+  return ask_for_all<proto::JobList, proto::StatusInfo>(target("/jobs" + query), limit, stop);
+}
+
+Result<proto::StatusInfo> Server::job(const std::string& id, const std::stop_token& stop) {
+  return ask_for<proto::StatusInfo>({.target = target("/jobs/" + percent_encoded(id))}, stop);
+}
+
+Result<proto::StatusInfo> Server::dismiss(const std::string& id, const std::stop_token& stop) {
+  // Not repeatable: the second would forget the job.
+  return ask_for<proto::StatusInfo>(
+      {.method = "DELETE", .target = target("/jobs/" + percent_encoded(id)), .repeatable = false}, stop);
+}
+
+Result<proto::StatusInfo> Server::resume(const std::string& id, const std::stop_token& stop) {
+  return ask_for<proto::StatusInfo>(
+      {.method = "POST", .target = target("/jobs/" + percent_encoded(id) + "/resume"), .repeatable = false}, stop);
+}
+
+Result<std::string> Server::outcome(const std::string& id, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(answer, ask({.target = target("/jobs/" + percent_encoded(id) + "/results")}, stop));
+  return std::move(answer.body);
+}
+
+Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::stop_token& stop) {
+  return ask_for_all<proto::TriangulationList, proto::TriangulationInfo>(target("/triangulations"), SIZE_MAX, stop);
+}
+
+Result<HttpAnswer> Server::file(const std::string& triangulation, const std::string& path, std::uint64_t from,
+                                const std::string& etag, const HttpReceiver& receiver, const std::stop_token& stop) {
+  std::string where = target("/triangulations/" + percent_encoded(triangulation) + "/files");
+  for (std::size_t at = 0; at <= path.size();) {
+    const auto end = std::min(path.find('/', at), path.size());
+    where += "/" + percent_encoded(std::string_view(path).substr(at, end - at));
+    at = end + 1;
+  }
+  HttpRequest request{.target = where};
+  authorize(request);
+  if (from > 0) {
+    request.headers["Range"] = "bytes=" + std::to_string(from) + "-";
+    if (!etag.empty()) request.headers["If-Range"] = etag;
+  }
+  auto answer = connection_.ask(request, stop, receiver);
+  if (!answer) return with_advice(answer.error());
+  if (answer.value().status / 100 != 2 && answer.value().status != 416) return refusal(answer.value());
+  return answer;
+}
+
+// One connection to the events. True when on_event has heard enough.
+Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& heard, const OnEvent& on_event,
+                            const std::stop_token& stop) {
+  HttpRequest request{.target = target("/jobs/" + percent_encoded(id) + "/events"), .repeatable = false};
+  request.silence = silence_of_events;
+  authorize(request);
+  request.headers["Accept"] = "text/event-stream";
+  if (!last_id.empty()) request.headers["Last-Event-ID"] = last_id;
+  bool enough = false;
+  const auto enough_of = [&](const proto::Event& event) -> Status {
+    BOOST_OUTCOME_TRY(said, on_event(event));
+    enough = said;
+    // The stream has no end of its own.
+    if (enough) return error(Errc::ok, "");
+    return success();
+  };
+  EventStream stream([&](const ServerEvent& sent) -> Status {
+    if (!sent.id.empty()) last_id = sent.id;
+    proto::Event event;
+    if (!read_message(sent.data, event)) return no_tessera();
+    return enough_of(event);
+  });
+  const auto take_head = [&](const HttpHead& head) -> Result<bool> {
+    if (head.status != 200) return false;
+    if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
+    heard = true;
+    // Events are told from now on: what was before is in the status.
+    proto::Event now;
+    BOOST_OUTCOME_TRY(status, job(id, stop));
+    now.set_kind("status");
+    *now.mutable_status() = std::move(status);
+    BOOST_OUTCOME_TRYV(enough_of(now));
+    return true;
+  };
+  const HttpReceiver receiver{.head = take_head, .body = [&](std::string_view bytes) { return stream.feed(bytes); }};
+  auto answer = watching_.ask(request, stop, receiver);
+  if (enough) return true;
+  if (!answer) return with_advice(answer.error());
+  if (answer.value().status != 200) return refusal(answer.value());
+  return false;
+}
+
+Status Server::events(const std::string& id, const OnEvent& on_event,
+                      const std::function<void(const std::string&)>& on_gone, const std::stop_token& stop) {
+  using Clock = std::chrono::steady_clock;
+  std::string last_id;
+  bool ever_heard = false;
+  auto heard_at = Clock::now();
+  bool told = false;
+  std::chrono::milliseconds pause{250};
+  std::mutex mutex;
+  std::condition_variable_any wake;
+  while (true) {
+    bool heard = false;
+    const auto enough = listen(id, last_id, heard, on_event, stop);
+    if (enough && enough.value()) return success();
+    if (heard) {
+      ever_heard = true;
+      told = false;
+      heard_at = Clock::now();
+      pause = std::chrono::milliseconds(250);
+    }
+    if (!enough) {
+      // Never there, or nothing that time heals; and the listener's own errors.
+      if (!ever_heard || enough.error().code != Errc::io || Clock::now() - heard_at > options_.patience)
+        return enough.error();
+      if (!std::exchange(told, true)) on_gone(enough.error().where);
+    }
+    std::unique_lock lock(mutex);
+    wake.wait_for(lock, stop, pause, [] { return false; });
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted");
+    pause = std::min<std::chrono::milliseconds>(pause * 2, std::chrono::seconds(5));
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,85 @@
+// A daemon, as its client sees it: what can be asked of it, answered with messages and errors. One call at a time.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "service.pb.h"
+#include "src/base/result.h"
+#include "src/client/address.h"
+#include "src/client/connection.h"
+
+namespace tessera {
+
+struct ServerOptions {
+  ServerAddress address;
+  std::string token;  // in place of the address's; "" for none
+  std::filesystem::path authorities;
+  // How long events() waits for a server that was there and is gone.
+  std::chrono::seconds patience{600};
+  // What errors advise: how a token, and authorities, are given.
+  std::string token_advice, authorities_advice;
+};
+
+// A random key under which the same job can be submitted again without becoming two.
+std::string new_idempotency_key();
+
+// Errors of all calls: those of Connection; and what the server's problem says, with its cause as code, or usage for
+// one without cause that is the caller's mistake, io for others. Usage when what answers is no Tessera server.
+class Server {
+ public:
+  static Result<Server> make(ServerOptions options);
+
+  const ServerAddress& address() const { return options_.address; }
+
+  // `inputs`: the object of that name in the request.
+  Result<proto::StatusInfo> submit(const std::string& process, const nlohmann::ordered_json& inputs,
+                                   const std::string& idempotency_key, const std::stop_token& stop);
+  // At most `limit`, newest first as the server has them; of these states (all when empty).
+  Result<std::vector<proto::StatusInfo>> jobs(const std::vector<std::string>& states, std::size_t limit,
+                                              const std::stop_token& stop);
+  Result<proto::StatusInfo> job(const std::string& id, const std::stop_token& stop);
+  // Of a job that has ended the server forgets: look first.
+  Result<proto::StatusInfo> dismiss(const std::string& id, const std::stop_token& stop);
+  Result<proto::StatusInfo> resume(const std::string& id, const std::stop_token& stop);
+  // What a verify, export or info job found, as JSON.
+  Result<std::string> outcome(const std::string& id, const std::stop_token& stop);
+  // Tells of the job until on_event says that it has heard enough (true), or fails. Begins with the status there is, as
+  // an event without id; also each time after the server was gone, which on_gone tells, with the reason.
+  using OnEvent = std::function<Result<bool>(const proto::Event&)>;
+  Status events(const std::string& id, const OnEvent& on_event, const std::function<void(const std::string&)>& on_gone,
+                const std::stop_token& stop);
+
+  Result<std::vector<proto::TriangulationInfo>> triangulations(const std::stop_token& stop);
+  // A file of a result, from its byte `from` on. `etag` ("" for any): of the file that is meant; the receiver's head
+  // tells by 200 that the server begins at 0, having another.
+  Result<HttpAnswer> file(const std::string& triangulation, const std::string& path, std::uint64_t from,
+                          const std::string& etag, const HttpReceiver& receiver, const std::stop_token& stop);
+
+ private:
+  Server(ServerOptions options, Connection connection, Connection watching);
+  Result<HttpAnswer> ask(HttpRequest request, const std::stop_token& stop);
+  template <class Message>
+  Result<Message> ask_for(HttpRequest request, const std::stop_token& stop);
+  template <class List, class Member>
+  Result<std::vector<Member>> ask_for_all(std::string target, std::size_t limit, const std::stop_token& stop);
+  Result<bool> listen(const std::string& id, std::string& last_id, bool& heard, const OnEvent& on_event,
+                      const std::stop_token& stop);
+  std::string target(const std::string& path) const { return options_.address.base + "/v1" + path; }
+  void authorize(HttpRequest& request) const;
+  Error refusal(const HttpAnswer& answer) const;
+  Error no_tessera() const;
+  Error with_advice(Error failed) const;
+
+  ServerOptions options_;
+  Connection connection_, watching_;  // one listens to events while the other asks
+};
+
+}  // namespace tessera
