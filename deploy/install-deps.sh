@@ -21,6 +21,7 @@ build=(
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   gdal-bin python3-gdal python3-gmsh        # read exports back
+  systemd python3-yaml                      # judge the unit, read the manifest
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)
