@@ -12,6 +12,7 @@ set(TESSERA_UNIT_FOLDER lib/systemd/system CACHE STRING "Where the unit of syste
 configure_file(deploy/tesserad.service.in deploy/tesserad.service @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/deploy/tesserad.service DESTINATION ${TESSERA_UNIT_FOLDER} COMPONENT tesserad)
 install(FILES config/tesserad.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/tessera COMPONENT tesserad)
+install(FILES deploy/tesserad.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT tesserad)
 
 add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -D MANIFEST=${PROJECT_BINARY_DIR}/install_manifest.txt
                                     -P ${CMAKE_CURRENT_LIST_DIR}/uninstall.cmake VERBATIM)

@@ -43,6 +43,7 @@ say "C++ finds headers and library"
 
 if command -v tesserad >/dev/null; then
   tesserad --version
+  MANPAGER=cat man tesserad | contains "SIGHUP"
   [[ -f /lib/systemd/system/tesserad.service && -f /etc/tessera/tesserad.toml ]]
   # With the installed configuration; the health command waits for nothing: it is asked until the daemon is ready.
   tesserad --data "$PWD/data" --config /etc/tessera/tesserad.toml > daemon.log 2>&1 &

@@ -1,4 +1,4 @@
-"""The sample configuration: every key of the daemon once, with a default that is TOML, and nothing set."""
+"""The sample configuration: every key of the daemon once, with a default that is TOML, and nothing set; and the manual page."""
 import os
 import pathlib
 import re
@@ -20,6 +20,11 @@ class Settings(unittest.TestCase):
         shown = tomllib.loads(re.sub(r"(?m)^# (?=[a-z-]+ = )", "", TEXT))
         self.assertEqual(set(shown.pop("limits")), LIMITS)
         self.assertEqual(set(shown), KEYS)
+
+    def test_the_manual_page_has_every_key(self):
+        page = (SOURCE / "deploy/tesserad.8").read_text()
+        shown = {found.replace("\\-", "-") for found in re.findall(r"(?m)^\.BR \\-\\-(\S+)(?: ,)?$", page)}
+        self.assertEqual(shown, KEYS | {"config", "help", "version"})
 
     def test_it_is_the_one_that_unit_and_manifest_use(self):
         self.assertIn("/tessera/tesserad.toml", (SOURCE / "deploy/tesserad.service.in").read_text())
