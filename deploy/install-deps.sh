@@ -22,7 +22,8 @@ test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
   gdal-bin python3-gdal python3-gmsh        # read exports back
-  python3-jsonschema openssl wrk            # checks what the service answers; its certificates; its load
+  python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
+  systemd python3-yaml                      # judge the unit, read the manifest
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

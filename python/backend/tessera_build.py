@@ -52,7 +52,7 @@ def pack(build, directory, cmake="cmake"):
         for component in ("library", "python"):  # installed: without the paths of the build, and stripped
             run(cmake, "--install", build, "--component", component, "--prefix", stage, "--strip")
         (module,) = stage.rglob("_tessera*.so")
-        library = next(stage.rglob("libtessera.so")).resolve()
+        library = next(stage.rglob("libtessera.so.*")).resolve()
         (soname,) = dynamic(library, "SONAME")
         files = {f"tessera/{path.name}": path.read_bytes() for path in module.parent.iterdir() if path.is_file()}
         files[f"tessera/{soname}"] = library.read_bytes()

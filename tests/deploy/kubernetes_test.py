@@ -1,0 +1,92 @@
+"""The manifest: objects and fields that `podman kube play` 4.3 has, names that agree, and what the security page promises."""
+import os
+import pathlib
+import re
+import tomllib
+import unittest
+
+import yaml
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+TEXT = (SOURCE / "deploy/kubernetes.yaml").read_text()
+DATA = (SOURCE / "deploy/kubernetes-data.yaml").read_text()
+
+# podman-kube-play(1) of 4.3; it has volumes of secrets, too, although its page lacks them. Of PersistentVolumeClaims it makes
+# the volume, and fails when it is there: hence the file of its own.
+KINDS = {"ConfigMap", "Deployment"}
+VOLUMES = {"persistentVolumeClaim", "hostPath", "configMap", "secret", "emptyDir"}
+CONTAINER = {"name", "image", "imagePullPolicy", "args", "ports", "resources", "securityContext", "readinessProbe",
+             "livenessProbe", "volumeMounts"}
+POD = {"automountServiceAccountToken", "enableServiceLinks", "terminationGracePeriodSeconds", "securityContext", "containers",
+       "volumes"}
+
+
+class Manifest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.objects = {document["kind"]: document for document in yaml.safe_load_all(TEXT)}
+        cls.claim = yaml.safe_load(DATA)
+        cls.deployment = cls.objects["Deployment"]["spec"]
+        cls.pod = cls.deployment["template"]["spec"]
+        (cls.container,) = cls.pod["containers"]
+        cls.settings = tomllib.loads(cls.objects["ConfigMap"]["data"]["tesserad.toml"])
+
+    def test_objects_and_fields_are_those_of_podman(self):
+        self.assertEqual(set(self.objects), KINDS)
+        self.assertEqual(self.claim["kind"], "PersistentVolumeClaim")
+        self.assertEqual(set(self.pod), POD)
+        self.assertEqual(set(self.container), CONTAINER)
+        kinds = {kind for volume in self.pod["volumes"] for kind in volume if kind != "name"}
+        self.assertEqual(kinds, VOLUMES)
+        # Podman asks http and tcp probes with curl and nc, which the image lacks, and gives words to a shell unquoted.
+        for probe in ("readinessProbe", "livenessProbe"):
+            for word in self.container[probe]["exec"]["command"]:
+                self.assertRegex(word, r"^[\w/.-]+$")
+        # Without it podman 4.3 crashes.
+        (secret,) = [volume["secret"] for volume in self.pod["volumes"] if "secret" in volume]
+        self.assertIs(secret["optional"], False)
+
+    def test_one_daemon_has_the_data(self):
+        self.assertEqual(self.deployment["replicas"], 1)
+        self.assertEqual(self.deployment["strategy"], {"type": "Recreate"})
+        self.assertEqual(self.deployment["selector"]["matchLabels"], self.deployment["template"]["metadata"]["labels"])
+
+    def test_names_agree(self):
+        volumes = {volume["name"]: volume for volume in self.pod["volumes"]}
+        mounts = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
+        self.assertEqual(set(volumes), set(mounts))
+        name = self.claim["metadata"]["name"]
+        self.assertEqual(volumes["data"]["persistentVolumeClaim"]["claimName"], name)
+        self.assertEqual(volumes["settings"]["configMap"]["name"], self.objects["ConfigMap"]["metadata"]["name"])
+        self.assertIn(f"create secret tls {volumes['tls']['secret']['secretName']} ", TEXT)
+        self.assertEqual(self.settings["data"], mounts["data"])
+        self.assertEqual(self.settings["inputs"], [mounts["inputs"]])
+        for key in ("tls-certificate", "tls-key"):
+            self.assertEqual(os.path.dirname(self.settings[key]), mounts["tls"])
+        self.assertEqual(self.container["livenessProbe"]["exec"]["command"][1], f"{mounts['settings']}/live.sh")
+        metrics = self.settings["metrics"].replace(":", "/")
+        self.assertIn(f"/dev/tcp/{metrics} ", self.objects["ConfigMap"]["data"]["live.sh"])
+        self.assertEqual(self.container["args"], ["--config", f"{mounts['settings']}/tesserad.toml"])
+        port = self.container["ports"][0]["containerPort"]
+        self.assertEqual(self.settings["listen"], f"0.0.0.0:{port}")
+
+    def test_the_keys_are_those_of_the_sample(self):
+        sample = set(re.findall(r"(?m)^# ([a-z-]+) = ", (SOURCE / "config/tesserad.toml").read_text()))
+        self.assertEqual(set(self.settings) - sample, set())
+
+    def test_it_runs_without_rights(self):
+        user = self.pod["securityContext"]["runAsUser"]
+        self.assertTrue(self.pod["securityContext"]["runAsNonRoot"])
+        self.assertEqual(self.container["securityContext"],
+                         {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}})
+        self.assertIn(f"\nUSER {user}:{user}\n", (SOURCE / "deploy/Containerfile").read_text())
+        annotations = self.claim["metadata"]["annotations"]
+        self.assertEqual(annotations["volume.podman.io/uid"], str(user))
+
+    def test_it_has_a_bound_on_memory_and_no_way_without_tls(self):
+        self.assertIn("memory", self.container["resources"]["limits"])
+        self.assertNotIn("insecure", TEXT)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,35 @@
+"""The sample configuration: every key of the daemon once, with a default that is TOML, and nothing set; and the manual page."""
+import os
+import pathlib
+import re
+import tomllib
+import unittest
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+TEXT = (SOURCE / "config/tesserad.toml").read_text()
+KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "uploads", "retention", "tls-certificate",
+        "tls-key", "public-url", "insecure", "log"}
+LIMITS = {"queued", "jobs", "points", "disk"}
+
+
+class Settings(unittest.TestCase):
+    def test_as_it_is_it_sets_nothing(self):
+        self.assertEqual(tomllib.loads(TEXT), {"limits": {}})
+
+    def test_with_its_keys_set_it_is_toml_and_has_every_key(self):
+        shown = tomllib.loads(re.sub(r"(?m)^# (?=[a-z-]+ = )", "", TEXT))
+        self.assertEqual(set(shown.pop("limits")), LIMITS)
+        self.assertEqual(set(shown), KEYS)
+
+    def test_the_manual_page_has_every_key(self):
+        page = (SOURCE / "deploy/tesserad.8").read_text()
+        shown = {found.replace("\\-", "-") for found in re.findall(r"(?m)^\.BR \\-\\-(\S+)(?: ,)?$", page)}
+        self.assertEqual(shown, KEYS | {"config", "help", "version"})
+
+    def test_it_is_the_one_that_unit_and_manifest_use(self):
+        self.assertIn("/tessera/tesserad.toml", (SOURCE / "deploy/tesserad.service.in").read_text())
+        self.assertIn("/etc/tessera/tesserad.toml\n", (SOURCE / "deploy/debian/conffiles").read_text())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,71 @@
+"""The unit of systemd: systemd understands every line, and finds it as little exposed as docs/security.md says."""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(os.environ["SOURCE"])
+UNIT = pathlib.Path(os.environ["UNIT"])
+EXPOSURE_MAX = 0.9  # of 10; what is left of it is in LEFT
+# Directives that systemd would have stricter, and why they are not: sockets, the network, memory's size in /proc.
+LEFT = {"RootDirectoryOrRootImage", "RestrictAddressFamilies_AF_UNIX", "RestrictAddressFamilies_AF_INET_INET6", "ProcSubset",
+        "PrivateNetwork", "DeviceAllow", "IPAddressDeny"}
+
+
+def analyze(*words):
+    return subprocess.run(["systemd-analyze", *words], capture_output=True, text=True)
+
+
+class Unit(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        held = tempfile.TemporaryDirectory(prefix="tessera-unit-")
+        cls.addClassCleanup(held.cleanup)
+        cls.text = UNIT.read_text()
+        cls.unit = pathlib.Path(held.name) / "tesserad.service"
+        # systemd looks for the program, which need not be installed.
+        cls.unit.write_text(re.sub(r"^ExecStart=\S+", "ExecStart=/bin/true", cls.text, flags=re.MULTILINE))
+
+    def verify(self, text):
+        path = self.unit.with_name("changed.service")
+        path.write_text(text)
+        done = analyze("verify", "--man=no", str(path))
+        return done.returncode, [line for line in done.stderr.splitlines() if path.name in line]
+
+    def test_systemd_understands_every_line(self):
+        self.assertEqual(self.verify(self.unit.read_text()), (0, []))
+
+    def test_a_line_that_it_does_not_understand_is_told(self):
+        _, told = self.verify(self.unit.read_text().replace("ProtectSystem=strict", "ProtectSystem=strictly"))
+        self.assertEqual(len(told), 1)
+        self.assertIn("strictly", told[0])
+
+    def test_it_is_no_more_exposed_than_said(self):
+        arguments = ("security", "--offline=yes", f"--threshold={round(10 * EXPOSURE_MAX)}", "--no-pager")
+        done = analyze(*arguments, str(self.unit))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        figure = float(re.search(r"Overall exposure level for \S+: ([0-9.]+)", done.stdout)[1])
+        self.assertEqual(figure, EXPOSURE_MAX)
+        self.assertIn(f"exposure {EXPOSURE_MAX} of 10", (SOURCE / "docs/security.md").read_text())
+
+    def test_what_is_left_open_is_known(self):
+        done = analyze("security", "--offline=yes", "--json=short", str(self.unit))
+        left = {entry["json_field"] for entry in json.loads(done.stdout) if entry["set"] is False and entry["exposure"]}
+        self.assertEqual(left, LEFT)
+
+    def test_a_looser_unit_is_more_exposed(self):
+        path = self.unit.with_name("loose.service")
+        path.write_text(self.unit.read_text().replace("DynamicUser=yes\n", ""))
+        done = analyze("security", "--offline=yes", f"--threshold={round(10 * EXPOSURE_MAX)}", "--no-pager", str(path))
+        self.assertNotEqual(done.returncode, 0)
+
+    def test_nothing_is_left_to_be_filled_in(self):
+        self.assertNotIn("@", re.sub(r"^(SystemCallFilter=.*|\s*#.*)$", "", self.text, flags=re.MULTILINE))
+        self.assertRegex(self.text, r"(?m)^ExecStart=/\S+/tesserad --data ")
+
+
+if __name__ == "__main__":
+    unittest.main()
