@@ -45,15 +45,17 @@ if command -v tesserad >/dev/null; then
   tesserad --version
   MANPAGER=cat man tesserad | contains "SIGHUP"
   [[ -f /lib/systemd/system/tesserad.service && -f /etc/tessera/tesserad.toml ]]
-  # With the installed configuration; the health command waits for nothing: it is asked until the daemon is ready.
-  tesserad --data "$PWD/data" --config /etc/tessera/tesserad.toml > daemon.log 2>&1 &
+  # With the installed configuration, and ports of its own: a chroot shares the network. Asked until it is ready or gone.
+  metrics=127.0.0.1:17071
+  tesserad --data "$PWD/data" --config /etc/tessera/tesserad.toml --listen 127.0.0.1:17070 --metrics $metrics \
+    > daemon.log 2>&1 &
   daemon=$!
   for ((tries = 0; tries < 100; ++tries)); do
-    tesserad health && break
     kill -0 "$daemon" || { cat daemon.log; exit 1; }
+    tesserad health --metrics $metrics && break
     sleep 0.2
   done
-  tesserad health
+  tesserad health --metrics $metrics
   kill -TERM "$daemon"
   wait "$daemon"
   say "the daemon starts, is ready and stops"
