@@ -109,11 +109,8 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add(app, top, "hosts", "hosts", "NAME,...", "names of this machine that requests may ask for");
   add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
   add(app, top, "log", "log", "text|json", "default: text");
-  Settings& limits = settings.limits;
-  add(app, limits, "limit-queued", "queued", "N", "jobs that wait; default: 10000");
-  add(app, limits, "limit-jobs", "jobs", "N", "of one token, waiting or running; default: 1000");
-  add(app, limits, "limit-points", "points", "N", "of one job; default: unlimited");
-  add(app, limits, "limit-disk", "disk", "BYTES", "of one job; default: what is free");
+  // Of these there are variables and keys alone: nobody types them.
+  for (const char* key : {"queued", "jobs", "points", "disk"}) settings.limits.declare(key);
 }
 
 Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,

@@ -1,5 +1,5 @@
 // The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
-// can be resumed, which the next start does. SIGHUP reads the certificate again.
+// can be resumed, which the next start does. SIGHUP reads tokens and certificate again.
 #include <malloc.h>
 
 #include <CLI/CLI.hpp>
@@ -71,9 +71,9 @@ class Life {
       }
       supervisor::reloading();
       if (const Status reloaded = server_.reload(); !reloaded) {
-        spdlog::error("certificate: {}; the old one stays", render(reloaded.error().where, flag_name));
+        spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
       } else {
-        spdlog::info("certificate and key were read again");
+        spdlog::info("tokens, certificate and key were read again");
       }
       supervisor::ready("serving");
       wait_for_signal();

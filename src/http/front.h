@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "src/http/guard.h"
@@ -45,6 +46,7 @@ class Front {
 
   const Router& router() const { return router_; }
   const Tokens& tokens() const { return tokens_; }
+  void replace_tokens(Tokens tokens) { tokens_.replace(std::move(tokens)); }
   Metrics& metrics() { return *shared_.metrics; }
 
  private:

@@ -195,6 +195,8 @@ std::vector<std::uint16_t> Server::ports() const {
 std::string Server::token() const { return impl_->front.tokens().first(Role::admin); }
 
 Status Server::reload() {
+  BOOST_OUTCOME_TRY(tokens, Tokens::open(impl_->options.tokens));
+  impl_->front.replace_tokens(std::move(tokens));
   if (impl_->options.certificate.empty()) return success();
   BOOST_OUTCOME_TRY(context, tls_context(impl_->options.certificate, impl_->options.key));
   const std::scoped_lock lock(impl_->mutex);

@@ -45,7 +45,7 @@ class Server {
   std::vector<std::uint16_t> ports() const;
   // A token of an admin, for the address that is printed.
   std::string token() const;
-  // Reads certificate and key again, for connections to come. On an error the old ones stay.
+  // Reads the file of tokens again, and certificate and key, for connections to come. What has an error stays as it is.
   Status reload();
   // Takes no more connections, ends idle ones and streams, lets requests be answered for at most `time`. True when none
   // was left.

@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
+#include <mutex>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -103,16 +104,22 @@ Result<Tokens> Tokens::open(const std::filesystem::path& file) {
       return error(Errc::usage,
                    file.string() + ", line " + std::to_string(number) +
                        ": must be a name, a role (read, submit, admin) and a token of at least 32 characters");
-    tokens.entries_.push_back({{name, *known}, token, derived(token)});
+    tokens.held_->entries.push_back({{name, *known}, token, derived(token)});
   }
-  if (tokens.entries_.empty()) return error(Errc::usage, file.string() + ": holds no token");
+  if (tokens.held_->entries.empty()) return error(Errc::usage, file.string() + ": holds no token");
   return tokens;
 }
 
+void Tokens::replace(Tokens others) {
+  const std::unique_lock lock(held_->mutex);
+  held_->entries.swap(others.held_->entries);
+}
+
 std::optional<Caller> Tokens::find(std::string_view token) const {
+  const std::shared_lock lock(held_->mutex);
   // All are compared, so that the time does not tell which one was close.
   std::optional<Caller> found;
-  for (const Entry& entry : entries_)
+  for (const Entry& entry : held_->entries)
     if (equal_in_constant_time(entry.token, token)) found = entry.caller;
   return found;
 }
@@ -120,14 +127,16 @@ std::optional<Caller> Tokens::find(std::string_view token) const {
 std::string Tokens::session_of(std::string_view token) const { return find(token) ? derived(token) : std::string(); }
 
 std::optional<Caller> Tokens::find_session(std::string_view session) const {
+  const std::shared_lock lock(held_->mutex);
   std::optional<Caller> found;
-  for (const Entry& entry : entries_)
+  for (const Entry& entry : held_->entries)
     if (equal_in_constant_time(entry.session, session)) found = entry.caller;
   return found;
 }
 
 std::string Tokens::first(Role role) const {
-  for (const Entry& entry : entries_)
+  const std::shared_lock lock(held_->mutex);
+  for (const Entry& entry : held_->entries)
     if (entry.caller.role == role) return entry.token;
   return {};
 }

@@ -3,7 +3,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -24,6 +26,9 @@ class Tokens {
   // that others can read; io.
   static Result<Tokens> open(const std::filesystem::path& file);
 
+  // Those of `others` instead, from now on; called by any thread.
+  void replace(Tokens others);
+
   std::optional<Caller> find(std::string_view token) const;
   // What a browser keeps in place of the token: derived from it, the same after a restart, and of no use once the token
   // is gone. Empty for what is no token.
@@ -37,7 +42,11 @@ class Tokens {
     Caller caller;
     std::string token, session;
   };
-  std::vector<Entry> entries_;
+  struct Held {
+    std::shared_mutex mutex;
+    std::vector<Entry> entries;
+  };
+  std::unique_ptr<Held> held_ = std::make_unique<Held>();
 };
 
 std::optional<Role> role_of(std::string_view word);

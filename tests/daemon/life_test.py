@@ -47,6 +47,19 @@ class Life(DaemonTest):
         self.assertEqual(tokens.stat().st_mode & 0o777, 0o600)
         self.assertNotIn(daemon.token, daemon.messages())
 
+    def test_a_token_that_is_taken_out_is_refused_after_sighup(self):
+        daemon = self.start()
+        tokens = self.folder / "data/tokens"
+        other = "0123456789abcdef" * 4
+        tokens.write_text(f"other read {other}\n")
+        daemon.process.send_signal(signal.SIGHUP)
+        while daemon.request("GET", "/v1/jobs")[0] == 200:
+            pass
+        asked = {"Authorization": f"Bearer {other}"}
+        self.assertEqual(daemon.request("GET", "/v1/jobs", headers=asked)[0], 200)
+        self.assertEqual(daemon.request("POST", "/v1/processes/verify/execution", {"inputs": {}}, headers=asked)[0], 403)
+        self.assertEqual(daemon.end(), 0)
+
     def test_two_daemons_do_not_share_a_folder(self):
         self.start()
         with self.assertRaisesRegex(AssertionError, "data"):

@@ -8,7 +8,7 @@ import unittest
 SOURCE = pathlib.Path(os.environ["SOURCE"])
 TEXT = (SOURCE / "config/tesserad.toml").read_text()
 KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "uploads", "retention", "tls-certificate",
-        "tls-key", "public-url", "insecure", "log"}
+        "tls-key", "public-url", "hosts", "insecure", "log"}
 LIMITS = {"queued", "jobs", "points", "disk"}
 
 

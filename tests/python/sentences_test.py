@@ -69,7 +69,8 @@ class Sentences(unittest.TestCase):
                 for key in re.findall(r'\boption\("([^"]*)"', path.read_text())}
         self.assertIn("memory", keys)
         arguments = {*inspect.signature(tessera.triangulate).parameters,
-                     *inspect.signature(tessera.Triangulation.export).parameters}
+                     *inspect.signature(tessera.Triangulation.export).parameters,
+                     *inspect.signature(tessera.Triangulation.verify).parameters}
         for key in keys:
             self.assertIn(argument(key, ""), arguments)
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/option.h"
 #include "src/service/service.h"
 
 namespace tessera {
@@ -71,7 +72,7 @@ int drive(const std::string& data, const std::string& roots) {
   options.limits.running = 2;
   auto opened = Service::open(options);
   if (!opened) {
-    std::fprintf(stderr, "%s\n", opened.error().where.c_str());
+    std::fprintf(stderr, "%s\n", in_plain_words(opened.error().where).c_str());
     return 1;
   }
   Driver driver{std::move(opened).value(), {}};
