@@ -47,12 +47,12 @@ std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
          (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port) + "/";
 }
 
-// Until a signal ends it.
+// Until a signal ends it. Signals are caught from its beginning, and heeded when it runs.
 class Life {
  public:
-  Life(Service& service, http::Server& server) : service_(service), server_(server) {}
-
-  void run() {
+  void run(Service& service, http::Server& server) {
+    service_ = &service;
+    server_ = &server;
     wait_for_signal();
     if (const auto most = supervisor::watchdog()) beat(*most / 3);
     context_.run();
@@ -70,7 +70,7 @@ class Life {
         return;
       }
       supervisor::reloading();
-      if (const Status reloaded = server_.reload(); !reloaded) {
+      if (const Status reloaded = server_->reload(); !reloaded) {
         spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
       } else {
         spdlog::info("tokens, certificate and key were read again");
@@ -82,7 +82,7 @@ class Life {
 
   // The service is asked something that needs its lock: a daemon that hangs is not alive.
   void beat(std::chrono::microseconds pause) {
-    (void)service_.figures();
+    (void)service_->figures();
     supervisor::alive();
     timer_.expires_after(pause);
     timer_.async_wait([this, pause](const boost::system::error_code& error) {
@@ -90,8 +90,8 @@ class Life {
     });
   }
 
-  Service& service_;
-  http::Server& server_;
+  Service* service_ = nullptr;
+  http::Server* server_ = nullptr;
   boost::asio::io_context context_;
   boost::asio::signal_set signals_{context_, SIGTERM, SIGINT, SIGHUP};
   boost::asio::steady_timer timer_{context_};
@@ -99,6 +99,7 @@ class Life {
 
 Status serve(DaemonOptions options) {
   start_daemon_log(options.json_log, options.http.insecure);
+  Life life;
   BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
   BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
   const std::string address = address_of(options.http, server->ports().front());
@@ -108,7 +109,7 @@ Status serve(DaemonOptions options) {
   spdlog::info("tesserad {} serves at {}", version(), address);
   if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
   supervisor::ready("serving at " + address);
-  Life(*service, *server).run();
+  life.run(*service, *server);
   supervisor::stopping();
   if (!server->drain(drain_time)) spdlog::warn("some requests were cut off");
   server.reset();

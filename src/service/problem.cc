@@ -91,6 +91,10 @@ proto::Problem no_such_job(std::string_view id) {
   return made;
 }
 
+proto::Problem problem_of_inputs(const Error& error) {
+  return error.code == Errc::io && !disk_is_full(error) ? problem(422, error.where, error.code) : problem_of(error);
+}
+
 proto::Problem result_not_ready(std::string_view id, std::string_view state) {
   auto made = problem(404, "job " + std::string(id) + " is " + std::string(state) + ": it has no result yet");
   made.set_type(std::string(ogc) + "result-not-ready");

@@ -17,6 +17,8 @@ proto::Problem problem(int status, std::string_view detail, Errc cause = Errc::o
 // With the HTTP status that belongs to the code: usage 400, bad_input and memory 422, io 500, or 507 when the disk is
 // full, interrupted 410, all else 500.
 proto::Problem problem_of(const Error& error);
+// The same of an error about inputs that a caller has named: what cannot be found or read is 422, no fault of ours.
+proto::Problem problem_of_inputs(const Error& error);
 
 // With the types that OGC API - Processes gives them.
 proto::Problem no_such_job(std::string_view id);

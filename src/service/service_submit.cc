@@ -53,7 +53,7 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
       if (const auto options = job_options(cloud.value(), share); !options) return problem_of(options.error());
       if (!inputs.info().triangulation().empty()) return read_from(inputs.info().triangulation());
       const auto files = roots.files(list_of(inputs.info().inputs()), inputs.info().recursive());
-      return files ? std::nullopt : std::optional(problem_of(files.error()));
+      return files ? std::nullopt : std::optional(problem_of_inputs(files.error()));
     }
     case proto::Inputs::OF_NOT_SET:
       return problem(400, "inputs: none is given of triangulate, verify, export and info", Errc::usage);
@@ -77,7 +77,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
     refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate);
     return success();
   }();
-  if (!looked) return problem_of(looked.error());
+  if (!looked) return problem_of_inputs(looked.error());
   if (refused) estimate.set_reason(refused->detail());
   estimate.set_accepted(!refused);
   return estimate;
@@ -192,7 +192,7 @@ Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& 
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
     return problem(403, "to be told of inputs takes the role submit", Errc::usage);
   auto text = describe_inputs(impl_->shop, inputs, info_points_max, {});
-  if (!text) return problem_of(text.error());
+  if (!text) return inputs.triangulation().empty() ? problem_of_inputs(text.error()) : problem_of(text.error());
   return std::move(text).value();
 }
 

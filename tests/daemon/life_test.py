@@ -36,6 +36,9 @@ class Life(DaemonTest):
         self.assertEqual(problem["cause"], 2)
         self.assertIn("partition", problem["detail"])
         self.assertNotIn("--partition", problem["detail"])
+        status, _, problem = execute(daemon, inputs=["nothing.las"])
+        self.assertEqual((status, problem["cause"]), (422, 4), problem)
+        self.assertIn("nothing.las", problem["detail"])
         self.assertEqual(daemon.end(), 0)
 
     def test_nobody_gets_in_without_a_token(self):
