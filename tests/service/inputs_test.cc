@@ -204,7 +204,7 @@ TEST_F(Inputs, UploadsAreThereWhenWholeAndWithinTheirLimit) {
     EXPECT_EQ(service->upload("u", "a.xyz", 0, bob).error().status(), 409);
     ASSERT_TRUE(upload.value()->write("0 0 0\n1 0 0\n"));
   }
-  EXPECT_EQ(refused(triangulate("upload:u/a.xyz")).status(), 500);
+  EXPECT_EQ(refused(triangulate("upload:u/a.xyz")).status(), 422);
   EXPECT_EQ(service->uploaded("u", "a.xyz").value(), 12);
   EXPECT_EQ(service->upload("u", "a.xyz", 5, alice).error().status(), 409);
   auto rest = service->upload("u", "a.xyz", 12, alice);
