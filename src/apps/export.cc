@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,11 +57,7 @@ Status run_export(Settings& settings, const std::string& folder) {
   if (options.progress) std::fprintf(stderr, "\r\x1b[K");
   BOOST_OUTCOME_TRY(exported, std::move(result));
   if (output.json) {
-    const nlohmann::ordered_json object{{"event", "exported"},           {"output", exported.path.string()},
-                                        {"vertices", exported.vertices}, {"cells", exported.cells},
-                                        {"left_out", exported.left_out}, {"files", exported.files},
-                                        {"bytes", exported.bytes},       {"note", exported.note}};
-    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::printf("%s\n", to_json(exported, exported.path.string()).c_str());
   } else if (!output.quiet) {
     std::printf("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
                 grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());

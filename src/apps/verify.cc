@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -17,17 +16,6 @@
 
 namespace tessera {
 namespace {
-
-void print_json(const std::string& folder, const VerifyReport& report) {
-  const nlohmann::ordered_json object{{"event", "verified"},
-                                      {"result", folder},
-                                      {"cells", report.cells},
-                                      {"facets", report.facets},
-                                      {"hull_facets", report.hull_facets},
-                                      {"vertices", report.vertices},
-                                      {"passed", report.passed}};
-  std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
-}
 
 void print_text(const std::string& folder, const VerifyReport& report) {
   for (const auto& line : report.passed) std::printf("ok  %s\n", line.c_str());
@@ -51,7 +39,7 @@ Status run_verify(Settings& settings, const std::string& folder) {
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(report, verify(folder, options, interrupt.token()));
   if (output.json) {
-    print_json(folder, report);
+    std::printf("%s\n", to_json(report, folder).c_str());
   } else if (!output.quiet) {
     print_text(folder, report);
   }

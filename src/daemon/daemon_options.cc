@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/files/names.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
@@ -54,7 +55,7 @@ Status read_limits(const Settings& settings, ServiceLimits& limits) {
 
 }  // namespace
 
-Result<http::ListenOptions> parse_address(std::string_view text) {
+Result<http::ListenOptions> parse_listen_address(std::string_view text) {
   const auto wrong = [&] {
     return error(Errc::usage, "'" + std::string(text) + "' is no address like 127.0.0.1:7070 or [::1]:7070");
   };
@@ -132,10 +133,10 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   BOOST_OUTCOME_TRY(jobs, top.get("jobs", at_least_one));
   BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
   BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
-  BOOST_OUTCOME_TRY(listen, top.get("listen", parse_address));
+  BOOST_OUTCOME_TRY(listen, top.get("listen", parse_listen_address));
   BOOST_OUTCOME_TRY(metrics, top.get("metrics", [](const std::string& t) -> Result<std::optional<http::ListenOptions>> {
     if (t == "none") return std::optional<http::ListenOptions>{};
-    BOOST_OUTCOME_TRY(address, parse_address(t));
+    BOOST_OUTCOME_TRY(address, parse_listen_address(t));
     return std::optional(address);
   }));
   BOOST_OUTCOME_TRY(certificate, top.get("tls-certificate", as_text));
@@ -165,7 +166,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   }
   server.certificate = certificate.value_or("");
   server.key = key.value_or("");
-  server.tokens = service.data / "tokens";
+  server.tokens = tokens_file(service.data);
   server.hosts = hosts.value_or(std::vector<std::string>{});
   server.public_url = public_url.value_or("");
   server.insecure = insecure;

@@ -34,7 +34,7 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
                                           const std::function<const char*(const char*)>& get_environment);
 
 // "127.0.0.1:7070", "[::1]:7070", "7070" for the loopback.
-Result<http::ListenOptions> parse_address(std::string_view text);
+Result<http::ListenOptions> parse_listen_address(std::string_view text);
 // Seconds: "90", "90s", "15m", "12h", "30d"; "forever" is 0.
 Result<std::uint64_t> parse_duration(std::string_view text);
 

@@ -33,6 +33,9 @@ struct Exported {
   std::string note = {};    // a sentence about what the format could not keep here; often empty
 };
 
+// What the command prints and a job's outcome holds: one line of JSON without its end. `output`: what it is called there.
+std::string to_json(const Exported& exported, const std::string& output);
+
 // Writes the result folder `out` to `target`. A target with an ending is one file, in which every vertex has one
 // number; one that is a folder, ends in '/', or has no ending becomes a folder with a file for each tile (npy: a folder
 // of arrays for all). Written under temporary names and renamed at the end. Memory is that of the largest tile plus 17

@@ -112,6 +112,8 @@ fs::path event_numbers_file(const fs::path& data) { return data / "events.json";
 fs::path results_folder(const fs::path& data) { return data / "results"; }
 fs::path exports_folder(const fs::path& out) { return out / "exports"; }
 fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
+
+fs::path tokens_file(const fs::path& data) { return data / "tokens"; }
 fs::path part_file(const fs::path& final_name) {
   return final_name.parent_path() / ("." + final_name.filename().string() + ".part");
 }

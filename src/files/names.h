@@ -20,6 +20,7 @@
 // and in the data folder of a service:
 //
 //   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
+//   DATA/tokens                    who may ask (src/http/tokens.h)
 //   DATA/forgotten.txt             the ids of jobs that were removed, a line each
 //   DATA/events.json               which numbers events may have next
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
@@ -87,6 +88,7 @@ std::filesystem::path event_numbers_file(const std::filesystem::path& data);
 std::filesystem::path results_folder(const std::filesystem::path& data);
 std::filesystem::path exports_folder(const std::filesystem::path& out);
 std::filesystem::path uploads_folder(const std::filesystem::path& data);
+std::filesystem::path tokens_file(const std::filesystem::path& data);
 std::filesystem::path part_file(const std::filesystem::path& final_name);
 // In `folder`, where it will be renamed to the final name.
 std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);

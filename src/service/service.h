@@ -80,8 +80,8 @@ class Backend {
 
   virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;
   virtual Reply<proto::StatusInfo> job(std::string_view id) = 0;
-  // A running or waiting job stops, within a second, and can be resumed; one that has ended is forgotten (410 from then
-  // on). Results stay.
+  // A waiting job stops at once, a running one after the tiles that are at work (seconds for large ones); both can be
+  // resumed; one that has ended is forgotten (410 from then on). Results stay.
   virtual Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) = 0;
   virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
   virtual Reply<ServedFile> log(std::string_view id) = 0;

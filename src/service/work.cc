@@ -1,6 +1,5 @@
 #include "src/service/work.h"
 
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 
@@ -24,10 +23,6 @@
 
 namespace tessera {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string line(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 // Of a result that was complete when its job went on.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
@@ -116,15 +111,7 @@ Reply<JobDone> verify(const Workshop& shop, const JobWork& work) {
   if (!report) return problem_of(report.error());
   const auto& found = report.value();
   for (const auto& passed : found.passed) work.log("ok  " + passed);
-  return JobDone{line({{"event", "verified"},
-                       {"result", inputs.triangulation()},
-                       {"cells", found.cells},
-                       {"facets", found.facets},
-                       {"hull_facets", found.hull_facets},
-                       {"vertices", found.vertices},
-                       {"passed", found.passed}}),
-                 0,
-                 {}};
+  return JobDone{to_json(found, inputs.triangulation()) + "\n", 0, {}};
 }
 
 Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
@@ -154,16 +141,7 @@ Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
   }
   const auto& made = exported.value();
   if (!made.note.empty()) work.log("note: " + made.note);
-  return JobDone{line({{"event", "exported"},
-                       {"output", made.path.filename().string()},
-                       {"vertices", made.vertices},
-                       {"cells", made.cells},
-                       {"left_out", made.left_out},
-                       {"files", made.files},
-                       {"bytes", made.bytes},
-                       {"note", made.note}}),
-                 0,
-                 {}};
+  return JobDone{to_json(made, made.path.filename().string()) + "\n", 0, {}};
 }
 
 }  // namespace

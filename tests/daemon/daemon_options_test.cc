@@ -49,7 +49,9 @@ TEST_F(Options, ListensOnTheLoopbackUnlessToldOtherwise) {
 }
 
 TEST_F(Options, FlagsBeatVariablesBeatTheFile) {
-  write_file("data = \"/from/file\"\nmemory = \"1G\"\njobs = 3\ninputs = [\"/a\", \"/b\"]\n[limits]\nqueued = 7\npoints = \"2M\"\n");
+  write_file(
+      "data = \"/from/file\"\nmemory = \"1G\"\njobs = 3\ninputs = [\"/a\", \"/b\"]\n[limits]\nqueued = 7\npoints = "
+      "\"2M\"\n");
   environment_ = {{"TESSERAD_MEMORY", "2G"}, {"TESSERAD_JOBS", "4"}, {"TESSERAD_LIMITS_QUEUED", "8"}};
   const auto options = read("--config " + file_ + " --jobs 5 --metrics none");
   ASSERT_TRUE(options) << options.error().where;
@@ -87,11 +89,11 @@ TEST_F(Options, WithoutADataFolderThereIsASentence) {
 }
 
 TEST(Address, HasAPortAndMayHaveAHost) {
-  EXPECT_EQ(parse_address("127.0.0.1:80").value().port, 80);
-  EXPECT_EQ(parse_address("[::1]:80").value().address, "::1");
-  EXPECT_EQ(parse_address("7070").value().address, "127.0.0.1");
+  EXPECT_EQ(parse_listen_address("127.0.0.1:80").value().port, 80);
+  EXPECT_EQ(parse_listen_address("[::1]:80").value().address, "::1");
+  EXPECT_EQ(parse_listen_address("7070").value().address, "127.0.0.1");
   for (const char* wrong : {"", ":", ":80", "127.0.0.1:", "127.0.0.1:65536", "a:b", "1:-1"})
-    EXPECT_FALSE(parse_address(wrong)) << wrong;
+    EXPECT_FALSE(parse_listen_address(wrong)) << wrong;
 }
 
 TEST(Duration, HasAUnit) {

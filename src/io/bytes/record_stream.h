@@ -1,6 +1,7 @@
 // Records of one length, one after the other: the body of LAS, NumPy and most binary PLY files.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -14,6 +15,11 @@ namespace tessera {
 
 inline constexpr std::size_t batch_points_max = 65'536;
 inline constexpr std::size_t block_bytes_max = std::size_t{4} << 20;
+// Points to read at once when `most` are asked for: of rows of thousands of columns fewer.
+inline std::size_t points_at_once(std::size_t most, std::size_t row_bytes) {
+  return std::min(
+      {most, batch_points_max, std::max<std::size_t>(1, block_bytes_max / std::max<std::size_t>(1, row_bytes))});
+}
 
 // Records as LAS files and their like have them, wherever they come from.
 class RecordSource {

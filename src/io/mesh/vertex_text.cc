@@ -21,8 +21,7 @@ Status VertexTextReader::next(PointBatch& batch, std::size_t most) {
   batch.points.clear();
   batch.rows.clear();
   numbers_.clear();
-  most = std::min(
-      {most, batch_points_max, std::max<std::size_t>(1, block_bytes_max / std::max<std::size_t>(1, row_bytes_))});
+  most = points_at_once(most, row_bytes_);
   while (batch.points.size() < most) {
     BOOST_OUTCOME_TRY(there, next_vertex(values_));
     if (!there) break;

@@ -65,9 +65,7 @@ class TextReader : public PointReader {
     batch.points.clear();
     batch.rows.clear();
     numbers_.clear();
-    // Rows of thousands of columns: fewer points in a batch.
-    most = std::min(
-        {most, batch_points_max, std::max<std::size_t>(1, block_bytes_max / std::max<std::size_t>(1, row_bytes_))});
+    most = points_at_once(most, row_bytes_);
     while (batch.points.size() < most) {
       BOOST_OUTCOME_TRY(line, next_content(lines_));
       if (!line) break;

@@ -1,0 +1,16 @@
+#include <nlohmann/json.hpp>
+
+#include "src/export/export.h"
+
+namespace tessera {
+
+std::string to_json(const Exported& exported, const std::string& output) {
+  using Json = nlohmann::ordered_json;
+  const Json object{{"event", "exported"},           {"output", output},
+                    {"vertices", exported.vertices}, {"cells", exported.cells},
+                    {"left_out", exported.left_out}, {"files", exported.files},
+                    {"bytes", exported.bytes},       {"note", exported.note}};
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace tessera
