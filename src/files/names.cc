@@ -76,7 +76,7 @@ fs::path stored_tile_file(const fs::path& out, TileId tile) {
     if (fs::path file = tile_file(out, tile, format); fs::exists(file, code)) return file;
   return tile_file(out, tile);
 }
-fs::path done_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, done_ending); }
+fs::path done_file(const fs::path& out) { return tiles_folder(out) / (std::string("stored") + done_ending); }
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }

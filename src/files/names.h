@@ -3,7 +3,7 @@
 //   OUT/manifest.json              what the result is; written last
 //   OUT/triangulation.pvtu         the master file, over the tiles; triangulation.vtkhdf in format 1
 //   OUT/tiles/000042.vtu           a tile; 000042.vtkhdf in format 1
-//   OUT/tiles/000042.done          its entry, while the run is unfinished: the tile is stored
+//   OUT/tiles/stored.done          while the run is unfinished: the entries of the tiles that are stored
 //   OUT/duplicates.bin             when there are any
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
@@ -43,7 +43,7 @@ std::filesystem::path tiles_folder(const std::filesystem::path& out);
 std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = 2);
 // The tile's file in whatever format it is there; in the newest when there is none.
 std::filesystem::path stored_tile_file(const std::filesystem::path& out, TileId tile);
-std::filesystem::path done_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path done_file(const std::filesystem::path& out);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);

@@ -1,8 +1,7 @@
-// The side files by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
-// destroy what it has read: they are written and read while tiles are at work, and memory may be short.
+// The side file by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
+// destroy what it has read: it is written and read while tiles are at work, and memory may be short.
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <functional>
 #include <optional>
 #include <string>
@@ -10,7 +9,6 @@
 
 #include "src/files/checksum.h"
 #include "src/files/disk_file.h"
-#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/store/manifest.h"
@@ -37,13 +35,12 @@ bool take_number(std::string_view& rest, Number& value, int base = 10) {
   return failed == std::errc() && end == word.data() + word.size();
 }
 
-// Nothing when the line is not what write_done() wrote.
+// Nothing when the line, without its end, is not what write_done() wrote.
 std::optional<TileEntry> read_done(std::string_view line) {
-  constexpr std::size_t sum_bytes = 18;  // a space, the checksum, the end of the line
+  constexpr std::size_t sum_bytes = 17;  // a space, the checksum
   if (line.size() < sum_bytes) return std::nullopt;
   auto text = line.substr(0, line.size() - sum_bytes);
-  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n")
-    return std::nullopt;
+  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text))))) return std::nullopt;
   TileEntry entry;
   const bool read = take_number(text, entry.tile.value) && take_number(text, entry.points) &&
                     take_number(text, entry.own_points) && take_number(text, entry.cells) &&
@@ -74,8 +71,10 @@ Status write_done(const fs::path& out, const TileEntry& entry) {
     text += std::to_string(number) + " ";
   }
   text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest);
-  const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
-  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, entry.tile), DiskFile::Mode::replace));
+  // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
+  // when a process ended in the middle of it.
+  const std::string line = "\n" + text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out), DiskFile::Mode::append));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
   return file.close();
 }
@@ -83,18 +82,25 @@ Status write_done(const fs::path& out, const TileEntry& entry) {
 }  // namespace store
 
 Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
+  std::error_code failed;
+  if (!fs::exists(done_file(out), failed) && !failed) return std::vector<TileEntry>{};
+  BOOST_OUTCOME_TRY(bytes, read_whole(done_file(out)));
   std::vector<TileEntry> entries;
-  FolderReader reader(tiles_folder(out));
-  while (const char* name = reader.next()) {
-    const auto file = tiles_folder(out) / name;
-    const TileId tile{static_cast<std::uint32_t>(std::strtoul(name, nullptr, 10))};
-    if (done_file(out, tile) != file || (wanted && !wanted(tile))) continue;
-    BOOST_OUTCOME_TRY(bytes, read_whole(file));
-    const auto entry = read_done(as_text(bytes));
-    if (entry && entry->tile == tile && is_whole(tile_file(out, tile), *entry)) entries.push_back(*entry);
+  for (std::string_view rest = as_text(bytes); !rest.empty();) {
+    const auto line = rest.substr(0, rest.find('\n'));
+    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+    const auto entry = read_done(line);
+    if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
   }
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
-  return entries;
+  // Of a tile that was stored again the last line counts.
+  const auto by_tile = [](const auto& a, const auto& b) { return a.tile < b.tile; };
+  std::stable_sort(entries.begin(), entries.end(), by_tile);
+  std::vector<TileEntry> stored;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const bool last = i + 1 == entries.size() || entries[i + 1].tile != entries[i].tile;
+    if (last && is_whole(tile_file(out, entries[i].tile), entries[i])) stored.push_back(entries[i]);
+  }
+  return stored;
 }
 
 }  // namespace tessera

@@ -138,7 +138,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            tiles_folder("r"),
                            tile_file("r", tile),
                            tile_file("r", tile, 1),
-                           done_file("r", tile),
+                           done_file("r"),
                            duplicates_file("r"),
                            report_file("r"),
                            lock_folder("r"),
@@ -162,7 +162,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_EQ(tile_file("r", tile), "r/tiles/000042.vtu");
   EXPECT_EQ(scratch_file("r", ScratchKind::mail, tile), "r/mail/000042.bin");
   EXPECT_TRUE(is_tile_name(temporary_name(tile_file("r", tile))));
-  EXPECT_TRUE(is_done_name(done_file("r", tile)));
+  EXPECT_TRUE(is_done_name(done_file("r")));
   EXPECT_TRUE(is_temporary_name(temporary_name(tile_file("r", tile))));
   EXPECT_TRUE(is_temporary_name(temporary_name_of_process(tile_file("r", tile))));
   EXPECT_TRUE(is_new_run_name(new_run_folder("r")));
