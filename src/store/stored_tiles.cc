@@ -1,5 +1,5 @@
-// The side file by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
-// destroy what it has read: it is written and read while tiles are at work, and memory may be short.
+// The side files by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
+// destroy what it has read: they are written and read while tiles are at work, and memory may be short.
 #include <algorithm>
 #include <charconv>
 #include <functional>
@@ -9,6 +9,7 @@
 
 #include "src/files/checksum.h"
 #include "src/files/disk_file.h"
+#include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/store/manifest.h"
@@ -52,19 +53,25 @@ std::optional<TileEntry> read_done(std::string_view line) {
   return entry;
 }
 
-// Whether the file is the one that was stored. One that is missing, unreadable or damaged is made again.
-bool is_whole(const fs::path& tile, const TileEntry& entry) {
+// Which of the entries, all of one tile, tells of the file that is there. A file that is missing, unreadable or damaged
+// is made again.
+const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entries) {
   std::error_code missing;
-  if (fs::file_size(tile, missing) != entry.bytes || missing) return false;
+  const auto bytes = fs::file_size(tile, missing);
+  const auto tells = [&](const TileEntry& entry) { return entry.bytes == bytes; };
+  if (missing || std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
   const auto sum = checksum_file(tile);
-  return sum && sum.value() == entry.xxh3;
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const TileEntry& entry) {
+    return sum && tells(entry) && entry.xxh3 == sum.value();
+  });
+  return found == entries.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 namespace store {
 
-Status write_done(const fs::path& out, const TileEntry& entry) {
+Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
   std::string text;
   for (const std::uint64_t number :
        {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
@@ -74,7 +81,7 @@ Status write_done(const fs::path& out, const TileEntry& entry) {
   // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
   // when a process ended in the middle of it.
   const std::string line = "\n" + text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
-  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out), DiskFile::Mode::append));
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, node), DiskFile::Mode::append));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
   return file.close();
 }
@@ -82,23 +89,24 @@ Status write_done(const fs::path& out, const TileEntry& entry) {
 }  // namespace store
 
 Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
-  std::error_code failed;
-  if (!fs::exists(done_file(out), failed) && !failed) return std::vector<TileEntry>{};
-  BOOST_OUTCOME_TRY(bytes, read_whole(done_file(out)));
   std::vector<TileEntry> entries;
-  for (std::string_view rest = as_text(bytes); !rest.empty();) {
-    const auto line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-    const auto entry = read_done(line);
-    if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
+  FolderReader reader(tiles_folder(out));
+  while (const char* name = reader.next()) {
+    if (!is_tile_name(name) || !is_done_name(name)) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(tiles_folder(out) / name));
+    for (std::string_view rest = as_text(bytes); !rest.empty();) {
+      const auto line = rest.substr(0, rest.find('\n'));
+      rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+      const auto entry = read_done(line);
+      if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
+    }
   }
-  // Of a tile that was stored again the last line counts.
-  const auto by_tile = [](const auto& a, const auto& b) { return a.tile < b.tile; };
-  std::stable_sort(entries.begin(), entries.end(), by_tile);
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   std::vector<TileEntry> stored;
-  for (std::size_t i = 0; i < entries.size(); ++i) {
-    const bool last = i + 1 == entries.size() || entries[i + 1].tile != entries[i].tile;
-    if (last && is_whole(tile_file(out, entries[i].tile), entries[i])) stored.push_back(entries[i]);
+  for (std::size_t i = 0, end = 0; i < entries.size(); i = end) {
+    while (end < entries.size() && entries[end].tile == entries[i].tile) ++end;
+    const auto of_tile = std::span(entries).subspan(i, end - i);  // more than one when it was stored again
+    if (const auto* entry = sound_of(tile_file(out, of_tile[0].tile), of_tile)) stored.push_back(*entry);
   }
   return stored;
 }

@@ -144,59 +144,6 @@ TEST(TileStore, ThreadsMayWriteDifferentTiles) {
     expect_equal(read_tile(folder.path(), TileId{tile}).value().mesh, meshes[tile]);
 }
 
-TEST(TileStore, AResumedRunSeesTheTilesThatAreStored) {
-  const TemporaryFolder folder;
-  const auto meshes = sample_tiles(sample_points(Shape::uniform, 3, 300), 3, 3);
-  EXPECT_TRUE(stored_tiles(folder.path()).value().empty());
-  const auto entry = write_tile(folder.path(), TileId{1}, meshes[1], {}, {});
-  ASSERT_TRUE(entry);
-  EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{entry.value()});
-  store_sample(folder.path(), meshes);
-  EXPECT_TRUE(stored_tiles(folder.path()).value().empty()) << "finish_store removes the side files";
-}
-
-// Bits of the tile file and of its side file: whatever is damaged, the tile is made again.
-TEST(TileStore, ATileThatIsDamagedDoesNotCountAsStored) {
-  const TemporaryFolder folder;
-  const auto meshes = sample_tiles(sample_points(Shape::uniform, 3, 300), 3, 2);
-  const auto kept = write_tile(folder.path(), TileId{0}, meshes[0], {}, {});
-  const auto entry = write_tile(folder.path(), TileId{1}, meshes[1], {}, {});
-  ASSERT_TRUE(kept && entry);
-  const std::vector both{kept.value(), entry.value()};
-  ASSERT_EQ(stored_tiles(folder.path()).value(), both);
-  const auto damage = [&](const fs::path& path, std::size_t from, const std::vector<TileEntry>& left) {
-    const auto whole = bytes_of(path);
-    for (std::size_t bit = 8 * from; bit < 8 * whole.size(); bit += 8 * whole.size() / 400 + 1) {
-      auto damaged = whole;
-      damaged[bit / 8] ^= std::byte{1} << (bit % 8);
-      ASSERT_TRUE(write_whole(path, damaged));
-      const auto stored = stored_tiles(folder.path()).value();
-      EXPECT_TRUE(stored == left || stored == both) << path << ", bit " << bit;
-      // What is between lines says nothing.
-      EXPECT_TRUE(stored == left || whole[bit / 8] == std::byte{'\n'}) << path << ", bit " << bit;
-    }
-    for (const std::size_t size : {from, (from + whole.size()) / 2, whole.size() - 2}) {
-      ASSERT_TRUE(write_whole(path, std::span(whole).first(size)));
-      EXPECT_EQ(stored_tiles(folder.path()).value(), left) << path << " cut to " << size;
-    }
-    ASSERT_TRUE(write_whole(path, whole));
-    EXPECT_EQ(stored_tiles(folder.path()).value(), both);
-  };
-  damage(tile_file(folder.path(), TileId{1}), 0, {kept.value()});
-  const auto bytes = bytes_of(done_file(folder.path()));
-  const std::string lines(as_text(bytes));
-  damage(done_file(folder.path()), lines.find('\n', 1) + 1, {kept.value()});
-  // A process that ends in the middle of a line spoils no other.
-  const std::string begun = lines + "\n1 17 12";
-  ASSERT_TRUE(write_whole(done_file(folder.path()), std::as_bytes(std::span(begun))));
-  EXPECT_EQ(stored_tiles(folder.path()).value(), both);
-  const auto again = write_tile(folder.path(), TileId{1}, meshes[0], {}, {});
-  ASSERT_TRUE(again);
-  EXPECT_EQ(stored_tiles(folder.path()).value(), (std::vector{kept.value(), again.value()})) << "the last line counts";
-  fs::remove(tile_file(folder.path(), TileId{1}));
-  EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{kept.value()});
-}
-
 TEST(TileStore, AttributesWhoseNameIsTakenGetAnother) {
   const TemporaryFolder folder;
   StoreOptions options;
