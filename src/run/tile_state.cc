@@ -116,7 +116,7 @@ Status TileState::insert(const std::vector<Update>& mail) {
   }
   std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
   Status done = success();
-  for_each_in_brio_order<2>(n, [&](std::size_t i) {
+  for_each_in_brio_order(n, [&](std::size_t i) {
     if (done) done = triangulation_->receive(items[i].from, std::span(items[i].point, 1));
   });
   return done;
