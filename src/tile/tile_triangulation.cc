@@ -27,6 +27,21 @@ double longest_edge(std::span<const Point> corners) {
   return std::sqrt(squared);
 }
 
+// Whether the sphere reaches well into the bounds: one that only just reaches a neighbour's points has most likely none
+// of them inside.
+bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
+  if (bounds.empty()) return false;
+  const double most = ball.reach * ball.reach;
+  double squared = 0;
+  for (int i = 0; i < dimension; ++i) {
+    const double depth = std::min(announce_depth * ball.reach, (bounds.hi[i] - bounds.lo[i]) / 4);
+    const double gap = std::max({bounds.lo[i] + depth - ball.center[i], ball.center[i] + depth - bounds.hi[i], 0.0});
+    squared += gap * gap;
+    if (squared > most) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 TileTriangulation::TileTriangulation(const TileOptions& options)
@@ -191,15 +206,6 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
     return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
   });
-  // A sphere that only just reaches a neighbour's points has most likely none of them inside.
-  const auto inside = [&](Bounds b, const Ball& ball) {
-    for (int i = 0; i < d; ++i) {
-      const double depth = std::min(announce_depth * ball.reach, (b.hi[i] - b.lo[i]) / 4);
-      b.lo[i] += depth;
-      b.hi[i] -= depth;
-    }
-    return b;
-  };
   std::array<Point, 4> p;
   for (std::size_t c = 0; c < cells.size(); c += corners) {
     const Vertex* v = &cells[c];
@@ -209,7 +215,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
     if (!ball.known || ball.reach > longest_edge(std::span(p).first(corners))) continue;
     for (const TileId n : neighbours) {
-      if (!may_meet(ball, inside(options_.around->bounds(n), ball), d)) continue;
+      if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
       for (int i = 0; i < corners; ++i) share(v[i], n);
     }
   }
@@ -262,6 +268,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
                                     FinalCells final_cells) {
   CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
+  input.foreign.reserve(foreign_.size());
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (is_local(v)) continue;
