@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <sys/uio.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -74,20 +75,27 @@ class FrameReader {
   }
 
   bool at_end() const { return at_ == size_; }
+  // A place beyond the end is one where nothing stands.
+  void go_to(std::uint64_t at) { at_ = begin_ = std::min(at, size_); }
 
   // REQUIRES: !at_end().
   Result<std::vector<std::byte>> next() {
-    Header header;
-    if (size_ - at_ < sizeof header) return damaged("ends in the middle of a frame");
-    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1))));
-    if (header.magic != magic) return damaged("is no frame");
-    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
-    if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
+    BOOST_OUTCOME_TRY(header, next_header());
     std::vector<std::byte> payload(header.length);
     BOOST_OUTCOME_TRYV(read(payload));
     if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
     begin_ = at_;
     return payload;
+  }
+
+  // The name of a frame, whose payload is passed over.
+  Result<FramePlace> next_place() {
+    FramePlace place{0, at_};
+    BOOST_OUTCOME_TRY(header, next_header());
+    if (header.length < sizeof place.name) return damaged("has no name");
+    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&place.name, 1))));
+    at_ = begin_ = at_ + header.length - sizeof place.name;
+    return place;
   }
 
   Error damaged(const std::string& what) const {
@@ -97,6 +105,16 @@ class FrameReader {
  private:
   FrameReader(fs::path path, ScratchKind kind, FileHandle file, std::uint64_t size)
       : path_(std::move(path)), kind_(kind), file_(std::move(file)), size_(size) {}
+
+  Result<Header> next_header() {
+    Header header;
+    if (size_ - at_ < sizeof header) return damaged("ends in the middle of a frame");
+    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1))));
+    if (header.magic != magic) return damaged("is no frame");
+    if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
+    if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
+    return header;
+  }
 
   Status read(std::span<std::byte> buffer) {
     BOOST_OUTCOME_TRY(done, read_up_to(file_.get(), buffer, at_, path_));
@@ -142,6 +160,24 @@ Status for_each_frame(const fs::path& path, ScratchKind kind, const VisitFrame& 
     BOOST_OUTCOME_TRYV(visit(std::move(payload)));
   }
   return success();
+}
+
+Result<std::vector<FramePlace>> places_of_frames(const fs::path& path, ScratchKind kind) {
+  BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
+  std::vector<FramePlace> places;
+  while (!frames.at_end()) {
+    const auto place = frames.next_place();
+    if (!place && place.error().code == Errc::corrupt) break;
+    if (!place) return place.error();
+    places.push_back(place.value());
+  }
+  return places;
+}
+
+Result<std::vector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, std::uint64_t at) {
+  BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
+  frames.go_to(at);
+  return frames.next();
 }
 
 }  // namespace tessera

@@ -40,4 +40,16 @@ Result<std::vector<std::byte>> read_frame(const std::filesystem::path& path, Scr
 using VisitFrame = std::function<Status(std::vector<std::byte> payload)>;
 Status for_each_frame(const std::filesystem::path& path, ScratchKind kind, const VisitFrame& visit);
 
+// Files of many frames, of which each begins with a number of 64 bits, its name, and is read by itself.
+//
+// Where they begin: an index, made without reading what is in them. What comes after damage is not in it; a name may be
+// damaged. Error io.
+struct FramePlace {
+  std::uint64_t name = 0;
+  std::uint64_t at = 0;
+};
+Result<std::vector<FramePlace>> places_of_frames(const std::filesystem::path& path, ScratchKind kind);
+// The payload, name included, of the frame that begins at byte `at`. Error io, corrupt.
+Result<std::vector<std::byte>> read_frame_at(const std::filesystem::path& path, ScratchKind kind, std::uint64_t at);
+
 }  // namespace tessera

@@ -19,6 +19,8 @@ namespace {
 
 constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
+constexpr const char* of_node = "node-";
+constexpr const char* settled_ending = ".bin";
 constexpr const char* new_run = ".run.new";
 constexpr const char* unfinished = ".unfinished-";
 constexpr const char* removed = ".removed-";
@@ -36,6 +38,10 @@ fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
   char name[32];
   std::snprintf(name, sizeof name, "%06u%s", tile.value, ending);
   return folder / name;
+}
+
+fs::path numbered(const fs::path& folder, NodeId node, const char* ending) {
+  return folder / (of_node + numbered("", TileId{node.value}, ending).string());
 }
 
 std::string without_temporary_ending(const fs::path& file) {
@@ -76,7 +82,7 @@ fs::path stored_tile_file(const fs::path& out, TileId tile) {
     if (fs::path file = tile_file(out, tile, format); fs::exists(file, code)) return file;
   return tile_file(out, tile);
 }
-fs::path done_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, done_ending); }
+fs::path done_file(const fs::path& out, NodeId node) { return numbered(tiles_folder(out), node, done_ending); }
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }
@@ -99,6 +105,9 @@ fs::path split_attributes_file(const fs::path& run) { return attributes_folder(r
 fs::path scratch_folder(const fs::path& run, ScratchKind kind) { return run / folder_name(kind); }
 fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
   return numbered(scratch_folder(run, kind), tile, ".bin");
+}
+fs::path settled_file(const fs::path& run, NodeId node) {
+  return numbered(scratch_folder(run, ScratchKind::settled), node, settled_ending);
 }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 
@@ -140,7 +149,12 @@ bool is_result_name(const fs::path& file) {
 
 bool is_tile_name(const fs::path& file) {
   const auto name = file.filename().string();
+  if (name.starts_with(of_node) && is_done_name(file)) return true;
   return name.size() > 7 && std::all_of(name.begin(), name.begin() + 6, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool is_settled_name(const fs::path& file) {
+  return file.filename().string().starts_with(of_node) && file.extension() == settled_ending;
 }
 
 bool is_run_name(const fs::path& file) {

@@ -3,7 +3,8 @@
 //   OUT/manifest.json              what the result is; written last
 //   OUT/triangulation.pvtu         the master file, over the tiles; triangulation.vtkhdf in format 1
 //   OUT/tiles/000042.vtu           a tile; 000042.vtkhdf in format 1
-//   OUT/tiles/000042.done          its entry, while the run is unfinished: the tile is stored
+//   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
+//                                  a tile's alone in 000042.done of older software
 //   OUT/duplicates.bin             when there are any
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
@@ -12,8 +13,9 @@
 //     plan.json                    what was routed; written last
 //     points/000042.bin            a tile's points (src/tiling/routed_run.h)
 //     attributes/000042.bin        their attributes; absent when nothing is carried
-//     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin, settled/000042.bin
+//     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin
 //                                  scratch of a tile: frames (frame.h)
+//     settled/node-000000.bin      scratch of all tiles of node 0
 //     settled.done                 all tiles are settled
 //   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; of its own for every process where two may write the same
 //
@@ -44,7 +46,7 @@ std::filesystem::path tiles_folder(const std::filesystem::path& out);
 std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = 2);
 // The tile's file in whatever format it is there; in the newest when there is none.
 std::filesystem::path stored_tile_file(const std::filesystem::path& out, TileId tile);
-std::filesystem::path done_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);
@@ -75,6 +77,8 @@ inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind:
                                                 ScratchKind::duplicates, ScratchKind::settled};
 std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKind kind);
 std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
+// Of all tiles of a node.
+std::filesystem::path settled_file(const std::filesystem::path& run, NodeId node);
 std::filesystem::path settled_marker(const std::filesystem::path& run);
 
 // The data folder of a service.
@@ -103,6 +107,7 @@ std::filesystem::path temporary_name_of_process(const std::filesystem::path& fin
 // included: what may be deleted with the result.
 bool is_result_name(const std::filesystem::path& file);
 bool is_tile_name(const std::filesystem::path& file);
+bool is_settled_name(const std::filesystem::path& file);
 // What stands directly in a run folder.
 bool is_run_name(const std::filesystem::path& file);
 // The same that only an unfinished run needs.

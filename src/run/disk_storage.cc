@@ -30,12 +30,17 @@ Status make_folder_of(const std::filesystem::path& file) {
 
 DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
                          std::uint32_t writers)
-    : run_(std::move(run)), out_(std::move(out)), options_(std::move(options)), writers_(writers) {}
+    : run_(std::move(run)),
+      out_(std::move(out)),
+      options_(std::move(options)),
+      settled_(run_->folder, options_.node),
+      writers_(writers) {}
 
 Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
 
 Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
+  if (what == ScratchKind::settled) return settled_.append(tile, bytes);
   const auto path = scratch_file(run_->folder, what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
   return write_frame(path, what, bytes);
@@ -49,6 +54,7 @@ Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::b
 }
 
 Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
+  if (what == ScratchKind::settled) return settled_.has(tile);
   const auto path = scratch_file(run_->folder, what, tile);
   std::error_code failed;
   const bool there = std::filesystem::exists(path, failed);
@@ -58,6 +64,11 @@ Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
 
 Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
   Pieces pieces;
+  if (what == ScratchKind::settled) {
+    BOOST_OUTCOME_TRY(bytes, settled_.read(tile));
+    if (bytes) pieces.push_back(std::move(*bytes));
+    return pieces;
+  }
   BOOST_OUTCOME_TRY(there, has(tile, what));
   if (!there) return pieces;
   BOOST_OUTCOME_TRYV(
@@ -79,6 +90,7 @@ Status DiskStorage::remove(TileId tile, ScratchKind what) {
 
 Status DiskStorage::clear(ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
+  if (what == ScratchKind::settled) return settled_.clear();
   const auto folder = scratch_folder(run_->folder, what);
   if (const auto failed = remove_tree(folder)) return refused(folder, "remove it", failed);
   return success();

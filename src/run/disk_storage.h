@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "src/run/settled_files.h"
 #include "src/run/tile_storage.h"
 #include "src/run/writers.h"
 
@@ -34,6 +35,7 @@ class DiskStorage final : public TileStorage {
   std::shared_ptr<const RoutedRun> run_;
   std::filesystem::path out_;
   StoreOptions options_;
+  SettledFiles settled_;
   Writers writers_;  // last: they use all of the above
 };
 

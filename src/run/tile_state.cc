@@ -95,7 +95,8 @@ Status TileState::splay() {
 }
 
 // In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
-// beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region.
+// beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region. Few,
+// for they are far from each other, and each finds its cells out of the cache.
 Status TileState::insert(const std::vector<Update>& mail) {
   struct Item {
     std::uint64_t key;
@@ -116,7 +117,7 @@ Status TileState::insert(const std::vector<Update>& mail) {
   }
   std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
   Status done = success();
-  for_each_in_brio_order<2>(n, [&](std::size_t i) {
+  for_each_in_brio_order<5>(n, [&](std::size_t i) {
     if (done) done = triangulation_->receive(items[i].from, std::span(items[i].point, 1));
   });
   return done;

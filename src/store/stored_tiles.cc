@@ -2,7 +2,6 @@
 // destroy what it has read: they are written and read while tiles are at work, and memory may be short.
 #include <algorithm>
 #include <charconv>
-#include <cstdlib>
 #include <functional>
 #include <optional>
 #include <string>
@@ -37,13 +36,12 @@ bool take_number(std::string_view& rest, Number& value, int base = 10) {
   return failed == std::errc() && end == word.data() + word.size();
 }
 
-// Nothing when the line is not what write_done() wrote.
+// Nothing when the line, without its end, is not what write_done() wrote.
 std::optional<TileEntry> read_done(std::string_view line) {
-  constexpr std::size_t sum_bytes = 18;  // a space, the checksum, the end of the line
+  constexpr std::size_t sum_bytes = 17;  // a space, the checksum
   if (line.size() < sum_bytes) return std::nullopt;
   auto text = line.substr(0, line.size() - sum_bytes);
-  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n")
-    return std::nullopt;
+  if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text))))) return std::nullopt;
   TileEntry entry;
   const bool read = take_number(text, entry.tile.value) && take_number(text, entry.points) &&
                     take_number(text, entry.own_points) && take_number(text, entry.cells) &&
@@ -55,27 +53,35 @@ std::optional<TileEntry> read_done(std::string_view line) {
   return entry;
 }
 
-// Whether the file is the one that was stored. One that is missing, unreadable or damaged is made again.
-bool is_whole(const fs::path& tile, const TileEntry& entry) {
+// Which of the entries, all of one tile, tells of the file that is there. A file that is missing, unreadable or damaged
+// is made again.
+const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entries) {
   std::error_code missing;
-  if (fs::file_size(tile, missing) != entry.bytes || missing) return false;
+  const auto bytes = fs::file_size(tile, missing);
+  const auto tells = [&](const TileEntry& entry) { return entry.bytes == bytes; };
+  if (missing || std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
   const auto sum = checksum_file(tile);
-  return sum && sum.value() == entry.xxh3;
+  const auto found = std::find_if(entries.begin(), entries.end(), [&](const TileEntry& entry) {
+    return sum && tells(entry) && entry.xxh3 == sum.value();
+  });
+  return found == entries.end() ? nullptr : &*found;
 }
 
 }  // namespace
 
 namespace store {
 
-Status write_done(const fs::path& out, const TileEntry& entry) {
+Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
   std::string text;
   for (const std::uint64_t number :
        {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
     text += std::to_string(number) + " ";
   }
   text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest);
-  const std::string line = text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
-  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, entry.tile), DiskFile::Mode::replace));
+  // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
+  // when a process ended in the middle of it.
+  const std::string line = "\n" + text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
+  BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, node), DiskFile::Mode::append));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
   return file.close();
 }
@@ -86,15 +92,23 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::func
   std::vector<TileEntry> entries;
   FolderReader reader(tiles_folder(out));
   while (const char* name = reader.next()) {
-    const auto file = tiles_folder(out) / name;
-    const TileId tile{static_cast<std::uint32_t>(std::strtoul(name, nullptr, 10))};
-    if (done_file(out, tile) != file || (wanted && !wanted(tile))) continue;
-    BOOST_OUTCOME_TRY(bytes, read_whole(file));
-    const auto entry = read_done(as_text(bytes));
-    if (entry && entry->tile == tile && is_whole(tile_file(out, tile), *entry)) entries.push_back(*entry);
+    if (!is_tile_name(name) || !is_done_name(name)) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(tiles_folder(out) / name));
+    for (std::string_view rest = as_text(bytes); !rest.empty();) {
+      const auto line = rest.substr(0, rest.find('\n'));
+      rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+      const auto entry = read_done(line);
+      if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
+    }
   }
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
-  return entries;
+  std::vector<TileEntry> stored;
+  for (std::size_t i = 0, end = 0; i < entries.size(); i = end) {
+    while (end < entries.size() && entries[end].tile == entries[i].tile) ++end;
+    const auto of_tile = std::span(entries).subspan(i, end - i);  // more than one when it was stored again
+    if (const auto* entry = sound_of(tile_file(out, of_tile[0].tile), of_tile)) stored.push_back(*entry);
+  }
+  return stored;
 }
 
 }  // namespace tessera

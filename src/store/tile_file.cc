@@ -120,7 +120,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   BOOST_OUTCOME_TRYV(check_held(options.lock_file));
   BOOST_OUTCOME_TRYV(rename_file(temporary.path(), final_name));
   temporary.keep();
-  BOOST_OUTCOME_TRYV(write_done(out, entry));
+  BOOST_OUTCOME_TRYV(write_done(out, options.node, entry));
   return entry;
 }
 

@@ -38,15 +38,17 @@ struct StoreOptions {
   bool neighbors = true;
   std::vector<Attribute> schema;         // of `rows` below
   std::filesystem::path lock_file = {};  // of OUT's lock: check_held()
+  NodeId node = {};                      // that stores it
 };
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the
 // schema. Safe to call from several threads for different tiles.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
-// Also leaves a side file (OUT/tiles/NNNNNN.done: the entry as a line, and its XXH3-64), by which a resumed run knows
-// the tile is stored; finish_store() removes them. Of the tiles that are `wanted`, all by default, reads each file
-// once: one that is not what was stored, or whose side file is damaged, is not listed, so that the tile is made again.
+// write_tile() also adds a line to the node's OUT/tiles/node-NNNNNN.done, the entry and its XXH3-64, by which a resumed
+// run knows that the tile is stored; finish_store() removes it. One file for all: to make a file takes longer than to
+// fill it. Of the tiles that are `wanted`, all by default, each file is read once: one that is not what was stored, or
+// whose line is damaged, is not listed, so that the tile is made again.
 Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out,
                                             const std::function<bool(TileId)>& wanted = {});
 

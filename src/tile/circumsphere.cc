@@ -100,18 +100,4 @@ bool surely_inside(const Ball& ball, const Box& box, int dimension) {
   return true;
 }
 
-bool may_meet(const Ball& ball, const Bounds& bounds, int dimension) {
-  if (bounds.empty()) return false;
-  if (!ball.known) return true;
-  double squared = 0, scale = ball.reach;
-  for (int i = 0; i < dimension; ++i) {
-    const double c = ball.center[i];
-    const double gap = std::max({bounds.lo[i] - c, c - bounds.hi[i], 0.0});
-    squared += gap * gap;
-    scale += std::abs(c);
-  }
-  const double reach = ball.reach + 8 * eps * scale;
-  return !(squared > reach * reach * (1 + 16 * eps));
-}
-
 }  // namespace tessera

@@ -22,6 +22,5 @@ Ball circumcircle(const Point& a, const Point& b, const Point& c);
 
 // True only if the circumsphere lies strictly inside the box (in 2D pass a box unbounded in z).
 bool surely_inside(const Ball& ball, const Box& box, int dimension);
-// False only if the circumsphere and its inside miss the closed bounds.
-bool may_meet(const Ball& ball, const Bounds& bounds, int dimension);
+
 }  // namespace tessera

@@ -12,8 +12,35 @@
 namespace tessera {
 namespace {
 
-// How far a sphere must reach into a neighbour's bounds to be told of, in spacings of points.
+// How far a sphere must reach into a neighbour's bounds to be told of, in its radii: where spheres are small, points
+// are dense.
 constexpr double announce_depth = 0.6;
+
+double longest_edge(std::span<const Point> corners) {
+  double squared = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      const double x = corners[i].x - corners[k].x, y = corners[i].y - corners[k].y, z = corners[i].z - corners[k].z;
+      squared = std::max(squared, x * x + y * y + z * z);
+    }
+  }
+  return std::sqrt(squared);
+}
+
+// Whether the sphere reaches well into the bounds: one that only just reaches a neighbour's points has most likely none
+// of them inside.
+bool reaches_well(const Ball& ball, const Bounds& bounds, int dimension) {
+  if (bounds.empty()) return false;
+  const double most = ball.reach * ball.reach;
+  double squared = 0;
+  for (int i = 0; i < dimension; ++i) {
+    const double depth = std::min(announce_depth * ball.reach, (bounds.hi[i] - bounds.lo[i]) / 4);
+    const double gap = std::max({bounds.lo[i] + depth - ball.center[i], ball.center[i] + depth - bounds.hi[i], 0.0});
+    squared += gap * gap;
+    if (squared > most) return false;
+  }
+  return true;
+}
 
 }  // namespace
 
@@ -165,13 +192,13 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
   // vertices doubles the points that are sent and refused (3 M terrain points: 743 k sent against 218 k).
   Bounds bounds;
   for (const Point& q : points) bounds.add(q);
-  const double spacing = even_spacing(bounds, points.size(), d), largest = 2 * spacing;
   // What is left has its vertices near a face of the box, and most slivers have not: a terrain's top is covered by
   // them.
+  const double near = 4 * even_spacing(bounds, points.size(), d);
   const auto near_face = [&](Vertex v) {
     const Point& q = points[v - 1];
     for (int i = 0; i < d; ++i) {
-      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < 2 * largest) return true;
+      if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < near) return true;
     }
     return false;
   };
@@ -179,15 +206,6 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
     return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
   });
-  // A sphere that only just reaches a neighbour's points has most likely none of them inside.
-  const auto inside = [&](Bounds b) {
-    for (int i = 0; i < d; ++i) {
-      const double depth = std::min(announce_depth * spacing, (b.hi[i] - b.lo[i]) / 4);
-      b.lo[i] += depth;
-      b.hi[i] -= depth;
-    }
-    return b;
-  };
   std::array<Point, 4> p;
   for (std::size_t c = 0; c < cells.size(); c += corners) {
     const Vertex* v = &cells[c];
@@ -195,9 +213,9 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (std::none_of(v, v + corners, [&](Vertex w) { return is_local(w); })) continue;
     for (int i = 0; i < corners; ++i) p[i] = at(v[i]);
     const Ball ball = d == 3 ? circumsphere(p[0], p[1], p[2], p[3]) : circumcircle(p[0], p[1], p[2]);
-    if (ball.reach > largest) continue;
+    if (!ball.known || ball.reach > longest_edge(std::span(p).first(corners))) continue;
     for (const TileId n : neighbours) {
-      if (!may_meet(ball, inside(options_.around->bounds(n)), d)) continue;
+      if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
       for (int i = 0; i < corners; ++i) share(v[i], n);
     }
   }
@@ -250,6 +268,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
                                     FinalCells final_cells) {
   CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
+  input.foreign.reserve(foreign_.size());
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (is_local(v)) continue;

@@ -61,7 +61,7 @@ class TileTriangulation {
   FinalCells reduce(std::span<const Point> points, const Box& box);
 
   // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere reaches into its
-  // bounds, but for cells much larger than most. Only speeds things up. `points` as in triangulate().
+  // bounds, but for cells whose sphere is large beside them. Only speeds things up. `points` as in triangulate().
   void announce(std::span<const Point> points, const Box& box);
 
   // Takes in points from another tile; introduce() ends a splay. Error internal, with a sentence, when no sound peer

@@ -11,6 +11,7 @@
 
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/whole_file.h"
 #include "src/io/npy/array_source.h"
 #include "src/reference/clouds.h"
 
@@ -78,16 +79,22 @@ TEST_F(Runs, AtOnceShareMemoryAndThreads) {
 // What is found damaged where no tile tells another anything any more is built again, from its points.
 TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
   const std::string cells = cells_of_one();
-  for (const bool damaged : {false, true}) {
-    const RoutedRun cloud = routed(damaged ? "damaged" : "sound");
+  for (const std::string damage : {"none", "cut", "flipped"}) {
+    const bool damaged = damage != "none";
+    const RoutedRun cloud = routed(damage);
     const auto tiles = tiles_folder(cloud.folder.parent_path());
     std::ofstream(tiles) << "in the way of the folder";
     Engine engine(2, memory);
     EXPECT_NE(run(engine, cloud, {.memory_bytes = memory}).find(tiles.string()), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(settled_marker(cloud.folder)));
     std::filesystem::remove(tiles);
-    const auto foreign = scratch_file(cloud.folder, ScratchKind::settled, TileId{2});
-    if (damaged) std::filesystem::resize_file(foreign, std::filesystem::file_size(foreign) - 1);
+    const auto foreign = settled_file(cloud.folder, NodeId{0});
+    if (damage == "cut") std::filesystem::resize_file(foreign, std::filesystem::file_size(foreign) - 1);
+    if (damage == "flipped") {
+      auto bytes = read_whole(foreign).value();
+      bytes[bytes.size() / 2] ^= std::byte{1};
+      ASSERT_TRUE(write_whole(foreign, bytes));
+    }
     Progress progress;
     const auto resumed = engine.run(cloud, cloud.folder.parent_path(), {.memory_bytes = memory}, progress, {});
     ASSERT_TRUE(resumed) << resumed.error().where;

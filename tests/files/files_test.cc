@@ -138,7 +138,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            tiles_folder("r"),
                            tile_file("r", tile),
                            tile_file("r", tile, 1),
-                           done_file("r", tile),
+                           done_file("r", NodeId{3}),
                            duplicates_file("r"),
                            report_file("r"),
                            lock_folder("r"),
@@ -151,8 +151,9 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            attributes_file("r", tile),
                            split_points_file("r"),
                            split_attributes_file("r"),
+                           settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 20;
+  std::size_t expected = 21;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));
@@ -162,7 +163,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_EQ(tile_file("r", tile), "r/tiles/000042.vtu");
   EXPECT_EQ(scratch_file("r", ScratchKind::mail, tile), "r/mail/000042.bin");
   EXPECT_TRUE(is_tile_name(temporary_name(tile_file("r", tile))));
-  EXPECT_TRUE(is_done_name(done_file("r", tile)));
+  EXPECT_TRUE(is_done_name(done_file("r", NodeId{3})));
   EXPECT_TRUE(is_temporary_name(temporary_name(tile_file("r", tile))));
   EXPECT_TRUE(is_temporary_name(temporary_name_of_process(tile_file("r", tile))));
   EXPECT_TRUE(is_new_run_name(new_run_folder("r")));
@@ -175,6 +176,11 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_TRUE(is_run_name(temporary_name(plan_file("r"))));
   EXPECT_FALSE(is_run_name("r/tests.run.xml"));
   EXPECT_FALSE(is_tile_name("r/tiles/mine.vtu"));
+  EXPECT_TRUE(is_tile_name(done_file("r", NodeId{3})));
+  EXPECT_TRUE(is_tile_name("r/tiles/000042.done"));  // of older software
+  EXPECT_FALSE(is_tile_name("r/tiles/node-000003.vtu"));
+  EXPECT_TRUE(is_settled_name(settled_file("r", NodeId{3})));
+  EXPECT_FALSE(is_settled_name(scratch_file("r", ScratchKind::settled, tile)));  // of older software
 }
 
 }  // namespace

@@ -52,6 +52,11 @@ TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   EXPECT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
   EXPECT_EQ(storage_->read(tile, ScratchKind::mail).value(), TileStorage::Pieces{bytes_});
+  EXPECT_TRUE(storage_->write(tile, ScratchKind::settled, bytes_));
+  EXPECT_TRUE(storage_->has(tile, ScratchKind::settled).value());
+  EXPECT_EQ(storage_->read(tile, ScratchKind::settled).value(), TileStorage::Pieces{bytes_});
+  EXPECT_TRUE(storage_->clear(ScratchKind::settled));
+  EXPECT_TRUE(storage_->read(tile, ScratchKind::settled).value().empty());
   EXPECT_TRUE(mark_settled(*run_, lock_.file(), true));
   EXPECT_TRUE(storage_->clear(ScratchKind::mail));
   EXPECT_TRUE(store(tile));
@@ -69,6 +74,8 @@ TEST_F(LockedStorage, TouchesNothingOnceTheLockIsAnothers) {
            result.error().where == out().string() + ": was silent for so long that another process has taken its lock";
   };
   EXPECT_TRUE(refused(storage_->write(tile, ScratchKind::finals, bytes_)));
+  EXPECT_TRUE(refused(storage_->write(tile, ScratchKind::settled, bytes_)));
+  EXPECT_TRUE(refused(storage_->clear(ScratchKind::settled)));
   EXPECT_TRUE(refused(storage_->append(TileId{8}, ScratchKind::mail, bytes_)));
   EXPECT_TRUE(refused(storage_->remove(tile, ScratchKind::state)));
   EXPECT_TRUE(refused(storage_->clear(ScratchKind::mail)));

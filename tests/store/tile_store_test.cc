@@ -144,47 +144,6 @@ TEST(TileStore, ThreadsMayWriteDifferentTiles) {
     expect_equal(read_tile(folder.path(), TileId{tile}).value().mesh, meshes[tile]);
 }
 
-TEST(TileStore, AResumedRunSeesTheTilesThatAreStored) {
-  const TemporaryFolder folder;
-  const auto meshes = sample_tiles(sample_points(Shape::uniform, 3, 300), 3, 3);
-  EXPECT_TRUE(stored_tiles(folder.path()).value().empty());
-  const auto entry = write_tile(folder.path(), TileId{1}, meshes[1], {}, {});
-  ASSERT_TRUE(entry);
-  EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{entry.value()});
-  store_sample(folder.path(), meshes);
-  EXPECT_TRUE(stored_tiles(folder.path()).value().empty()) << "finish_store removes the side files";
-}
-
-// Bits of the tile file and of its side file: whatever is damaged, the tile is made again.
-TEST(TileStore, ATileThatIsDamagedDoesNotCountAsStored) {
-  const TemporaryFolder folder;
-  const auto meshes = sample_tiles(sample_points(Shape::uniform, 3, 300), 3, 2);
-  const auto kept = write_tile(folder.path(), TileId{0}, meshes[0], {}, {});
-  const auto entry = write_tile(folder.path(), TileId{1}, meshes[1], {}, {});
-  ASSERT_TRUE(kept && entry);
-  const std::vector both{kept.value(), entry.value()};
-  ASSERT_EQ(stored_tiles(folder.path()).value(), both);
-  for (const auto& path : {tile_file(folder.path(), TileId{1}), done_file(folder.path(), TileId{1})}) {
-    const auto whole = bytes_of(path);
-    for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 8 * whole.size() / 200 + 1) {
-      auto damaged = whole;
-      damaged[bit / 8] ^= std::byte{1} << (bit % 8);
-      ASSERT_TRUE(write_whole(path, damaged));
-      EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{kept.value()}) << path << ", bit " << bit;
-    }
-    for (const std::size_t size : {std::size_t{0}, whole.size() / 2, whole.size() - 1}) {
-      ASSERT_TRUE(write_whole(path, std::span(whole).first(size)));
-      EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{kept.value()}) << path << " cut to " << size;
-    }
-    ASSERT_TRUE(write_whole(path, whole));
-    EXPECT_EQ(stored_tiles(folder.path()).value(), both);
-  }
-  fs::copy_file(done_file(folder.path(), TileId{1}), done_file(folder.path(), TileId{2}));
-  EXPECT_EQ(stored_tiles(folder.path()).value(), both) << "a side file under another name";
-  fs::remove(tile_file(folder.path(), TileId{1}));
-  EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{kept.value()});
-}
-
 TEST(TileStore, AttributesWhoseNameIsTakenGetAnother) {
   const TemporaryFolder folder;
   StoreOptions options;

@@ -43,6 +43,10 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     const bool r_certain = std::abs(r_side) > 5 * u * (std::abs(r1) + std::abs(r2)) + underflow;
     bool across_l = l_side < 0, across_r = r_side < 0;
     if (!(l_certain & r_certain)) [[unlikely]] {
+      if (c.x == 0 && c.y == 0) {
+        found = {slot, t.v[from]};
+        return true;
+      }
       across_l = exact::orientation_2(point(t.v[before[from]]), point(t.v[from]), p) < 0;
       across_r = exact::orientation_2(point(t.v[from]), point(t.v[next_of[from]]), p) < 0;
     }

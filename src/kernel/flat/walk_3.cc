@@ -21,15 +21,19 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
   }
   while (true) {
     const Cell& c = cells[step.slot];
+    // First, for where p is a vertex three of the orientations are zero, which takes long to know.
+    for (const Word v : c.v) {
+      if (points[v] != p) continue;
+      found = {step.slot, v};
+      return true;
+    }
     Word across = frozen_bit;
-    bool blocked = false, touching = false;
+    bool blocked = false;
     for (Word j = 0; j < 4; ++j) {
       const Word i = (turn_ + j) & 3;
       if (i == step.from) continue;
       const auto& f = Cell::facet_of[i];
-      const int side = orientation_3(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]);
-      touching |= side == 0;
-      if (side >= 0) continue;
+      if (orientation_3(p, points[c.v[f[0]]], points[c.v[f[1]]], points[c.v[f[2]]]) >= 0) continue;
       across = c.n[i];
       if (!(across & frozen_bit)) break;
       blocked = true;
@@ -37,11 +41,6 @@ bool Mesh::walk(const Point& p, Word slot, Located& found) const {
     if (across & frozen_bit) {  // no way on
       if (blocked) return false;
       found = {step.slot, 0};
-      if (touching) {
-        for (const Word v : c.v) {
-          if (points[v] == p) found.same = v;
-        }
-      }
       return true;
     }
     ++turn_;

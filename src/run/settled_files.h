@@ -1,0 +1,45 @@
+// What settled tiles are built from, of all tiles of a node in one file: to make a file takes longer than to fill it.
+// In a run folder that several nodes write to, each appends to a file of its own, and reads those of all.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+// Safe to call from several threads.
+class SettledFiles {
+ public:
+  SettledFiles(const std::filesystem::path& run, NodeId node);
+
+  // Once for each tile; makes the folder. Error io.
+  Status append(TileId tile, std::span<const std::byte> bytes);
+  // Whether append() was called for the tile, in whichever process: not for one that stands behind damage. Error io.
+  Result<bool> has(TileId tile);
+  // Nothing when has() says no. Error io, corrupt.
+  Result<std::optional<std::vector<std::byte>>> read(TileId tile);
+  // Removes what all nodes have written. Error io.
+  Status clear();
+
+ private:
+  struct Place {
+    std::filesystem::path file;
+    std::uint64_t at = 0;
+  };
+  Result<std::optional<Place>> find(TileId tile);
+
+  std::filesystem::path folder_, own_;
+  std::mutex mutex_;
+  // By tile; made when it is asked for.
+  std::optional<std::unordered_map<TileId, Place>> index_;
+};
+
+}  // namespace tessera
