@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,7 @@ struct StoreOptions {
   bool neighbors = true;
   std::vector<Attribute> schema;         // of `rows` below
   std::filesystem::path lock_file = {};  // of OUT's lock: check_held()
+  std::stop_token stop = {};             // write_tile() then soon throws Stopped, and leaves nothing
 };
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the
