@@ -80,8 +80,9 @@ class Backend {
 
   virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;
   virtual Reply<proto::StatusInfo> job(std::string_view id) = 0;
-  // A running or waiting job stops, within a second, and can be resumed; one that has ended is forgotten (410 from then
-  // on). Results stay.
+  // A running or waiting job is dismissed when this returns, and can be resumed; one that has ended is forgotten (410
+  // from then on). Results stay. Threads and memory of a running one are free within a second, most of the time in
+  // tenths of one: work on tiles is broken off, and images of those in memory are written up to 256 MiB.
   virtual Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) = 0;
   virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
   virtual Reply<ServedFile> log(std::string_view id) = 0;
