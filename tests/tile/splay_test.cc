@@ -177,8 +177,12 @@ TEST(Stop, EndsWhateverATileIsAt) {
   std::vector<PointId> ids;
   std::vector<SharedPoint> others;
   Bounds bounds;
-  for (const LocalPoint& p : make_cloud("uniform", 3, 12000, 1)) {  // more than a look takes
-    if (p.id.value % 2 == 0) {
+  auto cloud = make_cloud("uniform", 3, 12000, 1);  // a tile of more points than go by between two looks
+  std::sort(cloud.begin(), cloud.end(), [](const LocalPoint& a, const LocalPoint& b) { return a.at.x < b.at.x; });
+  Box box;  // of the first half
+  box.hi.x = cloud[cloud.size() / 2].at.x;
+  for (const LocalPoint& p : cloud) {
+    if (p.at.x < box.hi.x) {
       own.push_back(p.at);
       ids.push_back(p.id);
       bounds.add(p.at);
@@ -201,7 +205,6 @@ TEST(Stop, EndsWhateverATileIsAt) {
         }
       };
       stopped_at("triangulate", [&] { tile.triangulate(own, ids); });
-      const Box box{{0.2, 0.2, 0.2}, {0.8, 0.8, 0.8}};
       FinalCells finals;
       stopped_at("reduce", [&] { finals = tile.reduce(own, box); });
       stopped_at("receive", [&] { ASSERT_TRUE(tile.receive(TileId{1}, others)); });
