@@ -8,6 +8,7 @@
 #include "actors/protocol.h"
 #include "src/base/option.h"
 #include "src/base/result.h"
+#include "src/base/stopped.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {
@@ -20,6 +21,8 @@ Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   } catch (const KernelFull&) {
     return failure_of(worded(
         [&] { return error(Errc::memory, who() + " has more points than a kernel can number: use smaller tiles"); }));
+  } catch (const Stopped&) {
+    return failure_of(worded([&] { return error(Errc::interrupted, who() + " was stopped at its work"); }));
   } catch (const std::bad_alloc&) {
     return failure_of(worded([&] {
       return error(Errc::memory,

@@ -38,6 +38,7 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
 // be reading it at this moment.
 void PartActor::on_exit() {
   if (!office_) return;
+  stop_work();
   for (Hosted& hosted : hosted_) hosted.leave.say(office_->tiles[hosted.tile.value]);
   if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
   last_word_.message() = std::move(sum_);
@@ -201,7 +202,14 @@ void PartActor::stop(Failure failure) {
   const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->spec.resumable &&
                       schedule_.stage() < Schedule::Stage::collecting && coordinator_;
   failure_ = std::move(failure);
+  stop_work();
   schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
+}
+
+// What is under way is of no use any more. Images that are being written are: they take no notice.
+void PartActor::stop_work() noexcept {
+  std::stop_source stopping = part_->stopping;
+  stopping.request_stop();
 }
 
 void PartActor::dispatch() {

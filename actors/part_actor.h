@@ -10,10 +10,12 @@
 // opened, settling | Collect | grant collect to every tile that is not stored
 // collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
 // any        | Parcel        | hand its updates to the tiles
-// any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
+// any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;
+//            |               | PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
-//                            | grant nothing more; PartEnded with the first failure once nothing is under way
-// any        | an exception  | PartEnded with it; the tiles go on with what they are at, and leave
+//                            | work under way stops; grant nothing more; PartEnded with the first failure once
+//                            | nothing is under way
+// any        | an exception  | PartEnded with it; the tiles stop what they are at, and leave
 //
 // A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
 // the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
@@ -56,6 +58,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void lost_coordinator(const caf::down_msg& down);
   void abandon(TileId tile, Failure failure);
   void stop(Failure failure);
+  void stop_work() noexcept;
   void dispatch();
   void end();
   void tell_progress(bool now);

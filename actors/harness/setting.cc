@@ -93,6 +93,7 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
   auto part = std::make_unique<Part>();
   part->context = setting_.context;
   part->context.storage = &storage_;
+  part->context.stop = part->stopping.get_token();
   part->context.watch = &watch_;
   part->schedule = setting_.schedule;
   BOOST_OUTCOME_TRYV(storage_.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more

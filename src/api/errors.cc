@@ -5,6 +5,7 @@
 #include <string>
 #include <system_error>
 
+#include "src/base/stopped.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {
@@ -28,7 +29,7 @@ void rethrow_as_failure() {
     throw;
   } catch (const KernelFull& full) {
     throw Failure(Cause::memory, full.what());
-  } catch (const KernelStopped&) {
+  } catch (const Stopped&) {
     throw Failure(Cause::interrupted, "stopped, as was requested");
   } catch (const std::bad_alloc&) {
     throw Failure(Cause::memory, "the system has no more memory to give");

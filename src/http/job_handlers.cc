@@ -204,7 +204,9 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                      {200, json, "Document", "The answer of a process that needs no job"}},
                     execute,
                     {},
-                    "JsonExecute"});
+                    "JsonExecute",
+                    Place::api,
+                    true});
   routes.push_back({"POST",
                     "/v1/processes/{process}/estimate",
                     Role::submit,
@@ -213,7 +215,9 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     {{200, json, "Estimate", "Time, memory, disk; or why it would be refused"}},
                     estimate,
                     {},
-                    "JsonExecute"});
+                    "JsonExecute",
+                    Place::api,
+                    true});
   routes.push_back({"GET",
                     "/v1/jobs",
                     Role::read,
@@ -229,7 +233,11 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "dismissJob",
                     "Stop a job, or forget one that has ended; results stay",
                     {status},
-                    dismiss});
+                    dismiss,
+                    {},
+                    {},
+                    Place::api,
+                    true});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/results",
                     Role::read,
@@ -262,8 +270,17 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "How a job went, as a page",
                     {{200, "text/html", "", "The report"}, {206, "text/html", "", "A part of it"}},
                     report});
-  routes.push_back(
-      {"POST", "/v1/jobs/{job}/resume", Role::submit, "resumeJob", "Go on with a job that stopped", {status}, resume});
+  routes.push_back({"POST",
+                    "/v1/jobs/{job}/resume",
+                    Role::submit,
+                    "resumeJob",
+                    "Go on with a job that stopped",
+                    {status},
+                    resume,
+                    {},
+                    {},
+                    Place::api,
+                    true});
 }
 
 }  // namespace tessera::http

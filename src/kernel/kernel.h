@@ -68,11 +68,6 @@ struct KernelFull : std::length_error {
   KernelFull() : std::length_error("a tile has more points than a kernel can hold") {}
 };
 
-// Thrown by build() when it is asked to stop: the kernel can then only be destroyed, built or loaded.
-struct KernelStopped : std::runtime_error {
-  KernelStopped() : std::runtime_error("stopped while points were triangulated") {}
-};
-
 // Who keeps the points that build() is given. Borrowed ones are read where they are: they must neither move nor change
 // until the kernel is destroyed, built or loaded again. That saves 24 bytes a point.
 enum class KeepPoints : std::uint8_t { copied, borrowed };
@@ -100,7 +95,7 @@ class Kernel {
 
   // Builds from scratch; all points are local. `points` are distinct and best in Hilbert order: they are inserted in
   // BRIO rounds drawn from that order. Vertex i+1 is points[i]. A kernel is free to copy borrowed points. Looks at
-  // `stop` some hundred times a second.
+  // `stop` some hundred times a second, and throws Stopped: the kernel can then only be destroyed, built or loaded.
   virtual void build(std::span<const Point> points, KeepPoints keep = KeepPoints::copied,
                      const std::stop_token& stop = {}) = 0;
 

@@ -23,7 +23,13 @@ namespace {
 struct DiskPart final : Part {
   DiskPart(std::shared_ptr<const RoutedRun> routed, const std::filesystem::path& out, StoreOptions store,
            std::uint32_t writers, std::uint64_t pool_bytes)
-      : run(routed), storage(std::move(routed), out, std::move(store), writers), pool(pool_bytes) {}
+      : run(routed),
+        storage(std::move(routed), out, with(std::move(store), stopping.get_token()), writers),
+        pool(pool_bytes) {}
+  static StoreOptions with(StoreOptions store, std::stop_token stop) {
+    store.stop = std::move(stop);
+    return store;
+  }
   std::shared_ptr<const RoutedRun> run;
   DiskStorage storage;
   MemoryPoolShare pool;
@@ -81,7 +87,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
   // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
   auto part =
-      std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema, spec.lock_file, self},
+      std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema, spec.lock_file, self, {}},
                                  spec.threads, reduce ? 0 : spec.memory_bytes / 4);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
@@ -101,6 +107,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
   context.incarnations = spec.incarnations;
   context.storage = &part->storage;
+  context.stop = part->stopping.get_token();
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
   part->points = std::move(points);
   // Mail of an earlier process was for tiles that are no more.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
@@ -118,11 +119,14 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
 Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) noexcept {
   const auto name = [&] { return "tile " + std::to_string(tile.value); };
   try {
+    throw_if_stopped(options_.stop);
     BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
     BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
     BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, mesh, rows, options_));
     BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
     return std::move(entry);
+  } catch (const Stopped&) {
+    return worded([&] { return error(Errc::interrupted, "interrupted while " + name() + " was stored"); });
   } catch (const std::bad_alloc&) {
     return worded([&] {
       return error(Errc::memory,

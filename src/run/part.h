@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,8 @@ struct Part {
   std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
   std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
   HeapTrim heap_trim;
-  bool settled = false;  // all was quiet once, and each tile not stored has left what it is built from
+  std::stop_source stopping;  // of all work that leaves nothing behind when it is stopped; the context has its token
+  bool settled = false;       // all was quiet once, and each tile not stored has left what it is built from
 };
 
 // How a node comes by its parts: from a run folder in production, from memory in the harness.

@@ -159,9 +159,17 @@ bool Schedule::idle() const {
 std::optional<Schedule::Grant> Schedule::next() {
   if (working_ >= options_.threads || stage_ == Stage::stopping) return std::nullopt;
   if (stage_ == Stage::suspending) {
-    if (awake_.empty()) return std::nullopt;
-    const TileId t = std::get<2>(*awake_.begin());
-    return put_to_sleep(t);
+    while (!awake_.empty()) {
+      const TileId t = std::get<2>(*awake_.begin());
+      const std::uint64_t held = tiles_[t.value].held;
+      if (suspended_bytes_ + held > options_.suspend_bytes) {
+        abandon(t);
+        continue;
+      }
+      suspended_bytes_ += held;
+      return put_to_sleep(t);
+    }
+    return std::nullopt;
   }
   if (stage_ == Stage::settling) {
     if (pending_.empty()) return std::nullopt;

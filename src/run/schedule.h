@@ -6,7 +6,8 @@
 //            | these those with most mail; then those asleep with most mail; sleep where room is needed
 // settling   | settle to the tiles in memory
 // collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
-// suspending | sleep to all tiles in memory
+// suspending | sleep to tiles in memory, up to suspend_bytes; the others are given up: what they began from, or an
+//            | earlier image, is still there
 // stopping   | nothing
 #pragma once
 
@@ -29,6 +30,8 @@ struct ScheduleOptions {
   // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected; and for a
   // point of mail.
   std::uint64_t begin_bytes = 0, collect_bytes = 0, mail_bytes = 0;
+  // Held by all tiles together that leave images when the run is suspended: some tenths of a second.
+  std::uint64_t suspend_bytes = std::uint64_t{256} << 20;
   KernelKind kernel = KernelKind::flat;
 };
 
@@ -111,6 +114,7 @@ class Schedule {
   std::uint64_t storing_bytes_ = 0;
   std::uint64_t freeing_ = 0;  // of it, what tiles that are falling asleep will give back
   std::uint64_t sleeps_ = 0;
+  std::uint64_t suspended_bytes_ = 0;
 };
 
 }  // namespace tessera

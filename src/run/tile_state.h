@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/result.h"
@@ -40,6 +41,7 @@ struct TileContext {
   std::vector<std::uint32_t> incarnations;            // by tile; empty: all 0
   std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
   TileStorage* storage = nullptr;
+  std::stop_token stop = {};  // once requested, begin(), splay() and collect() soon throw Stopped
   ExchangeWatch* watch = nullptr;
 };
 
@@ -87,7 +89,7 @@ class TileState {
   Result<FinalCells> take_finals();
   Error damaged(const char* what) const;
   TileOptions options() const {
-    return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around};
+    return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around, context_.stop};
   }
 
   Peer self_;

@@ -22,7 +22,7 @@ class Events {
   using Shared = std::shared_ptr<const proto::Event>;
   using OnEvent = std::function<void(const Shared&)>;
 
-  static constexpr std::size_t kept_max = 10'000;
+  static constexpr std::size_t kept_max = 2'000;  // some minutes of a few jobs, 3 MB
 
   // Numbers go on where those of earlier processes ended: `numbers` is the file in which they are set aside, many at
   // once. Error io, corrupt.

@@ -38,6 +38,8 @@ Result<std::vector<std::string>> names_in(const fs::path& folder) {
 
 }  // namespace
 
+JobStore::JobStore(fs::path data) : data_(std::move(data)), new_folders_(jobs_folder(data_)) {}
+
 fs::path JobStore::folder(const std::string& id) const { return job_folder(data_, id); }
 
 Result<std::set<std::string>> JobStore::read_forgotten() const {
@@ -90,7 +92,7 @@ Status JobStore::add(const proto::JobRecord& job) {
     BOOST_OUTCOME_TRYV(make_directories(folder(job.id())));
     log(job.id(), "accepted");
     BOOST_OUTCOME_TRYV(write_whole(job_record_file(folder(job.id())), to_json(job)));
-    return sync_folder(jobs_folder(data_));
+    return new_folders_.sync();
   }();
   if (made) return success();
   // The first error is the one to tell.

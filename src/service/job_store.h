@@ -10,12 +10,13 @@
 
 #include "job_record.pb.h"
 #include "src/base/result.h"
+#include "src/files/shared_sync.h"
 
 namespace tessera {
 
 class JobStore {
  public:
-  explicit JobStore(std::filesystem::path data) : data_(std::move(data)) {}
+  explicit JobStore(std::filesystem::path data);
 
   struct Loaded {
     std::vector<proto::JobRecord> jobs;  // by id
@@ -27,7 +28,8 @@ class JobStore {
   Result<Loaded> load();
 
   // On disk, for good, when this returns without error: then, and only then, a job is accepted. Without it nothing is
-  // left of a new job.
+  // left of a new job. Syncs its record and its folder, and with all that are added at the same time the folder of
+  // jobs. Safe to call from several threads for different jobs, also beside all else.
   Status add(const proto::JobRecord& job);
   Status replace(const proto::JobRecord& job);
   // Its id stays in the list of forgotten ones.
@@ -46,6 +48,7 @@ class JobStore {
   Result<std::set<std::string>> read_forgotten() const;
 
   std::filesystem::path data_;
+  SharedSync new_folders_;
 };
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <utility>
 
 #include "src/base/utf8.h"
 
@@ -23,56 +24,107 @@ using Type = FieldDescriptor::CppType;
 
 constexpr int nested_max = 32;
 
-Json json_of(const Message& message);
-
-std::string name_of(const FieldDescriptor& field) { return field.has_json_name() ? field.json_name() : field.name(); }
-
-// `at`: which of a list; -1 for a field that is none.
-Json value_of(const Message& message, const FieldDescriptor& field, int at) {
-  const Reflection& of = *message.GetReflection();
-  const bool list = at >= 0;
-  switch (field.cpp_type()) {
-    case Type::CPPTYPE_INT32:
-      return list ? of.GetRepeatedInt32(message, &field, at) : of.GetInt32(message, &field);
-    case Type::CPPTYPE_INT64:
-      return list ? of.GetRepeatedInt64(message, &field, at) : of.GetInt64(message, &field);
-    case Type::CPPTYPE_UINT32:
-      return list ? of.GetRepeatedUInt32(message, &field, at) : of.GetUInt32(message, &field);
-    case Type::CPPTYPE_UINT64:
-      return list ? of.GetRepeatedUInt64(message, &field, at) : of.GetUInt64(message, &field);
-    case Type::CPPTYPE_DOUBLE:
-      return list ? of.GetRepeatedDouble(message, &field, at) : of.GetDouble(message, &field);
-    case Type::CPPTYPE_FLOAT:
-      return list ? of.GetRepeatedFloat(message, &field, at) : of.GetFloat(message, &field);
-    case Type::CPPTYPE_BOOL:
-      return list ? of.GetRepeatedBool(message, &field, at) : of.GetBool(message, &field);
-    case Type::CPPTYPE_ENUM:
-      return (list ? of.GetRepeatedEnum(message, &field, at) : of.GetEnum(message, &field))->name();
-    case Type::CPPTYPE_STRING:
-      return list ? of.GetRepeatedString(message, &field, at) : of.GetString(message, &field);
-    case Type::CPPTYPE_MESSAGE:
-      return json_of(list ? of.GetRepeatedMessage(message, &field, at) : of.GetMessage(message, &field));
-  }
-  return nullptr;
-}
-
-Json json_of(const Message& message) {
-  const Descriptor& type = *message.GetDescriptor();
-  const Reflection& of = *message.GetReflection();
-  Json object = Json::object();
-  for (int i = 0; i < type.field_count(); ++i) {
-    const FieldDescriptor& field = *type.field(i);
-    if (field.is_repeated()) {
-      Json list = Json::array();
-      for (int at = 0; at < of.FieldSize(message, &field); ++at) list.push_back(value_of(message, field, at));
-      object[name_of(field)] = std::move(list);
-      continue;
+// Written as it is read from the message: a tree between costs several times as much as all the rest.
+class Writer {
+ public:
+  void write(const Message& message) {
+    const Descriptor& type = *message.GetDescriptor();
+    const Reflection& of = *message.GetReflection();
+    text_ += '{';
+    bool first = true;
+    for (int i = 0; i < type.field_count(); ++i) {
+      const FieldDescriptor& field = *type.field(i);
+      const bool list = field.is_repeated();
+      const bool may_lack = field.has_presence() || field.cpp_type() == Type::CPPTYPE_STRING;
+      if (!list && may_lack && !of.HasField(message, &field)) continue;
+      if (!std::exchange(first, false)) text_ += ',';
+      write(field.has_json_name() ? field.json_name() : field.name());
+      text_ += ':';
+      if (!list) {
+        write(message, of, field, -1);
+        continue;
+      }
+      text_ += '[';
+      for (int at = 0; at < of.FieldSize(message, &field); ++at) {
+        if (at > 0) text_ += ',';
+        write(message, of, field, at);
+      }
+      text_ += ']';
     }
-    if ((field.has_presence() || field.cpp_type() == Type::CPPTYPE_STRING) && !of.HasField(message, &field)) continue;
-    object[name_of(field)] = value_of(message, field, -1);
+    text_ += '}';
   }
-  return object;
-}
+  std::string take() { return std::move(text_); }
+
+ private:
+  // `at`: which of a list; -1 for a field that is none.
+  void write(const Message& message, const Reflection& of, const FieldDescriptor& field, int at) {
+    const bool list = at >= 0;
+    switch (field.cpp_type()) {
+      case Type::CPPTYPE_INT32:
+        return write_number(list ? of.GetRepeatedInt32(message, &field, at) : of.GetInt32(message, &field));
+      case Type::CPPTYPE_INT64:
+        return write_number(list ? of.GetRepeatedInt64(message, &field, at) : of.GetInt64(message, &field));
+      case Type::CPPTYPE_UINT32:
+        return write_number(list ? of.GetRepeatedUInt32(message, &field, at) : of.GetUInt32(message, &field));
+      case Type::CPPTYPE_UINT64:
+        return write_number(list ? of.GetRepeatedUInt64(message, &field, at) : of.GetUInt64(message, &field));
+      case Type::CPPTYPE_DOUBLE:
+        return write_real(list ? of.GetRepeatedDouble(message, &field, at) : of.GetDouble(message, &field));
+      case Type::CPPTYPE_FLOAT:
+        return write_real(list ? of.GetRepeatedFloat(message, &field, at) : of.GetFloat(message, &field));
+      case Type::CPPTYPE_BOOL:
+        text_ += (list ? of.GetRepeatedBool(message, &field, at) : of.GetBool(message, &field)) ? "true" : "false";
+        return;
+      case Type::CPPTYPE_ENUM:
+        return write((list ? of.GetRepeatedEnum(message, &field, at) : of.GetEnum(message, &field))->name());
+      case Type::CPPTYPE_STRING: {
+        std::string scratch;
+        return write(list ? of.GetRepeatedStringReference(message, &field, at, &scratch)
+                          : of.GetStringReference(message, &field, &scratch));
+      }
+      case Type::CPPTYPE_MESSAGE:
+        return write(list ? of.GetRepeatedMessage(message, &field, at) : of.GetMessage(message, &field));
+    }
+  }
+
+  template <class Number>
+  void write_number(Number number) {
+    char digits[32];
+    text_.append(digits, std::to_chars(digits, digits + sizeof digits, number).ptr);
+  }
+
+  // The shortest that is read back as the same; what is no number is null.
+  template <class Real>
+  void write_real(Real number) {
+    if (!std::isfinite(number)) {
+      text_ += "null";
+      return;
+    }
+    const std::size_t begin = text_.size();
+    write_number(number);
+    if (text_.find_first_of(".e", begin) == std::string::npos) text_ += ".0";
+  }
+
+  void write(const std::string& value) {
+    constexpr char hex[] = "0123456789abcdef";
+    text_ += '"';
+    for (const char c : is_utf8(value) ? value : as_utf8(value)) {
+      if (c == '"' || c == '\\') {
+        text_ += '\\';
+        text_ += c;
+      } else if (static_cast<unsigned char>(c) >= 0x20) {
+        text_ += c;
+      } else {
+        text_ += "\\u00";
+        text_ += hex[c >> 4];
+        text_ += hex[c & 15];
+      }
+    }
+    text_ += '"';
+  }
+
+  std::string text_;
+};
 
 const FieldDescriptor* field_named(const Descriptor& type, const std::string& name) {
   for (int i = 0; i < type.field_count(); ++i) {
@@ -226,7 +278,9 @@ bool nested_too_deep(std::string_view json) {
 }  // namespace
 
 std::string to_json(const Message& message) {
-  return json_of(message).dump(-1, ' ', false, Json::error_handler_t::replace);
+  Writer writer;
+  writer.write(message);
+  return writer.take();
 }
 
 Status from_json(std::string_view json, Message& message) {

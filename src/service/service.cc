@@ -208,9 +208,9 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
         for (const auto& [phase, seconds] : done.value().seconds) phase_seconds[phase] += seconds;
     }
     job->running.reset();
+    std::string().swap(job->told);  // jobs that have ended are many
     if (!job->waits_or_runs()) active.erase(record.id());
   }
-  let_go.notify_all();
   waiting_changed.notify_all();
   if (const auto discarded = Results::discard(replaced); !discarded) tell(discarded.error().where);
 }

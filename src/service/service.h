@@ -80,8 +80,9 @@ class Backend {
 
   virtual Reply<proto::JobList> jobs(const JobQuery& query) = 0;
   virtual Reply<proto::StatusInfo> job(std::string_view id) = 0;
-  // A waiting job stops at once, a running one after the tiles that are at work (seconds for large ones); both can be
-  // resumed; one that has ended is forgotten (410 from then on). Results stay.
+  // A running or waiting job is dismissed when this returns, and can be resumed; one that has ended is forgotten (410
+  // from then on). Results stay. Threads and memory of a running one are free soon, most of the time in
+  // tenths of a second: work on tiles is broken off, and images of those in memory are written up to 256 MiB.
   virtual Reply<proto::StatusInfo> dismiss(std::string_view id, const Caller& caller) = 0;
   virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
   virtual Reply<ServedFile> log(std::string_view id) = 0;

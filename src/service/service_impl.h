@@ -49,6 +49,7 @@ struct Job {
   proto::JobRecord record;
   std::shared_ptr<Running> running;  // also of a dismissed job until its thread has let go
   std::string told;                  // the last progress that was told, as text
+  bool arriving = false;             // its record is being written for the first time: only submit() knows of it
 
   bool is(const char* state) const { return record.state() == state; }
   bool waits_or_runs() const { return is(job_state::accepted) || is(job_state::running); }
@@ -56,7 +57,8 @@ struct Job {
 
 // Two locks, in this order: `changing` is held by who changes a job's record, while it is written; `mutex` guards
 // memory, and is never held while anything is written or anybody is called. What is read needs only `mutex`; to change
-// what others read, both.
+// what others read, both. A job that arrives needs only `mutex`: it has its name, place and key at once, and nobody
+// else knows of it before it is on disk. So many can be written at a time.
 struct Service::Impl {
   Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events);
   ~Impl();
@@ -87,12 +89,17 @@ struct Service::Impl {
   void tell_status(const Job& job);
 
   // service_submit.cc
+  // REQUIRES: `mutex` is held. It has an id, a place and its key from here on; nobody is told of it.
+  Reply<std::shared_ptr<Job>> admit(proto::JobRecord record);
+  // Once its record is on disk, or could not be written.
+  Reply<Service::Submitted> welcome(const std::shared_ptr<Job>& job, const Status& added);
   std::optional<proto::Problem> check_inputs(const proto::Inputs& inputs, std::string& triangulation) const;
   Reply<proto::Estimate> costs(const proto::TriangulateInputs& inputs, std::optional<proto::Problem>& refused) const;
   // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others.
   std::optional<proto::Problem> conflict(const proto::JobRecord& job) const;
+  // REQUIRES: `lock` is that of `mutex`. Waits for a job with this key that is just arriving.
   std::optional<Service::Submitted> same_as(const proto::Inputs& inputs, const Caller& caller, const std::string& key,
-                                            std::optional<proto::Problem>& other) const;
+                                            std::unique_lock<std::mutex>& lock, std::optional<proto::Problem>& other);
 
   const ServiceOptions options;
   const Share share;
@@ -108,7 +115,7 @@ struct Service::Impl {
   std::mutex changing;
   mutable std::mutex mutex;
   std::condition_variable waiting_changed;  // with `mutex`: something waits, or all is ending
-  std::condition_variable let_go;           // with `mutex`: a thread has let go of a job
+  std::condition_variable arrived;          // with `mutex`: a job has arrived, or could not be written
   std::map<std::string, std::shared_ptr<Job>, std::less<>> jobs;
   std::set<std::string> active;                  // ids of jobs that wait or run, or that a thread still holds
   std::map<std::uint64_t, std::string> waiting;  // by place

@@ -150,7 +150,7 @@ Status Service::Impl::forget(const std::shared_ptr<Job>& job) {
 }
 
 Reply<std::shared_ptr<Job>> Service::Impl::find(std::string_view id) const {
-  if (const auto found = jobs.find(id); found != jobs.end()) return found->second;
+  if (const auto found = jobs.find(id); found != jobs.end() && !found->second->arriving) return found->second;
   if (forgotten.contains(id)) return problem(410, "job " + std::string(id) + " was removed", Errc::usage);
   return no_such_job(id);
 }
@@ -307,7 +307,7 @@ Reply<std::unique_ptr<Service::Subscription>> Service::subscribe(std::string_vie
     std::vector<proto::Event> events;
     const std::lock_guard lock(impl_->mutex);
     for (const auto& [name, job] : impl_->jobs) {
-      if (!id.empty() && name != id) continue;
+      if ((!id.empty() && name != id) || job->arriving) continue;
       auto& event = events.emplace_back();
       event.set_job_id(name);
       event.set_kind("status");

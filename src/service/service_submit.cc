@@ -1,5 +1,6 @@
 // How a job is accepted, or why not.
 #include <algorithm>
+#include <exception>
 
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
@@ -87,12 +88,12 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   const auto& inputs = job.inputs();
   const auto& name = job.triangulation();
   const auto clash = [](const std::string& detail) { return problem(409, detail, Errc::usage); };
-  if (waiting.size() >= options.limits.queued)
-    return problem(429, grouped(waiting.size()) + " jobs wait already, as many as may", Errc::usage);
-  std::uint32_t of_caller = 0;
+  std::uint64_t of_caller = 0, queued = waiting.size();
   for (const auto& id : active) {
     const Job& other = *jobs.at(id);
-    if (id == job.id()) continue;
+    // One that has ended works on nothing, even if its thread has yet to let go of it.
+    if (id == job.id() || other.is(job_state::successful) || other.is(job_state::failed)) continue;
+    if (other.arriving) ++queued;
     if (other.waits_or_runs() && other.record.caller() == job.caller()) ++of_caller;
     if (name.empty() || other.record.triangulation() != name) continue;
     // One that makes a triangulation has it alone; others read it together, but write no export twice.
@@ -102,6 +103,8 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
         inputs.export_().output() == other.record.inputs().export_().output())
       return clash("output: job " + id + " exports to '" + inputs.export_().output() + "' already");
   }
+  if (queued >= options.limits.queued)
+    return problem(429, grouped(queued) + " jobs wait already, as many as may", Errc::usage);
   if (of_caller >= options.limits.jobs_of_a_caller) {
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::usage);
   }
@@ -114,16 +117,54 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
 }
 
 std::optional<Service::Submitted> Service::Impl::same_as(const proto::Inputs& inputs, const Caller& caller,
-                                                         const std::string& key,
-                                                         std::optional<proto::Problem>& other) const {
+                                                         const std::string& key, std::unique_lock<std::mutex>& lock,
+                                                         std::optional<proto::Problem>& other) {
   if (key.empty()) return std::nullopt;
-  const auto found = by_key.find({caller.name, key});
+  const auto known = [&] { return by_key.find({caller.name, key}); };
+  arrived.wait(lock, [&] { return known() == by_key.end() || !jobs.at(known()->second)->arriving; });
+  const auto found = known();
   if (found == by_key.end()) return std::nullopt;
   const Job& job = *jobs.at(found->second);
   if (job.record.inputs().SerializeAsString() == inputs.SerializeAsString())
     return Service::Submitted{status_of(job), false};
   other = problem(422, "this idempotency key was sent before with other inputs, for job " + found->second, Errc::usage);
   return std::nullopt;
+}
+
+Reply<std::shared_ptr<Job>> Service::Impl::admit(proto::JobRecord record) {
+  record.set_id(ids.next(system_clock::now()));
+  record.set_place(next_place++);
+  record.set_state(job_state::accepted);
+  if (record.inputs().has_triangulate() && record.triangulation().empty()) record.set_triangulation(record.id());
+  record.set_message("waits");
+  record.set_created(time_text(system_clock::now()));
+  record.set_updated(record.created());
+  if (const auto against = conflict(record)) return *against;
+  const auto job = std::make_shared<Job>();
+  job->record = std::move(record);
+  job->arriving = true;
+  const auto& id = job->record.id();
+  jobs[id] = job;
+  active.insert(id);
+  if (!job->record.idempotency_key().empty()) by_key[{job->record.caller(), job->record.idempotency_key()}] = id;
+  return job;
+}
+
+Reply<Service::Submitted> Service::Impl::welcome(const std::shared_ptr<Job>& job, const Status& added) {
+  const std::lock_guard lock(mutex);
+  const auto& record = job->record;
+  job->arriving = false;
+  arrived.notify_all();
+  if (!added) {
+    jobs.erase(record.id());
+    active.erase(record.id());
+    by_key.erase({record.caller(), record.idempotency_key()});
+    return problem_of(added.error());
+  }
+  waiting[record.place()] = record.id();
+  tell_status(*job);
+  waiting_changed.notify_all();
+  return Service::Submitted{status_of(*job), true};
 }
 
 Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Caller& caller,
@@ -136,8 +177,8 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   proto::JobRecord record;
   std::optional<proto::Problem> other;
   {
-    const std::lock_guard lock(impl.mutex);
-    if (const auto same = impl.same_as(inputs, caller, key, other)) return *same;
+    std::unique_lock lock(impl.mutex);
+    if (const auto same = impl.same_as(inputs, caller, key, lock, other)) return *same;
     if (other) return *other;
   }
   std::string triangulation;
@@ -150,35 +191,23 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     record.set_memory_bytes(estimate.memory_bytes());
     record.set_disk_bytes(estimate.result_bytes() + estimate.temporary_bytes());
   }
-  const std::lock_guard changes(impl.changing);
-  {
-    const std::lock_guard lock(impl.mutex);
-    // Somebody may have been as quick.
-    if (const auto same = impl.same_as(inputs, caller, key, other)) return *same;
-    if (other) return *other;
-    record.set_id(impl.ids.next(system_clock::now()));
-    record.set_place(impl.next_place++);
-    *record.mutable_inputs() = inputs;
-    record.set_caller(caller.name);
-    record.set_idempotency_key(key);
-    record.set_state(job_state::accepted);
-    record.set_triangulation(inputs.has_triangulate() && triangulation.empty() ? record.id() : triangulation);
-    record.set_message("waits");
-    record.set_created(time_text(system_clock::now()));
-    record.set_updated(record.created());
-    if (const auto against = impl.conflict(record)) return *against;
+  *record.mutable_inputs() = inputs;
+  record.set_caller(caller.name);
+  record.set_idempotency_key(key);
+  record.set_triangulation(triangulation);
+  std::unique_lock lock(impl.mutex);
+  // Somebody may have been as quick.
+  if (const auto same = impl.same_as(inputs, caller, key, lock, other)) return *same;
+  if (other) return *other;
+  BOOST_OUTCOME_TRY(job, impl.admit(std::move(record)));
+  lock.unlock();
+  Status added = success();
+  try {
+    added = impl.store.add(job->record);
+  } catch (const std::exception& thrown) {  // whoever waits for its key must be told
+    added = error(Errc::internal, thrown.what());
   }
-  if (const auto added = impl.store.add(record); !added) return problem_of(added.error());
-  const std::lock_guard lock(impl.mutex);
-  const auto job = std::make_shared<Job>();
-  job->record = record;
-  impl.jobs[record.id()] = job;
-  impl.active.insert(record.id());
-  impl.waiting[record.place()] = record.id();
-  if (!key.empty()) impl.by_key[{caller.name, key}] = record.id();
-  impl.tell_status(*job);
-  impl.waiting_changed.notify_all();
-  return Submitted{impl.status_of(*job), true};
+  return impl.welcome(job, added);
 }
 
 Reply<proto::Estimate> Service::estimate(const proto::TriangulateInputs& inputs, const Caller& caller) {

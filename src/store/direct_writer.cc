@@ -10,6 +10,8 @@
 #include <new>
 #include <utility>
 
+#include "src/base/stopped.h"
+
 namespace tessera::store {
 namespace {
 
@@ -20,17 +22,19 @@ constexpr std::size_t alignment = 4096;  // what disks and file systems ask for 
 
 void DirectWriter::FreeState::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
 
-DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct)
+DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct, std::stop_token stop)
     : file_(std::move(file)),
       final_name_(std::move(final_name)),
       direct_(direct),
+      stop_(std::move(stop)),
       hash_(XXH3_createState()),
       block_(static_cast<std::byte*>(std::aligned_alloc(alignment, block_bytes))) {
   if (!block_ || !hash_) throw std::bad_alloc();
   XXH3_64bits_reset(hash_.get());
 }
 
-Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, const std::filesystem::path& final_name) {
+Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, const std::filesystem::path& final_name,
+                                          std::stop_token stop) {
   bool direct = true;
   constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
   FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
@@ -39,7 +43,7 @@ Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, con
     file = FileHandle(::open(path.c_str(), flags, 0666));
   }
   if (file.get() < 0) return io_error(final_name, "cannot create", errno);
-  return DirectWriter(std::move(file), final_name, direct);
+  return DirectWriter(std::move(file), final_name, direct, std::move(stop));
 }
 
 template <class Copy>
@@ -74,6 +78,7 @@ Result<DirectWriter::Written> DirectWriter::finish() {
 }
 
 Status DirectWriter::flush() {
+  throw_if_stopped(stop_);
   XXH3_64bits_update(hash_.get(), block_.get(), filled_);
   std::size_t done = 0;
   while (done < filled_) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stop_token>
 
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
@@ -19,7 +20,9 @@ namespace tessera::store {
 class DirectWriter {
  public:
   // Error messages name `final_name`, which `path` is a temporary name of.
-  static Result<DirectWriter> create(const std::filesystem::path& path, const std::filesystem::path& final_name);
+  // Whoever appends soon gets the exception Stopped once `stop` is requested.
+  static Result<DirectWriter> create(const std::filesystem::path& path, const std::filesystem::path& final_name,
+                                     std::stop_token stop = {});
 
   Status append(std::span<const std::byte> bytes);
   // The same, and adds them to `sum` on the way.
@@ -39,7 +42,7 @@ class DirectWriter {
   struct FreeBlock {
     void operator()(std::byte* block) const { std::free(block); }
   };
-  DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct);
+  DirectWriter(FileHandle file, std::filesystem::path final_name, bool direct, std::stop_token stop);
   template <class Copy>
   Status append_by(std::span<const std::byte> bytes, const Copy& copy);
   Status flush();
@@ -48,6 +51,7 @@ class DirectWriter {
   FileHandle file_;
   std::filesystem::path final_name_;
   bool direct_;
+  std::stop_token stop_;
   std::unique_ptr<XXH3_state_s, FreeState> hash_;
   std::unique_ptr<std::byte[], FreeBlock> block_;  // stays in the second-level cache while it is filled and hashed
   std::size_t filled_ = 0;

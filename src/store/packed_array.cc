@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/stopped.h"
 #include "src/store/block_sum.h"
 #include "src/store/deflate_runs.h"
 
@@ -95,7 +96,7 @@ PackedArray PackedArray::repeated(std::span<const std::byte> value, std::uint64_
   return array;
 }
 
-PackedArray PackedArray::offsets(std::uint64_t cells, int step) {
+PackedArray PackedArray::offsets(std::uint64_t cells, int step, const std::stop_token& stop) {
   constexpr std::uint64_t entries = block_bytes / 4;
   constexpr std::uint64_t kept_blocks = 256;  // 4 million cells: 4.5 MB at most
   static std::mutex mutex;
@@ -103,6 +104,7 @@ PackedArray PackedArray::offsets(std::uint64_t cells, int step) {
   PackedArray array;
   array.bytes_ = 4 * cells;
   for (std::uint64_t first = 0; first < cells; first += entries) {
+    throw_if_stopped(stop);
     const std::pair key(first, step);
     const bool keep = cells - first >= entries && first < kept_blocks * entries;
     if (keep) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/result.h"
@@ -38,7 +39,8 @@ class PackedArray {
   // `count` times these bytes, 1, 2 or 4.
   static PackedArray repeated(std::span<const std::byte> value, std::uint64_t count);
   // step, 2 step, ..., cells step as i32. Blocks are the same in every tile, so the first ones are made once a process.
-  static PackedArray offsets(std::uint64_t cells, int step);
+  // Throws Stopped soon after `stop` is requested: of large tiles this takes a second.
+  static PackedArray offsets(std::uint64_t cells, int step, const std::stop_token& stop = {});
 
   std::uint64_t file_bytes() const;
   Status write(DirectWriter& file) const;

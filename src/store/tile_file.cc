@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "src/base/stopped.h"
 #include "src/files/folder_lock.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -50,7 +51,7 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
 
 // `columns`: of the attributes, in the order of the schema.
 std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
-                              const std::vector<std::vector<std::byte>>& columns) {
+                              const std::vector<std::vector<std::byte>>& columns, const std::stop_token& stop) {
   const std::uint8_t type = vtk_cell_type(mesh.dimension);
   const std::uint32_t tile = header.tile.value;
   std::vector<PackedArray> packed{PackedArray::plain(bytes_of(mesh.points)), PackedArray::plain(bytes_of(mesh.ids)),
@@ -58,7 +59,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
                                   PackedArray::runs(bytes_of(mesh.point_ghost), 1)};
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
   packed.push_back(PackedArray::plain(bytes_of(mesh.cells)));
-  packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1));
+  packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1, stop));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&type, 1)), header.cells));
   packed.push_back(PackedArray::runs(bytes_of(mesh.cell_ghost), 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&tile, 1)), header.cells));
@@ -67,8 +68,9 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
 }
 
 Result<DirectWriter::Written> write_file(const fs::path& temporary, const fs::path& final_name,
-                                         const std::string& header, const std::vector<PackedArray>& arrays) {
-  BOOST_OUTCOME_TRY(file, DirectWriter::create(temporary, final_name));
+                                         const std::string& header, const std::vector<PackedArray>& arrays,
+                                         const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(file, DirectWriter::create(temporary, final_name, stop));
   BOOST_OUTCOME_TRYV(file.append(bytes_of(header)));
   for (const auto& array : arrays) {
     BOOST_OUTCOME_TRYV(array.write(file));
@@ -98,7 +100,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                     .neighbors = options.neighbors,
                     .schema = std::move(schema),
                     .offsets = {}};
-  const auto arrays = pack(header, mesh, columns);
+  const auto arrays = pack(header, mesh, columns, options.stop);
   std::uint64_t at = 0;
   for (const auto& array : arrays) {
     header.offsets.push_back(at);
@@ -111,9 +113,10 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.own_points = static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
   entry.cells = header.cells;
   entry.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
+  throw_if_stopped(options.stop);
   entry.digest = digest_of(mesh);
   TemporaryFile temporary(temporary_name_of_process(final_name));
-  BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays));
+  BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays, options.stop));
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,7 @@ struct StoreOptions {
   std::vector<Attribute> schema;         // of `rows` below
   std::filesystem::path lock_file = {};  // of OUT's lock: check_held()
   NodeId node = {};                      // that stores it
+  std::stop_token stop = {};             // write_tile() then soon throws Stopped, and leaves nothing
 };
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/stopped.h"
 #include "src/tile/write_cells.h"
 
 namespace tessera {
@@ -23,12 +24,11 @@ class MeshMaker {
 
   TileMesh make() {
     mesh_.dimension = d;
-    classify();
-    number_vertices();
-    link_to_others();
-    append_final_cells();
-    bucket_cells();
-    write();
+    for (const auto step : {&MeshMaker::classify, &MeshMaker::number_vertices, &MeshMaker::link_to_others,
+                            &MeshMaker::append_final_cells, &MeshMaker::bucket_cells, &MeshMaker::write}) {
+      throw_if_stopped(in_.stop);
+      (this->*step)();
+    }
     return std::move(mesh_);
   }
 
@@ -241,7 +241,7 @@ class MeshMaker {
                  .index = index_,
                  .owners = mesh_.owners,
                  .self = in_.self},
-                {mesh_.cells.data(), mesh_.neighbors.data(), mesh_.cell_ghost.data(), place});
+                {mesh_.cells.data(), mesh_.neighbors.data(), mesh_.cell_ghost.data(), place}, in_.stop);
     std::int32_t* const end = mesh_.neighbors.data() + mesh_.neighbors.size();
 #pragma GCC unroll 8
     for (std::int32_t* n = mesh_.neighbors.data(); n != end; ++n) *n = place[*n];

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/point.h"
@@ -21,6 +22,7 @@ struct CollectInput {
   std::vector<std::uint8_t> fill;    // by row: 1 for fill of a reduced tile; or empty
   std::vector<SharedPoint> foreign;  // by k
   FinalCells final_cells;            // handed out earlier: they border the fill
+  std::stop_token stop = {};         // Stopped is thrown soon after it is requested
 };
 
 // Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh

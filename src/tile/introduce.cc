@@ -22,12 +22,14 @@ void TileTriangulation::introduce() {
     share_with_all();
   } else {
     for (Vertex v = due_; v <= kernel_->vertices(); ++v) {
+      stop_check_.step();
       kernel_->neighbours(v, around_);
       for (const Vertex w : around_) introduce(v, w);
     }
   }
   // Not kept, but those it would have as neighbours are introduced: all of them foreign.
   for (const Refused& r : refused_) {
+    stop_check_.step();
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
     check(!again.inserted, "what conflicts with no local star never will");
     for (const Vertex w : around_) {

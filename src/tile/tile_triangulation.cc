@@ -49,7 +49,7 @@ TileTriangulation::TileTriangulation(const TileOptions& options)
 
 void TileTriangulation::triangulate(std::span<const Point> points, std::span<const PointId> ids, KeepPoints keep) {
   check(points.size() == ids.size(), "every point has an id");
-  kernel_->build(points, keep);
+  kernel_->build(points, keep, options_.stop);
   ids_.assign(1, PointId{});
   ids_.insert(ids_.end(), ids.begin(), ids.end());
   owners_.assign(points.size() + 1, options_.self);
@@ -91,7 +91,11 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
   check(!reduced_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
-  const auto is_final = [&](const Vertex* cell) { return surely_final(cell, points, box); };
+  throw_if_stopped(options_.stop);
+  const auto is_final = [&](const Vertex* cell) {
+    stop_check_.step();
+    return surely_final(cell, points, box);
+  };
   return kernel_->can_freeze() ? freeze(points, is_final) : build_reduced(points, is_final);
 }
 
@@ -133,7 +137,7 @@ FinalCells TileTriangulation::build_reduced(std::span<const Point> points,
   std::vector<Point> kept;
   for (Vertex v = 1; v < ids_.size() && is_local(v); ++v) kept.push_back(points[ranks_[v]]);
   kernel_ = make_kernel(options_.dimension, options_.kernel);
-  kernel_->build(kept);
+  kernel_->build(kept, KeepPoints::copied, options_.stop);
   std::vector<Vertex> around;
   for (const Point& p : foreign) kernel_->insert(p, false, InsertMode::always, around);
   std::array<Vertex, 4> cell{};
@@ -224,6 +228,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
 Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> points) {
   if (options_.rule == ExchangeRule::published) return receive_published(from, points);
   for (const SharedPoint& p : points) {
+    stop_check_.step();
     ++counts_.received;
     if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
@@ -267,7 +272,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
 
 TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
                                     FinalCells final_cells) {
-  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells)};
+  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells), options_.stop};
   input.foreign.reserve(foreign_.size());
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;
   for (Vertex v = 1; v < ids_.size(); ++v) {
@@ -293,6 +298,7 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
       }
     }
   }
+  throw_if_stopped(options_.stop);
   TileMesh mesh = make_mesh(std::move(input));
   counts_.kept = mesh.points.size() - points.size();
   return mesh;

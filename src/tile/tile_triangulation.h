@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include <tsl/robin_map.h>
@@ -22,6 +23,7 @@
 #include "src/base/mix_hash.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/base/stopped.h"
 #include "src/kernel/kernel.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/tile/final_cells.h"
@@ -41,6 +43,9 @@ struct TileOptions {
   KernelKind kernel = KernelKind::flat;
   ExchangeRule rule = ExchangeRule::introduce;
   const Surroundings* around = nullptr;  // outlives the tile
+  // When it is requested, triangulate(), reduce(), receive(), introduce() and collect() soon throw Stopped: the tile
+  // can then only be destroyed.
+  std::stop_token stop = {};
 };
 
 class TileTriangulation {
@@ -121,6 +126,8 @@ class TileTriangulation {
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
   bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self; }
 
+  static constexpr std::uint32_t points_a_look = 1024;  // some thousandths of a second
+
   TileOptions options_;
   std::unique_ptr<Kernel> kernel_;
   // By vertex; [0] is the infinite vertex.
@@ -143,6 +150,7 @@ class TileTriangulation {
   std::map<TileId, std::vector<Vertex>> updates_;
   ExchangeCounts counts_;
   std::vector<Vertex> around_;  // scratch
+  StopCheck stop_check_{options_.stop, points_a_look};
 };
 
 }  // namespace tessera

@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/stopped.h"
+
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // vectors are passed to functions that are always inlined
 #endif
@@ -99,26 +101,29 @@ struct Entry {
 template <int d>
 class Writer {
  public:
-  static void choose(const CellOrder& from, const WrittenCells& to) {
+  static void choose(const CellOrder& from, const WrittenCells& to, const std::stop_token& stop) {
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return avx2(from, to);
+    if (__builtin_cpu_supports("avx2")) return avx2(from, to, stop);
 #endif
-    Writer(from, to).write();
+    Writer(from, to, stop).write();
   }
 
  private:
   static constexpr std::size_t corners = d + 1;
 
-  Writer(const CellOrder& from, const WrittenCells& to)
-      : from_(from), to_(to), own_(static_cast<std::uint32_t>(from.end.size())) {}
+  Writer(const CellOrder& from, const WrittenCells& to, const std::stop_token& stop)
+      : from_(from), to_(to), stop_(stop), own_(static_cast<std::uint32_t>(from.end.size())) {}
 #if defined(__x86_64__)
-  [[gnu::target("avx2")]] static void avx2(const CellOrder& from, const WrittenCells& to) { Writer(from, to).write(); }
+  [[gnu::target("avx2")]] static void avx2(const CellOrder& from, const WrittenCells& to, const std::stop_token& stop) {
+    Writer(from, to, stop).write();
+  }
 #endif
 
   // Several buckets at a time, so that one is written while another is read.
   [[gnu::always_inline]] void write() {
     std::size_t begin = 0;
     for (std::size_t v = 0; v < own_;) {
+      throw_if_stopped(stop_);
       const std::size_t first = v;
       do {
         ++v;
@@ -221,6 +226,7 @@ class Writer {
   static constexpr std::size_t few = 64;  // from here on sorting is faster
   const CellOrder from_;
   const WrittenCells to_;
+  const std::stop_token& stop_;
   const std::uint32_t own_;
   std::vector<Entry> entries_;
   std::vector<std::int64_t> keys_, ranks_;
@@ -228,8 +234,8 @@ class Writer {
 
 }  // namespace
 
-void write_cells(int dimension, const CellOrder& from, const WrittenCells& to) {
-  dimension == 3 ? Writer<3>::choose(from, to) : Writer<2>::choose(from, to);
+void write_cells(int dimension, const CellOrder& from, const WrittenCells& to, const std::stop_token& stop) {
+  dimension == 3 ? Writer<3>::choose(from, to, stop) : Writer<2>::choose(from, to, stop);
 }
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 
 #include "src/base/ids.h"
 #include "src/kernel/kernel.h"
@@ -32,6 +33,7 @@ struct WrittenCells {
   std::int32_t* place;      // by row: where it has gone
 };
 
-void write_cells(int dimension, const CellOrder& from, const WrittenCells& to);
+// Throws Stopped soon after `stop` is requested.
+void write_cells(int dimension, const CellOrder& from, const WrittenCells& to, const std::stop_token& stop);
 
 }  // namespace tessera

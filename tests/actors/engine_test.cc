@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,12 +22,15 @@ namespace {
 
 class Runs : public ::testing::Test {
  protected:
-  // A routed cloud of 300 points in 5 tiles whose result goes to the folder `name`.
-  RoutedRun routed(const std::string& name) {
+  // A routed cloud in 5 tiles whose result goes to the folder `name`.
+  RoutedRun routed(const std::string& name, std::size_t points = 300) {
+    std::vector<double> coordinates;
+    for (const LocalPoint& p : make_cloud("uniform", 3, points, 1))
+      coordinates.insert(coordinates.end(), {p.at.x, p.at.y, p.at.z});
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
     Progress progress;
-    const Cloud cloud = Cloud::open_source(array_source("cloud", coordinates_, 3), {.dimension = 3}).value();
+    const Cloud cloud = Cloud::open_source(array_source("cloud", coordinates, 3), {.dimension = 3}).value();
     return route(cloud, run_folder(out), {.tiles = 5}, progress, {}).value();
   }
 
@@ -44,11 +49,6 @@ class Runs : public ::testing::Test {
   static constexpr std::uint64_t memory = std::uint64_t{256} << 20;
 
  private:
-  std::vector<double> coordinates_ = [] {
-    std::vector<double> list;
-    for (const LocalPoint& p : make_cloud("uniform", 3, 300, 1)) list.insert(list.end(), {p.at.x, p.at.y, p.at.z});
-    return list;
-  }();
   TemporaryFolder folder_ = TemporaryFolder::make().value();
 };
 
@@ -101,6 +101,47 @@ TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
     EXPECT_EQ(std::to_string(resumed.value().cells), cells);
     EXPECT_EQ(resumed.value().exchange.waves > 0, damaged);
   }
+}
+
+// The run is stopped in each phase, and goes on to the next one. A tile that was stopped at its work begins from what
+// it began from before.
+TEST_F(Runs, ThatAreStoppedInEveryPhaseGoOnToTheSameResult) {
+  Engine engine(2, memory);
+  const RoutedRun whole = routed("whole", 40'000);
+  Progress unwatched;
+  const auto expected =
+      engine.run(whole, whole.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, unwatched, {});
+  ASSERT_TRUE(expected) << expected.error().where;
+  const auto sum = [](const RunSummary& summary) {
+    Digest digest;
+    for (const TileEntry& tile : summary.tiles) digest += tile.digest.value();
+    return digest;
+  };
+  int interrupted = 0;
+  for (const std::uint64_t bytes : {memory, std::uint64_t{1}}) {  // all in memory; every tile sleeps when it may
+    const RoutedRun cloud = routed("stopped " + std::to_string(bytes), 40'000);
+    const RunOptions how{.threads = 2, .memory_bytes = bytes};
+    for (const Phase phase : {Phase::planning, Phase::triangulating, Phase::splaying, Phase::collecting, Phase::done}) {
+      Progress progress;
+      std::stop_source stop;
+      if (phase == Phase::planning) stop.request_stop();
+      std::jthread watcher([&](const std::stop_token& over) {
+        while (!over.stop_requested() && progress.phase < phase)
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (!over.stop_requested()) stop.request_stop();
+      });
+      const auto ended = engine.run(cloud, cloud.folder.parent_path(), how, progress, stop.get_token());
+      watcher.request_stop();
+      if (ended) {  // later phases were as quick as the watcher
+        EXPECT_EQ(sum(ended.value()), sum(expected.value()));
+        EXPECT_EQ(ended.value().tiles.size(), expected.value().tiles.size());
+        break;
+      }
+      ASSERT_EQ(ended.error().code, Errc::interrupted) << ended.error().where;
+      ++interrupted;
+    }
+  }
+  EXPECT_GE(interrupted, 2) << "one that is stopped before it begins does not end well";
 }
 
 TEST_F(Runs, ThatWantMoreThanTheEngineHasAreRefused) {

@@ -6,6 +6,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "src/base/stopped.h"
 #include "src/reference/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
@@ -261,7 +262,7 @@ TEST(Build, ThatIsAskedToStopThrowsAndCanBeDoneAgain) {
       kernel->build(points, KeepPoints::copied, stop.get_token());
       const auto cells = cells_of(*kernel);
       stop.request_stop();
-      EXPECT_THROW(kernel->build(points, KeepPoints::borrowed, stop.get_token()), KernelStopped);
+      EXPECT_THROW(kernel->build(points, KeepPoints::borrowed, stop.get_token()), Stopped);
       kernel->build(points);
       EXPECT_EQ(cells_of(*kernel), cells);
     }

@@ -5,7 +5,9 @@
 #include <future>
 #include <set>
 #include <span>
+#include <stop_token>
 
+#include "src/base/stopped.h"
 #include "src/files/folder_lock.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
@@ -19,7 +21,7 @@ class LockedStorage : public ::testing::Test {
  protected:
   LockedStorage() {
     run_->folder = run_folder(out());
-    storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file()}, 1);
+    storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file(), {}}, 1);
   }
   const fs::path& out() const { return folder_.path(); }
 
@@ -64,6 +66,21 @@ TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_TRUE(fs::exists(tile_file(out(), tile)));
 }
 
+TEST_F(LockedStorage, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
+  std::stop_source stop;
+  storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file(), stop.get_token()}, 1);
+  ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
+  stop.request_stop();
+  const auto stored = store(tile);
+  ASSERT_FALSE(stored);
+  EXPECT_EQ(stored.error().code, Errc::interrupted);
+  EXPECT_FALSE(fs::exists(tile_file(out(), tile)));
+  EXPECT_EQ(storage_->read(tile, ScratchKind::state).value(), TileStorage::Pieces{bytes_});
+  // Also in the middle of it.
+  EXPECT_THROW((void)write_tile(out(), tile, TileMesh{}, {}, {true, {}, {}, stop.get_token()}), Stopped);
+  EXPECT_TRUE(fs::is_empty(tiles_folder(out())));
+}
+
 TEST_F(LockedStorage, TouchesNothingOnceTheLockIsAnothers) {
   ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   ASSERT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
@@ -83,7 +100,7 @@ TEST_F(LockedStorage, TouchesNothingOnceTheLockIsAnothers) {
   EXPECT_TRUE(refused(mark_settled(*run_, lock_.file(), true)));
   EXPECT_EQ(files(), before);
   // Also when it went while the tile was written.
-  EXPECT_TRUE(refused(write_tile(out(), tile, TileMesh{}, {}, {true, {}, lock_.file()})));
+  EXPECT_TRUE(refused(write_tile(out(), tile, TileMesh{}, {}, {true, {}, lock_.file(), {}})));
   EXPECT_TRUE(fs::is_empty(tiles_folder(out())));
 }
 

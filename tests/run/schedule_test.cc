@@ -138,6 +138,24 @@ TEST(Schedule, AnInterruptedPartPutsEveryTileToSleepAndNothingElse) {
   EXPECT_TRUE(schedule.idle()) << "the third tile need not begin";
 }
 
+TEST(Schedule, AnInterruptedPartLeavesNoMoreImagesThanItMay) {
+  auto few = options(2, 1000);
+  few.suspend_bytes = 150;
+  Schedule schedule(few, {10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0, begin 1");
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "begin 2");
+  schedule.done(TileId{1}, Work::begin, 60, {});
+  schedule.enter(Stage::suspending);
+  EXPECT_EQ(granted(schedule), "sleep 0");
+  schedule.done(TileId{2}, Work::begin, 50, {});
+  EXPECT_EQ(granted(schedule), "sleep 2");
+  schedule.done(TileId{0}, Work::sleep, 0, {});
+  EXPECT_FALSE(schedule.idle());
+  schedule.done(TileId{2}, Work::sleep, 0, {});
+  EXPECT_TRUE(schedule.idle()) << "the tile of 60 bytes is given up";
+}
+
 TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
   Schedule schedule(options(2, 1000), {10, 10});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1");

@@ -4,7 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <stop_token>
+#include <string_view>
+#include <utility>
 
+#include "src/base/stopped.h"
 #include "src/reference/clouds.h"
 #include "src/reference/reference.h"
 #include "tests/tile/splay.h"
@@ -165,6 +169,49 @@ TEST(Introduce, KeepsASeedThatWasRefusedAsMailBefore) {
   ASSERT_EQ(tile.counts().refused, 1u);
   tile.introduce();
   EXPECT_EQ(tile.foreign_vertices().size(), 5u);
+}
+
+TEST(Stop, EndsWhateverATileIsAt) {
+  constexpr double everywhere = std::numeric_limits<double>::infinity();
+  std::vector<Point> own;
+  std::vector<PointId> ids;
+  std::vector<SharedPoint> others;
+  Bounds bounds;
+  auto cloud = make_cloud("uniform", 3, 12000, 1);  // a tile of more points than go by between two looks
+  std::sort(cloud.begin(), cloud.end(), [](const LocalPoint& a, const LocalPoint& b) { return a.at.x < b.at.x; });
+  Box box;  // of the first half
+  box.hi.x = cloud[cloud.size() / 2].at.x;
+  for (const LocalPoint& p : cloud) {
+    if (p.at.x < box.hi.x) {
+      own.push_back(p.at);
+      ids.push_back(p.id);
+      bounds.add(p.at);
+    } else {
+      others.push_back({p.at, p.id, TileId{1}, 0});
+    }
+  }
+  const Surroundings around({bounds, bounds}, {{}, {}}, {{others[0], everywhere}});
+  for (const KernelKind kernel : {KernelKind::cgal, KernelKind::flat}) {
+    for (const char* moment : {"triangulate", "reduce", "receive", "introduce", "collect"}) {
+      SCOPED_TRACE(moment);
+      std::stop_source stop;
+      TileTriangulation tile({TileId{0}, 3, kernel, ExchangeRule::introduce, &around, stop.get_token()});
+      const auto stopped_at = [&](std::string_view step, const auto& work) {
+        if (step == moment) stop.request_stop();
+        if (!stop.stop_requested()) {
+          work();
+        } else if (step == moment) {
+          EXPECT_THROW(work(), Stopped);
+        }
+      };
+      stopped_at("triangulate", [&] { tile.triangulate(own, ids); });
+      FinalCells finals;
+      stopped_at("reduce", [&] { finals = tile.reduce(own, box); });
+      stopped_at("receive", [&] { ASSERT_TRUE(tile.receive(TileId{1}, others)); });
+      stopped_at("introduce", [&] { tile.introduce(); });
+      stopped_at("collect", [&] { tile.collect(own, ids, std::move(finals)); });
+    }
+  }
 }
 
 // Counterexamples to the published order: see docs/design.md.

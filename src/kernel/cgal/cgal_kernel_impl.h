@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "src/base/check.h"
+#include "src/base/stopped.h"
 #include "src/kernel/brio.h"
 #include "src/kernel/kernel.h"
 
@@ -63,7 +64,7 @@ class CgalKernel final : public Kernel {
       hint = Traits::cell_of(v);
       v->info() = static_cast<Vertex>(i + 1);
       handles_[i + 1] = v;
-      if (stop.stop_requested()) throw KernelStopped();
+      throw_if_stopped(stop);
     });
     hint_ = handles_.size() > 1 ? handles_.back() : Handle();
   }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/base/check.h"
+#include "src/base/stopped.h"
 #include "src/kernel/brio.h"
 #include "src/kernel/flat/flat_kernel.h"
 #include "src/kernel/flat/mesh.h"
@@ -98,13 +99,11 @@ void FlatKernel<Mesh>::span() {
 template <class Mesh>
 void FlatKernel<Mesh>::triangulate(const std::stop_token& stop) {
   mesh_.start();
-  std::uint32_t until_look = inserts_a_look;
+  StopCheck check_stop(stop, inserts_a_look);
   for_each_in_brio_order<Mesh::brio_bits>(vertices(), [&](std::size_t i) {
     const Vertex v = static_cast<Vertex>(i + 1);
     if (alive(v) && !mesh_.in_simplex(v)) mesh_.insert(v);
-    if (--until_look != 0) return;
-    until_look = inserts_a_look;
-    if (stop.stop_requested()) throw KernelStopped();
+    check_stop.step();
   });
   mesh_.compact();
 }
