@@ -204,9 +204,7 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                      {200, json, "Document", "The answer of a process that needs no job"}},
                     execute,
                     {},
-                    "JsonExecute",
-                    Place::api,
-                    true});
+                    "JsonExecute"});
   routes.push_back({"POST",
                     "/v1/processes/{process}/estimate",
                     Role::submit,
@@ -215,9 +213,7 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     {{200, json, "Estimate", "Time, memory, disk; or why it would be refused"}},
                     estimate,
                     {},
-                    "JsonExecute",
-                    Place::api,
-                    true});
+                    "JsonExecute"});
   routes.push_back({"GET",
                     "/v1/jobs",
                     Role::read,
@@ -233,11 +229,7 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "dismissJob",
                     "Stop a job, or forget one that has ended; results stay",
                     {status},
-                    dismiss,
-                    {},
-                    {},
-                    Place::api,
-                    true});
+                    dismiss});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/results",
                     Role::read,
@@ -270,17 +262,8 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     "How a job went, as a page",
                     {{200, "text/html", "", "The report"}, {206, "text/html", "", "A part of it"}},
                     report});
-  routes.push_back({"POST",
-                    "/v1/jobs/{job}/resume",
-                    Role::submit,
-                    "resumeJob",
-                    "Go on with a job that stopped",
-                    {status},
-                    resume,
-                    {},
-                    {},
-                    Place::api,
-                    true});
+  routes.push_back(
+      {"POST", "/v1/jobs/{job}/resume", Role::submit, "resumeJob", "Go on with a job that stopped", {status}, resume});
 }
 
 }  // namespace tessera::http

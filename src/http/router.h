@@ -53,7 +53,6 @@ struct Route {
   std::vector<Parameter> query = {};
   std::string body = {};  // the name of the schema of what is sent
   Place place = Place::api;
-  bool waits = false;         // for the disk: `handler` runs on a thread that nothing else needs
   UploadHandler upload = {};  // instead of reading the body for `handler`, which then answers once all is taken
 };
 

@@ -11,7 +11,6 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <condition_variable>
 #include <exception>
@@ -28,7 +27,6 @@ namespace tessera::http {
 namespace {
 
 constexpr std::chrono::milliseconds accept_again{100};
-constexpr std::size_t waiting_threads = 16;  // for the disk: they hardly ever work
 
 Error listen_error(const ListenOptions& listen, const ErrorCode& failed) {
   return error(Errc::io, "cannot listen on " + listen.address + ", port " + std::to_string(listen.port) + ": " +
@@ -71,7 +69,6 @@ struct Server::Impl {
   std::unordered_map<Session*, std::weak_ptr<Session>> sessions;
   std::shared_ptr<asio::ssl::context> tls;
   asio::io_context io;
-  asio::thread_pool waiting{waiting_threads};
   std::vector<std::unique_ptr<Listener>> listeners;
   std::vector<std::thread> threads;
 };
@@ -120,7 +117,7 @@ void Server::Impl::begin(tcp::socket socket, const Listener& listener) {
       auto transport = context && !listener.operations ? tls_transport(std::move(socket), context)
                                                        : plain_transport(std::move(socket));
       session = std::make_shared<Session>(std::move(transport), front,
-                                          listener.operations ? Place::operations : Place::api, limits, waiting);
+                                          listener.operations ? Place::operations : Place::api, limits);
       sessions.emplace(session.get(), session);
     }
   }

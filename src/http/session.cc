@@ -34,13 +34,11 @@ std::string lower_case(beast::string_view text) {
 
 }  // namespace
 
-Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
-                 asio::thread_pool& waiting)
+Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits)
     : transport_(std::move(transport)),
       front_(front),
       place_(place),
       limits_(limits),
-      waiting_(waiting),
       time_(transport_->socket().get_executor()),
       wake_(transport_->socket().get_executor()) {
   front_.metrics().add_connections(1);
@@ -128,15 +126,8 @@ asio::awaitable<bool> Session::serve_one() {
     whole = co_await read_body(incoming);
     if (!whole) co_return false;
   }
-  Answer made = co_await answer(incoming);
-  co_return co_await send(incoming, std::move(made));
-}
-
-// One that waits for the disk must not keep others from being read; and those that wait together share a sync.
-asio::awaitable<Answer> Session::answer(Incoming& incoming) {
-  if (!incoming.admitted.route->waits) co_return front_.answer(incoming.request, incoming.admitted);
-  const auto wait = [&]() -> asio::awaitable<Answer> { co_return front_.answer(incoming.request, incoming.admitted); };
-  co_return co_await asio::co_spawn(waiting_.get_executor(), wait, use_awaitable);
+  Answer answer = front_.answer(incoming.request, incoming.admitted);
+  co_return co_await send(incoming, std::move(answer));
 }
 
 asio::awaitable<bool> Session::read_header(Incoming& incoming) {

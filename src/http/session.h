@@ -4,7 +4,6 @@
 #include "src/http/transport.h"
 
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
 #include <cstddef>
@@ -24,9 +23,8 @@ struct SessionLimits {
 
 class Session : public std::enable_shared_from_this<Session> {
  public:
-  // `place`: what the listener offers. `waiting`: where handlers run that wait for the disk. It and `front` outlive it.
-  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
-          asio::thread_pool& waiting);
+  // `place`: what the listener offers. `front` outlives it.
+  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits);
   ~Session();
 
   // Until the connection ends.
@@ -41,7 +39,6 @@ class Session : public std::enable_shared_from_this<Session> {
   void give_up_after(std::chrono::milliseconds time);
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
-  asio::awaitable<Answer> answer(Incoming& incoming);
   asio::awaitable<bool> read_header(Incoming& incoming);
   asio::awaitable<bool> read_body(Incoming& incoming);
   asio::awaitable<bool> take_upload(Incoming& incoming);
@@ -55,7 +52,6 @@ class Session : public std::enable_shared_from_this<Session> {
   Front& front_;
   const Place place_;
   const SessionLimits& limits_;
-  asio::thread_pool& waiting_;
   boost::beast::flat_buffer buffer_;  // what was read and not yet understood
   asio::steady_timer time_;
   std::chrono::steady_clock::time_point deadline_;
