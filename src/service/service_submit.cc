@@ -150,6 +150,7 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     record.set_memory_bytes(estimate.memory_bytes());
     record.set_disk_bytes(estimate.result_bytes() + estimate.temporary_bytes());
   }
+  const std::string beyond = problem(0, beyond_share(inputs, impl.share)).detail();  // options named as fields
   const std::lock_guard changes(impl.changing);
   {
     const std::lock_guard lock(impl.mutex);
@@ -163,12 +164,13 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     record.set_idempotency_key(key);
     record.set_state(job_state::accepted);
     record.set_triangulation(inputs.has_triangulate() && triangulation.empty() ? record.id() : triangulation);
-    record.set_message("waits");
+    record.set_message("waits" + (beyond.empty() ? "" : "; " + beyond));
     record.set_created(time_text(system_clock::now()));
     record.set_updated(record.created());
     if (const auto against = impl.conflict(record)) return *against;
   }
   if (const auto added = impl.store.add(record); !added) return problem_of(added.error());
+  if (!beyond.empty()) impl.log(record.id(), "note: " + beyond);
   const std::lock_guard lock(impl.mutex);
   const auto job = std::make_shared<Job>();
   job->record = record;
