@@ -18,6 +18,8 @@ cmake_path(ABSOLUTE_PATH folder BASE_DIRECTORY \"\${CMAKE_INSTALL_PREFIX}\")
 if(NOT EXISTS \"\$ENV{DESTDIR}\${folder}/tesserad.toml\")
   file(INSTALL \"${PROJECT_SOURCE_DIR}/config/tesserad.toml\" DESTINATION \"\${folder}\")
 endif()" COMPONENT tesserad)
+install(FILES deploy/tesserad.bash-completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME tesserad
+        COMPONENT tesserad)
 install(FILES deploy/tesserad.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8 COMPONENT tesserad)
 
 add_custom_target(uninstall COMMAND ${CMAKE_COMMAND} -D MANIFEST=${PROJECT_BINARY_DIR}/install_manifest.txt

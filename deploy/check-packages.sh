@@ -44,6 +44,8 @@ say "C++ finds headers and library"
 if command -v tesserad >/dev/null; then
   tesserad --version
   MANPAGER=cat man tesserad | contains "SIGHUP"
+  bash -c '. /usr/share/bash-completion/completions/tesserad; COMP_WORDS=(tesserad --me) COMP_CWORD=1; _tesserad
+    echo "${COMPREPLY[@]}"' | contains "--metrics --memory"
   [[ -f /lib/systemd/system/tesserad.service && -f /etc/tessera/tesserad.toml ]]
   # With the installed configuration, and ports of its own: a chroot shares the network. Asked until it is ready or gone.
   metrics=127.0.0.1:17071

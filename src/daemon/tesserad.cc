@@ -100,6 +100,7 @@ class Life {
 Status serve(DaemonOptions options) {
   start_daemon_log(options.json_log, options.http.insecure);
   Life life;
+  options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
   BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
   BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
   const std::string address = address_of(options.http, server->ports().front());

@@ -93,6 +93,7 @@ Answer ready(const Call& call) {
 }  // namespace
 
 void add_common_routes(std::vector<Route>& routes, Shared& shared) {
+  const std::size_t first = routes.size();
   const Response page{200, json, "LandingPage", "Where everything is"};
   routes.push_back({"GET",
                     "/",
@@ -135,6 +136,7 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared) {
                     "What goes in and what comes out",
                     {{200, json, "Process", "The process"}},
                     process});
+  for (std::size_t at = first; at < routes.size(); ++at) routes[at].waits = false;
 }
 
 void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
@@ -162,6 +164,7 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
                 }};
   for (Route* route : {&live, &is_ready, &metrics}) {
     route->place = Place::operations;
+    route->waits = route != &live;
     routes.push_back(std::move(*route));
   }
 }

@@ -42,9 +42,12 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
     answer.headers.emplace_back("Allow", "DELETE, GET, HEAD, OPTIONS, POST, PUT");
     return answer;
   }
-  Result<Target> parsed = parse_target(target);
+  // Clients of the standard ask for the landing page with a slash at its end, which its links are then relative to.
+  const bool landing = target == "/v1/" || target.starts_with("/v1/?");
+  Result<Target> parsed = parse_target(landing ? "/v1" + std::string(target.substr(4)) : target);
   if (!parsed) return bad_request(parsed.error());
   request.target = std::move(parsed.value());
+  if (landing) request.target.path += '/';
   std::vector<std::string> allowed;
   admitted.route = router_.find(place, request.method, request.target.segments, admitted.arguments, allowed);
   if (allowed.empty()) return problem(404, "there is nothing at this address");
@@ -67,9 +70,9 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
   }
   if (auto refused = guard_.check_origin(request, shown)) return refused;
   const auto& known = admitted.route->query;
-  for (const auto& [name, value] : request.target.query)
-    if (std::none_of(known.begin(), known.end(), [&](const Parameter& parameter) { return parameter.name == name; }))
-      return problem(400, "the parameter '" + name + "' is not one of this address", 2);
+  for (const auto& given : request.target.query)
+    if (std::none_of(known.begin(), known.end(), [&](const auto& parameter) { return parameter.name == given.first; }))
+      return problem(400, "the parameter '" + given.first + "' is not one of this address", 2);
   return std::nullopt;
 }
 

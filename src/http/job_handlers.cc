@@ -264,6 +264,10 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
                     report});
   routes.push_back(
       {"POST", "/v1/jobs/{job}/resume", Role::submit, "resumeJob", "Go on with a job that stopped", {status}, resume});
+  // What the service knows by heart.
+  for (Route& route : routes)
+    for (const char* name : {"listJobs", "getJob", "watchJob", "watchAll"})
+      if (route.name == name) route.waits = false;
 }
 
 }  // namespace tessera::http

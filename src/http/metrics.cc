@@ -39,6 +39,7 @@ struct Metrics::Impl {
   prometheus::Gauge* memory_used = nullptr;
   prometheus::Gauge* disk_free = nullptr;
   prometheus::Gauge* watchers = nullptr;
+  prometheus::Gauge* updates = nullptr;
   prometheus::Counter* points = nullptr;
   std::mutex scraping;
 
@@ -88,6 +89,7 @@ Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl
   my.memory_budget = my.gauge("tessera_memory_budget_bytes", "Memory that jobs may use together");
   my.memory_used = my.gauge("tessera_memory_used_bytes", "Memory that running jobs may use now");
   my.disk_free = my.gauge("tessera_disk_free_bytes", "Free space where results are stored");
+  my.updates = my.gauge("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there");
   my.watchers = my.gauge("tessera_event_watchers", "Subscriptions to events");
 }
 
@@ -116,6 +118,7 @@ std::string Metrics::text(const Backend::Figures& figures) {
   my.memory_budget->Set(static_cast<double>(figures.memory_budget_bytes));
   my.memory_used->Set(static_cast<double>(figures.memory_used_bytes));
   my.disk_free->Set(static_cast<double>(figures.disk_free_bytes));
+  my.updates->Set(static_cast<double>(figures.updates_waiting));
   my.watchers->Set(static_cast<double>(figures.subscribers));
   return prometheus::TextSerializer().Serialize(my.registry.Collect());
 }

@@ -53,6 +53,8 @@ struct Route {
   std::vector<Parameter> query = {};
   std::string body = {};  // the name of the schema of what is sent
   Place place = Place::api;
+  bool waits =
+      true;  // for a disk, or for who writes to one: its handler runs beside the threads that serve connections
   UploadHandler upload = {};  // instead of reading the body for `handler`, which then answers once all is taken
 };
 

@@ -11,6 +11,7 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <condition_variable>
 #include <exception>
@@ -69,6 +70,7 @@ struct Server::Impl {
   std::unordered_map<Session*, std::weak_ptr<Session>> sessions;
   std::shared_ptr<asio::ssl::context> tls;
   asio::io_context io;
+  asio::thread_pool workers{options.workers};
   std::vector<std::unique_ptr<Listener>> listeners;
   std::vector<std::thread> threads;
 };
@@ -117,7 +119,7 @@ void Server::Impl::begin(tcp::socket socket, const Listener& listener) {
       auto transport = context && !listener.operations ? tls_transport(std::move(socket), context)
                                                        : plain_transport(std::move(socket));
       session = std::make_shared<Session>(std::move(transport), front,
-                                          listener.operations ? Place::operations : Place::api, limits);
+                                          listener.operations ? Place::operations : Place::api, limits, workers);
       sessions.emplace(session.get(), session);
     }
   }
@@ -168,6 +170,8 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() {
   impl_->io.stop();
   for (std::thread& thread : impl_->threads) thread.join();
+  impl_->workers.stop();
+  impl_->workers.join();  // what they are at refers to sessions
 }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Backend& backend) {

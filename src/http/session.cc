@@ -14,6 +14,7 @@
 
 #include "src/http/head.h"
 #include "src/http/incoming.h"
+#include "src/http/workers.h"
 
 namespace tessera::http {
 namespace {
@@ -34,11 +35,13 @@ std::string lower_case(beast::string_view text) {
 
 }  // namespace
 
-Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits)
+Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
+                 asio::thread_pool& workers)
     : transport_(std::move(transport)),
       front_(front),
       place_(place),
       limits_(limits),
+      workers_(workers),
       time_(transport_->socket().get_executor()),
       wake_(transport_->socket().get_executor()) {
   front_.metrics().add_connections(1);
@@ -126,8 +129,16 @@ asio::awaitable<bool> Session::serve_one() {
     whole = co_await read_body(incoming);
     if (!whole) co_return false;
   }
-  Answer answer = front_.answer(incoming.request, incoming.admitted);
-  co_return co_await send(incoming, std::move(answer));
+  Answer answered = co_await answer(incoming);
+  co_return co_await send(incoming, std::move(answered));
+}
+
+asio::awaitable<Answer> Session::answer(const Incoming& incoming) {
+  if (!incoming.admitted.route->waits) co_return front_.answer(incoming.request, incoming.admitted);
+  never_give_up();
+  const auto work = [&] { return front_.answer(incoming.request, incoming.admitted); };
+  std::optional<Answer> answered = co_await on_worker(workers_, work);
+  co_return std::move(*answered);
 }
 
 asio::awaitable<bool> Session::read_header(Incoming& incoming) {

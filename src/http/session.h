@@ -4,6 +4,7 @@
 #include "src/http/transport.h"
 
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
 #include <cstddef>
@@ -24,7 +25,10 @@ struct SessionLimits {
 class Session : public std::enable_shared_from_this<Session> {
  public:
   // `place`: what the listener offers. `front` outlives it.
-  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits);
+  // `workers` do what waits for a disk, so that the threads that serve connections never do; they are joined before
+  // what runs sessions dies.
+  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
+          asio::thread_pool& workers);
   ~Session();
 
   // Until the connection ends.
@@ -37,6 +41,8 @@ class Session : public std::enable_shared_from_this<Session> {
   struct Incoming;  // a request while it is read
 
   void give_up_after(std::chrono::milliseconds time);
+  void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker is at it
+  asio::awaitable<Answer> answer(const Incoming& incoming);
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_header(Incoming& incoming);
@@ -52,6 +58,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Front& front_;
   const Place place_;
   const SessionLimits& limits_;
+  asio::thread_pool& workers_;
   boost::beast::flat_buffer buffer_;  // what was read and not yet understood
   asio::steady_timer time_;
   std::chrono::steady_clock::time_point deadline_;

@@ -1,4 +1,5 @@
 #include "src/http/incoming.h"
+#include "src/http/workers.h"
 
 #include <algorithm>
 #include <boost/beast/http/string_body.hpp>
@@ -41,7 +42,10 @@ asio::awaitable<bool> Session::read_body(Incoming& incoming) {
 }
 
 asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
-  auto upload = front_.begin_upload(incoming.request, incoming.admitted);
+  never_give_up();
+  const auto begin = [&] { return front_.begin_upload(incoming.request, incoming.admitted); };
+  auto begun = co_await on_worker(workers_, begin);
+  auto& upload = *begun;
   std::uint64_t left = *incoming.length;
   unread_ = true;
   if (!upload) {
@@ -58,19 +62,28 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
       if (error) co_return false;
     }
     const std::size_t bytes = std::min<std::uint64_t>(left, buffer_.size());
-    const Reply<void> written =
-        upload.value()->write(std::string_view(static_cast<const char*>(buffer_.data().data()), bytes));
-    if (!written) {
-      Answer refused = problem(written.error());
+    never_give_up();
+    const auto write = [&] {
+      return upload.value()->write(std::string_view(static_cast<const char*>(buffer_.data().data()), bytes));
+    };
+    const auto written = co_await on_worker(workers_, write);
+    if (!*written) {
+      Answer refused = problem(written->error());
       co_return co_await send(incoming, std::move(refused));
     }
     buffer_.consume(bytes);
     left -= bytes;
   }
   unread_ = false;
-  const Reply<void> finished = upload.value()->finish();
-  Answer answer = finished ? front_.answer(incoming.request, incoming.admitted) : problem(finished.error());
-  co_return co_await send(incoming, std::move(answer));
+  never_give_up();
+  const auto finish = [&] { return upload.value()->finish(); };
+  const auto finished = co_await on_worker(workers_, finish);
+  if (!*finished) {
+    Answer refused = problem(finished->error());
+    co_return co_await send(incoming, std::move(refused));
+  }
+  Answer taken = front_.answer(incoming.request, incoming.admitted);
+  co_return co_await send(incoming, std::move(taken));
 }
 
 }  // namespace tessera::http

@@ -6,6 +6,7 @@
 #include "src/base/option.h"
 #include "src/crs/crs.h"
 #include "src/job/arguments.h"
+#include "src/report/human.h"
 #include "src/service/json.h"
 #include "src/tiling/partition.h"
 
@@ -113,6 +114,26 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
 }
 
 }  // namespace
+
+std::string beyond_share(const proto::Inputs& inputs, const Share& share) {
+  std::string told;
+  const auto tell = [&](const char* key, const std::string& asked, const std::string& has) {
+    told += (told.empty() ? "" : "; ") + option(key) + ": " + asked + " asked for, a job has " + has + " here";
+  };
+  const auto look = [&](const auto& of) {
+    if constexpr (requires { of.threads(); }) {
+      if (of.threads() > share.threads) tell("threads", std::to_string(of.threads()), std::to_string(share.threads));
+    }
+    if (!of.has_memory()) return;
+    const auto asked = parse_memory(of.memory());
+    if (asked && asked.value() > share.memory_bytes)
+      tell("memory", human_bytes(asked.value()), human_bytes(share.memory_bytes));
+  };
+  if (inputs.has_triangulate()) look(inputs.triangulate());
+  if (inputs.has_verify()) look(inputs.verify());
+  if (inputs.has_info()) look(inputs.info());
+  return told;
+}
 
 std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::string>& texts) {
   return {texts.begin(), texts.end()};

@@ -30,6 +30,10 @@ Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs);
 Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share);
 Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
 
+// "memory: 4.00 GiB asked for, a job has 1.00 GiB here; ...", options marked; empty when nothing beyond the share is
+// asked for. What is asked for are bounds: less than that is no other result, so that the job is taken, and told.
+std::string beyond_share(const proto::Inputs& inputs, const Share& share);
+
 std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::string>& texts);
 
 }  // namespace tessera

@@ -1,8 +1,6 @@
 #include "src/service/service.h"
 
 #include <algorithm>
-#include <exception>
-#include <new>
 #include <set>
 
 #include "src/files/folder.h"
@@ -24,21 +22,6 @@ constexpr std::chrono::seconds retention_time{60};
 Share share_of(const ServiceOptions& options) {
   const auto running = std::max(1U, options.limits.running);
   return {(options.threads + running - 1) / running, options.memory_bytes / running};
-}
-
-bool was_interrupted(const Reply<JobDone>& done) {
-  return !done && done.error().cause() == static_cast<int>(Errc::interrupted);
-}
-
-// Whatever a job throws ends that job, and nothing else.
-Reply<JobDone> guarded_work(const Workshop& shop, const JobWork& work) {
-  try {
-    return do_work(shop, work);
-  } catch (const std::bad_alloc&) {
-    return problem(422, "the system has no more memory to give", Errc::memory);
-  } catch (const std::exception& thrown) {
-    return problem(500, std::string("an internal error: ") + thrown.what(), Errc::internal);
-  }
 }
 
 }  // namespace
@@ -78,15 +61,12 @@ Status Service::Impl::load() {
     auto& kept = job->record;
     next_place = std::max(next_place, kept.place() + 1);
     if (!kept.idempotency_key().empty()) by_key[{kept.caller(), kept.idempotency_key()}] = kept.id();
-    if (job->waits_or_runs()) {
-      if (job->is(job_state::running)) {
-        kept.set_state(job_state::accepted);
-        kept.set_message("waits to go on after a restart");
-      }
+    jobs[kept.id()] = job;
+    if (job->is(job_state::running)) recover(*job);
+    if (job->is(job_state::accepted)) {
       waiting[kept.place()] = kept.id();
       active.insert(kept.id());
     }
-    jobs[kept.id()] = std::move(job);
   }
   forgotten = {loaded.forgotten.begin(), loaded.forgotten.end()};
   ids.seen(loaded.last_id);
@@ -96,123 +76,33 @@ Status Service::Impl::load() {
   return results.open(known);
 }
 
+// Of a job that is still said to run: whoever ran it has died, for a process that ends says that its jobs wait.
+void Service::Impl::recover(Job& job) {
+  const auto deaths = job.record.deaths() + 1;
+  const auto waits = [&](proto::JobRecord& record) {
+    record.set_deaths(deaths);
+    record.set_state(job_state::accepted);
+    record.set_message("waits to go on after a restart");
+  };
+  const auto fails = [&](proto::JobRecord& record) {
+    *record.mutable_problem() =
+        problem(500,
+                "the daemon died " + std::to_string(deaths) +
+                    " times one after the other while this job ran; it is not begun again unless it is resumed",
+                Errc::internal);
+    record.set_deaths(0);
+    record.set_finished(time_text(system_clock::now()));
+    record.set_state(job_state::failed);
+    record.set_message(record.problem().detail());
+  };
+  const auto changed = deaths < options.limits.deaths ? change(job, Need::done, waits) : change(job, Need::done, fails);
+  static_cast<void>(changed);  // Need::done: it is written later if it could not be now
+  if (job.is(job_state::failed)) tell("job " + job.record.id() + ": " + job.record.message());
+}
+
 void Service::Impl::begin() {
   for (std::uint32_t i = 0; i < std::max(1U, options.limits.running); ++i) threads.emplace_back([this] { work(); });
   threads.emplace_back([this] { tick(); });
-}
-
-// The next job that no thread holds, now held by this one; null at the end.
-std::shared_ptr<Job> Service::Impl::take() {
-  std::unique_lock lock(mutex);
-  while (true) {
-    if (ending) return nullptr;
-    for (const auto& [place, id] : waiting) {
-      const auto& job = jobs.at(id);
-      if (job->running) continue;  // dismissed and resumed: another thread has not let go yet
-      job->running = std::make_shared<Running>();
-      auto taken = job;
-      waiting.erase(place);
-      return taken;
-    }
-    waiting_changed.wait(lock);
-  }
-}
-
-void Service::Impl::work() {
-  while (const auto job = take()) {
-    std::shared_ptr<Running> running;
-    {
-      const std::lock_guard lock(mutex);
-      running = job->running;
-    }
-    if (!start(job, running)) {
-      end(job, problem(410, "was dismissed", Errc::interrupted));
-      continue;
-    }
-    proto::JobRecord record;
-    {
-      const std::lock_guard lock(mutex);
-      record = job->record;
-    }
-    const JobWork work{record, running->progress, running->stop.get_token(),
-                       [this, &record](const std::string& line) { log(record.id(), line); }, store.folder(record.id())};
-    end(job, guarded_work(shop, work));
-  }
-}
-
-// False when it has been dismissed since it was taken.
-bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running) {
-  const std::lock_guard changes(changing);
-  {
-    const std::lock_guard lock(mutex);
-    if (!job->is(job_state::accepted) || ending || running->stop.stop_requested()) return false;
-  }
-  const auto changed = change(*job, Need::done, [](proto::JobRecord& record) {
-    record.set_state(job_state::running);
-    record.set_starts(record.starts() + 1);
-    record.set_started(time_text(system_clock::now()));
-    record.clear_finished();
-    record.clear_problem();
-    record.set_message("runs");
-  });
-  static_cast<void>(changed);  // Need::done: it is written later if it could not be now
-  return true;
-}
-
-// What the job has made gets its name. `replaced`: for Results::discard().
-Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone> done,
-                                     std::filesystem::path& replaced) {
-  if (!done) return done;
-  const auto published = [&]() -> Status {
-    BOOST_OUTCOME_TRYV(store.write_outcome(job.id(), done.value().outcome));
-    if (job.inputs().has_triangulate()) {
-      BOOST_OUTCOME_TRY(old, results.publish(job.id(), job.triangulation(), job.inputs().triangulate().overwrite()));
-      replaced = old;
-    }
-    if (job.inputs().has_export_()) {
-      BOOST_OUTCOME_TRYV(results.publish_export(job.id(), job.triangulation()));
-    }
-    return success();
-  }();
-  if (!published) return problem_of(published.error());
-  return done;
-}
-
-void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
-  std::filesystem::path replaced;
-  {
-    const std::lock_guard changes(changing);
-    proto::JobRecord record;
-    bool stays = false;
-    {
-      const std::lock_guard lock(mutex);
-      record = job->record;
-      stays = ending && was_interrupted(done);  // "running" on disk: it goes on at the next start
-    }
-    if (record.state() == job_state::running && !stays) {
-      done = finish(record, std::move(done), replaced);
-      const auto changed = change(*job, Need::done, [&](proto::JobRecord& ended) {
-        ended.set_finished(time_text(system_clock::now()));
-        ended.set_state(done ? job_state::successful : job_state::failed);
-        ended.set_message(done ? "is done" : done.error().detail());
-        if (done && done.value().points > 0) ended.set_points(done.value().points);
-        if (!done) *ended.mutable_problem() = done.error();
-      });
-      static_cast<void>(changed);  // as in start()
-    }
-    const std::lock_guard lock(mutex);
-    if (record.state() == job_state::running && !stays) {
-      ++(done ? since_start.successful : since_start.failed);
-      if (done) since_start.points += done.value().points;
-      if (done)
-        for (const auto& [phase, seconds] : done.value().seconds) phase_seconds[phase] += seconds;
-    }
-    job->running.reset();
-    std::string().swap(job->told);  // jobs that have ended are many
-    if (!job->waits_or_runs()) active.erase(record.id());
-  }
-  waiting_changed.notify_all();
-  if (const auto discarded = Results::discard(replaced); !discarded) tell(discarded.error().where);
 }
 
 void Service::Impl::tick() {

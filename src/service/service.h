@@ -34,6 +34,9 @@ struct ServiceLimits {
   std::uint32_t jobs_of_a_caller = 1000;     // accepted or running
   std::uint64_t points = 0, disk_bytes = 0;  // of one job; 0: what the machine has
   std::uint64_t upload_bytes = 0;            // of all uploads together; 0: what the disk has
+  // A job during which the process died is begun again, alone, so that its neighbours are not blamed; after so many
+  // deaths one after the other it has failed, and only resume() begins it again.
+  std::uint32_t deaths = 3;
 };
 
 struct ServiceOptions {
@@ -121,6 +124,7 @@ class Backend {
     std::uint64_t accepted = 0, running = 0;                  // now
     std::uint64_t successful = 0, failed = 0, dismissed = 0;  // since the start
     std::uint64_t points = 0;                                 // triangulated since the start
+    std::uint64_t updates_waiting = 0;                        // in the mail of tiles, and on the way to it, now
     std::uint64_t memory_budget_bytes = 0, memory_used_bytes = 0, disk_free_bytes = 0;
     std::vector<std::pair<std::string, double>> phase_seconds;
     std::uint64_t subscribers = 0;

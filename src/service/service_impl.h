@@ -63,17 +63,20 @@ struct Service::Impl {
   Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events);
   ~Impl();
   Status load();
+  void recover(Job& job);
   void begin();  // the threads
   void tell(const std::string& line) const {
     if (options.log) options.log(line);
   }
 
-  // service.cc: the threads.
+  // service_work.cc
   void work();
   std::shared_ptr<Job> take();
+  std::shared_ptr<Job> next() const;
   bool start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running);
   void end(const std::shared_ptr<Job>& job, Reply<JobDone> done);
   Reply<JobDone> finish(const proto::JobRecord& job, Reply<JobDone> done, std::filesystem::path& replaced);
+  // service.cc
   void tick();
   void tell_progress();
   void write_again();
@@ -119,6 +122,8 @@ struct Service::Impl {
   std::map<std::string, std::shared_ptr<Job>, std::less<>> jobs;
   std::set<std::string> active;                  // ids of jobs that wait or run, or that a thread still holds
   std::map<std::uint64_t, std::string> waiting;  // by place
+  std::size_t held = 0;                          // jobs that a thread works on
+  bool held_alone = false;                       // one, beside which none may be
   std::set<std::string> unwritten;               // whose record is newer than the one on disk
   std::uint64_t next_place = 1;
   std::map<std::pair<std::string, std::string>, std::string> by_key;  // caller and key: id

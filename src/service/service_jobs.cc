@@ -228,6 +228,7 @@ Reply<proto::StatusInfo> Service::resume(std::string_view id, const Caller& call
   const auto changed = impl.change(*job, Impl::Need::written, [&](proto::JobRecord& resumed) {
     resumed.set_state(job_state::accepted);
     resumed.set_place(place);
+    resumed.set_deaths(0);
     resumed.clear_finished();
     resumed.clear_problem();
     resumed.set_message("waits to go on");

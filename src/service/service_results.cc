@@ -80,7 +80,12 @@ Service::Figures Service::figures() const {
     const Job& job = *impl_->jobs.at(id);
     if (job.is(job_state::accepted)) ++figures.accepted;
     if (job.is(job_state::running)) ++figures.running;
-    if (job.running) figures.memory_used_bytes += job.running->progress.memory_bytes;
+    if (!job.running) continue;
+    const auto& progress = job.running->progress;
+    figures.memory_used_bytes += progress.memory_bytes;
+    // In this order: what is sent meanwhile counts as waiting, and the difference is never below 0.
+    const std::uint64_t processed = progress.updates_processed;
+    figures.updates_waiting += std::max(processed, progress.updates_sent.load()) - processed;
   }
   figures.memory_budget_bytes = impl_->options.memory_bytes;
   figures.disk_free_bytes = free_bytes(impl_->options.data);

@@ -136,7 +136,6 @@ Reply<std::shared_ptr<Job>> Service::Impl::admit(proto::JobRecord record) {
   record.set_place(next_place++);
   record.set_state(job_state::accepted);
   if (record.inputs().has_triangulate() && record.triangulation().empty()) record.set_triangulation(record.id());
-  record.set_message("waits");
   record.set_created(time_text(system_clock::now()));
   record.set_updated(record.created());
   if (const auto against = conflict(record)) return *against;
@@ -199,6 +198,8 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   // Somebody may have been as quick.
   if (const auto same = impl.same_as(inputs, caller, key, lock, other)) return *same;
   if (other) return *other;
+  const std::string beyond = problem(0, beyond_share(inputs, impl.share)).detail();  // options named as fields
+  record.set_message("waits" + (beyond.empty() ? "" : "; " + beyond));
   BOOST_OUTCOME_TRY(job, impl.admit(std::move(record)));
   lock.unlock();
   Status added = success();
@@ -207,6 +208,7 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   } catch (const std::exception& thrown) {  // whoever waits for its key must be told
     added = error(Errc::internal, thrown.what());
   }
+  if (added && !beyond.empty()) impl.log(job->record.id(), "note: " + beyond);
   return impl.welcome(job, added);
 }
 

@@ -18,11 +18,11 @@ IGN = pathlib.Path(os.environ["IGN"])
 class Daemon:
     """One process. `url` and `token` are what it prints."""
 
-    def __init__(self, data, *options, env=None, listen="127.0.0.1:0"):
+    def __init__(self, data, *options, env=None, listen="127.0.0.1:0", inputs=IGN):
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         self.log = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
-            [TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(IGN),
+            [TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(inputs),
              *(() if "--memory" in options else ("--memory", "1G")), "--threads", "2", *map(str, options)],
             env=clean | (env or {}), text=True, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline()

@@ -2,6 +2,7 @@
 import os
 import pathlib
 import re
+import subprocess
 import tomllib
 import unittest
 
@@ -25,6 +26,18 @@ class Settings(unittest.TestCase):
         page = (SOURCE / "deploy/tesserad.8").read_text()
         shown = {found.replace("\\-", "-") for found in re.findall(r"(?m)^\.BR \\-\\-(\S+)(?: ,)?$", page)}
         self.assertEqual(shown, KEYS | {"config", "help", "version"})
+
+    def test_the_shell_completes_every_key(self):
+        def completed(*words):
+            script = ('. "$1"; shift; COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); _tesserad; printf "%s\\n" "${COMPREPLY[@]}"')
+            done = subprocess.run(["bash", "-c", script, "bash", SOURCE / "deploy/tesserad.bash-completion", "tesserad", *words],
+                                  text=True, stdout=subprocess.PIPE, check=True)
+            return set(done.stdout.split())
+        options = {"--" + key for key in KEYS | {"config", "help", "version"}}
+        self.assertEqual(completed(""), options | {"health"})
+        self.assertEqual(completed("--data", "/srv", "--tls"), {"--tls-certificate", "--tls-key"})
+        self.assertEqual(completed("--log", "j"), {"json"})
+        self.assertEqual(completed("health", ""), {"--metrics", "--help"})
 
     def test_it_is_the_one_that_unit_and_manifest_use(self):
         self.assertIn("/tessera/tesserad.toml", (SOURCE / "deploy/tesserad.service.in").read_text())

@@ -181,5 +181,22 @@ class Drained(serving.ServerTest):
             connection.close()
 
 
+class Waiting(serving.ServerTest):
+    options = {"threads": 1, "workers": 2}
+
+    def test_who_waits_for_a_disk_holds_up_nobody_else(self):
+        self.assertTrue(self.server.tell("hold 1"))
+        token = {"Authorization": "Bearer " + self.server.tokens["read"]}
+        waiting = [self.connect() for _ in range(6)]
+        for connection in waiting:
+            connection.request("GET", "/v1/triangulations", headers=token)
+        self.assertTrue(self.server.tell("held 2"))  # all workers there are
+        self.assertEqual(self.ask("GET", "/livez", port=self.server.operations).body, b"live\n")
+        self.assertEqual(self.ask("GET", "/v1/jobs").status, 200)
+        self.assertEqual(self.ask("GET", "/v1").status, 200)
+        self.assertTrue(self.server.tell("hold 0"))
+        self.assertEqual([connection.getresponse().status for connection in waiting], [200] * 6)
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -190,7 +190,25 @@ Reply<std::unique_ptr<Backend::Subscription>> FakeBackend::subscribe(std::string
   return std::unique_ptr<Subscription>(std::move(watcher));
 }
 
+void FakeBackend::hold(bool held) {
+  const std::scoped_lock lock(mutex_);
+  holding_ = held;
+  held_changed_.notify_all();
+}
+
+void FakeBackend::wait_for_held(int count) {
+  std::unique_lock lock(mutex_);
+  held_changed_.wait(lock, [&] { return held_ >= count; });
+}
+
 Reply<proto::TriangulationList> FakeBackend::triangulations(std::uint32_t, std::string_view after) {
+  {
+    std::unique_lock lock(mutex_);
+    ++held_;
+    held_changed_.notify_all();
+    held_changed_.wait(lock, [&] { return !holding_; });
+    --held_;
+  }
   proto::TriangulationList list;
   if (after.empty()) *list.add_triangulations() = triangulation("block").value();
   return list;

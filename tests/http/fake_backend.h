@@ -2,6 +2,7 @@
 // folder made for it.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -24,6 +25,10 @@ class FakeBackend final : public Backend {
 
   // The job is in that state from now on; watchers hear of it.
   void set_state(const std::string& id, const std::string& state);
+  // From now on lists of results are not answered, until they are again.
+  void hold(bool held);
+  // Until so many are not answered.
+  void wait_for_held(int count);
   // Watchers of all jobs hear `count` events.
   void tell(int count);
 
@@ -57,6 +62,9 @@ class FakeBackend final : public Backend {
 
   const std::filesystem::path folder_;
   mutable std::mutex mutex_;
+  std::condition_variable held_changed_;  // with mutex_
+  bool holding_ = false;
+  int held_ = 0;
   std::vector<proto::StatusInfo> jobs_;                                           // j1, j2, ...
   std::map<std::string, std::pair<std::string, std::string>, std::less<>> keys_;  // key -> inputs, id
   std::vector<Event> events_;

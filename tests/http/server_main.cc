@@ -1,6 +1,6 @@
 // The HTTP server before a fake service, for the tests in Python: FOLDER NAME=VALUE... Prints one line of JSON with
 // ports and token; then obeys lines on standard input, answering each with "ok": "state ID STATE", "tell COUNT",
-// "reload", "drain"; ends with its input.
+// "hold 1", "hold 0" and "held COUNT" (FakeBackend::hold), "reload", "drain"; ends with its input.
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   options.public_url = given["public_url"];
   options.insecure = number("insecure", 0) == 1;
   options.threads = static_cast<std::uint32_t>(number("threads", 2));
+  options.workers = static_cast<std::uint32_t>(number("workers", 4));
   options.connections = static_cast<std::uint32_t>(number("connections", 2048));
   options.header_time = std::chrono::milliseconds(number("header_ms", 10'000));
   options.idle_time = std::chrono::milliseconds(number("idle_ms", 60'000));
@@ -55,8 +56,11 @@ int main(int argc, char** argv) {
     bool done = true;
     if (what == "state") backend.set_state(id, state);
     if (what == "tell") backend.tell(std::stoi(id));
+    if (what == "hold") backend.hold(id == "1");
+    if (what == "held") backend.wait_for_held(std::stoi(id));
     if (what == "reload") done = server.reload().has_value();
     if (what == "drain") done = server.drain(std::chrono::seconds(10));
     std::cout << (done ? "ok" : "failed") << std::endl;
   }
+  backend.hold(false);  // the server waits for whom it holds
 }

@@ -1,0 +1,166 @@
+// The threads that work on jobs: which is next, and how it ends.
+#include <exception>
+#include <new>
+
+#include "src/service/problem.h"
+#include "src/service/service_impl.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::system_clock;
+
+bool was_interrupted(const Reply<JobDone>& done) {
+  return !done && done.error().cause() == static_cast<int>(Errc::interrupted);
+}
+
+// Whatever a job throws ends that job, and nothing else.
+Reply<JobDone> guarded_work(const Workshop& shop, const JobWork& work) {
+  try {
+    return do_work(shop, work);
+  } catch (const std::bad_alloc&) {
+    return problem(422, "the system has no more memory to give", Errc::memory);
+  } catch (const std::exception& thrown) {
+    return problem(500, std::string("an internal error: ") + thrown.what(), Errc::internal);
+  }
+}
+
+}  // namespace
+
+// The next job that no thread holds; null when there is none that may run beside those that do.
+std::shared_ptr<Job> Service::Impl::next() const {
+  if (held_alone) return nullptr;
+  for (const auto& [place, id] : waiting) {
+    const auto& job = jobs.at(id);
+    if (job->running) continue;  // dismissed and resumed: another thread has not let go yet
+    // Nor does any that came later overtake it.
+    return job->record.deaths() > 0 && held > 0 ? nullptr : job;
+  }
+  return nullptr;
+}
+
+// The next job, now held by this thread; null at the end.
+std::shared_ptr<Job> Service::Impl::take() {
+  std::unique_lock lock(mutex);
+  while (true) {
+    if (ending) return nullptr;
+    if (auto job = next()) {
+      job->running = std::make_shared<Running>();
+      waiting.erase(job->record.place());
+      ++held;
+      held_alone = job->record.deaths() > 0;
+      return job;
+    }
+    waiting_changed.wait(lock);
+  }
+}
+
+void Service::Impl::work() {
+  while (const auto job = take()) {
+    std::shared_ptr<Running> running;
+    {
+      const std::lock_guard lock(mutex);
+      running = job->running;
+    }
+    if (!start(job, running)) {
+      end(job, problem(410, "was dismissed", Errc::interrupted));
+      continue;
+    }
+    proto::JobRecord record;
+    {
+      const std::lock_guard lock(mutex);
+      record = job->record;
+    }
+    const JobWork work{record, running->progress, running->stop.get_token(),
+                       [this, &record](const std::string& line) { log(record.id(), line); }, store.folder(record.id())};
+    end(job, guarded_work(shop, work));
+  }
+}
+
+// False when it has been dismissed since it was taken.
+bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running) {
+  const std::lock_guard changes(changing);
+  {
+    const std::lock_guard lock(mutex);
+    if (!job->is(job_state::accepted) || ending || running->stop.stop_requested()) return false;
+  }
+  const auto changed = change(*job, Need::done, [](proto::JobRecord& record) {
+    record.set_state(job_state::running);
+    record.set_starts(record.starts() + 1);
+    record.set_started(time_text(system_clock::now()));
+    record.clear_finished();
+    record.clear_problem();
+    record.set_message("runs");
+  });
+  static_cast<void>(changed);  // Need::done: it is written later if it could not be now
+  return true;
+}
+
+// What the job has made gets its name. `replaced`: for Results::discard().
+Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone> done,
+                                     std::filesystem::path& replaced) {
+  if (!done) return done;
+  const auto published = [&]() -> Status {
+    BOOST_OUTCOME_TRYV(store.write_outcome(job.id(), done.value().outcome));
+    if (job.inputs().has_triangulate()) {
+      BOOST_OUTCOME_TRY(old, results.publish(job.id(), job.triangulation(), job.inputs().triangulate().overwrite()));
+      replaced = old;
+    }
+    if (job.inputs().has_export_()) {
+      BOOST_OUTCOME_TRYV(results.publish_export(job.id(), job.triangulation()));
+    }
+    return success();
+  }();
+  if (!published) return problem_of(published.error());
+  return done;
+}
+
+void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
+  std::filesystem::path replaced;
+  {
+    const std::lock_guard changes(changing);
+    proto::JobRecord record;
+    bool stays = false;
+    {
+      const std::lock_guard lock(mutex);
+      record = job->record;
+      stays = ending && was_interrupted(done);
+    }
+    if (record.state() == job_state::running && stays) {
+      const auto changed = change(*job, Need::done, [](proto::JobRecord& waits) {
+        waits.set_deaths(0);
+        waits.set_state(job_state::accepted);
+        waits.set_message("waits to go on after a restart");
+      });
+      static_cast<void>(changed);  // as in start()
+    }
+    if (record.state() == job_state::running && !stays) {
+      done = finish(record, std::move(done), replaced);
+      const auto changed = change(*job, Need::done, [&](proto::JobRecord& ended) {
+        ended.set_deaths(0);
+        ended.set_finished(time_text(system_clock::now()));
+        ended.set_state(done ? job_state::successful : job_state::failed);
+        ended.set_message(done ? "is done" : done.error().detail());
+        if (done && done.value().points > 0) ended.set_points(done.value().points);
+        if (!done) *ended.mutable_problem() = done.error();
+      });
+      static_cast<void>(changed);  // as in start()
+    }
+    const std::lock_guard lock(mutex);
+    if (record.state() == job_state::running && !stays) {
+      ++(done ? since_start.successful : since_start.failed);
+      if (done) since_start.points += done.value().points;
+      if (done)
+        for (const auto& [phase, seconds] : done.value().seconds) phase_seconds[phase] += seconds;
+    }
+    job->running.reset();
+    std::string().swap(job->told);  // jobs that have ended are many
+    --held;
+    held_alone = false;
+    if (!job->waits_or_runs()) active.erase(record.id());
+  }
+  waiting_changed.notify_all();
+  if (const auto discarded = Results::discard(replaced); !discarded) tell(discarded.error().where);
+}
+
+}  // namespace tessera

@@ -1,0 +1,50 @@
+"""A client of OGC API - Processes that knows nothing of ours: OWSLib, and what it finds by following links."""
+import time
+import unittest
+import urllib.parse
+
+import requests
+from owslib.ogcapi.processes import Processes
+
+from daemon import DaemonTest
+
+
+class Standard(DaemonTest):
+    def test_owslib_drives_a_job_from_its_submission_to_its_results(self):
+        daemon = self.start()
+        head = {"Authorization": f"Bearer {daemon.token}"}
+        root = daemon.url + "v1/"
+        service = Processes(root, headers=head)
+        self.assertIn("http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/core", service.conformance()["conformsTo"])
+        names = [process["id"] for process in service.processes()["processes"]]
+        self.assertIn("triangulate", names)
+        process = service.process("triangulate")
+        self.assertIn("inputs", process["inputs"])
+
+        # OWSLib 0.27 describes processes and leaves executing them to its user: from here on by links alone.
+        def follow(document, rel, base):
+            found = [link["href"] for link in document["links"] if link["rel"] == rel]
+            self.assertTrue(found, (rel, document["links"]))
+            return urllib.parse.urljoin(base, found[0])
+
+        execute = follow(process, "http://www.opengis.net/def/rel/ogc/1.0/execute", service.request)
+        accepted = requests.post(execute, headers=head, json={"inputs": {"inputs": ["*.las"], "output": "block"}}, timeout=60)
+        self.assertEqual(accepted.status_code, 201, accepted.text)
+        job = urllib.parse.urljoin(execute, accepted.headers["Location"])
+        while (status := requests.get(job, headers=head, timeout=60).json())["status"] in ("accepted", "running"):
+            time.sleep(0.05)  # the standard knows only asking again
+        self.assertEqual(status["status"], "successful", status)
+        results = follow(status, "http://www.opengis.net/def/rel/ogc/1.0/results", job)
+        made = requests.get(results, headers=head, timeout=60).json()
+        where = urllib.parse.urljoin(results, made["triangulation"]["href"])
+        self.assertEqual(requests.get(where, headers=head, timeout=60).json()["name"], "block")
+
+        jobs = follow({"links": service.links}, "http://www.opengis.net/def/rel/ogc/1.0/job-list", root)
+        self.assertEqual([j["jobID"] for j in requests.get(jobs, headers=head, timeout=60).json()["jobs"]], [status["jobID"]])
+        self.assertEqual(requests.delete(job, headers=head, timeout=60).status_code, 200)
+        self.assertEqual(requests.get(job, headers=head, timeout=60).status_code, 410)
+        self.assertEqual(daemon.end(), 0)
+
+
+if __name__ == "__main__":
+    unittest.main()

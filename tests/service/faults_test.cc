@@ -1,0 +1,134 @@
+// What a service does when its process died, and what it forgets.
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "src/files/names.h"
+#include "tests/service/service_testing.h"
+
+namespace tessera::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& file) {
+  std::ifstream in(file);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+class Faults : public ServiceTest {
+ protected:
+  fs::path record(const std::string& id) const { return job_record_file(job_folder(data(), id)); }
+
+  // On disk it is as if the process had been killed now: a service that ends says of its jobs that they wait.
+  void die() {
+    std::map<std::string, std::string> before;
+    const auto listed = service->jobs({.limit = 1000}).value();
+    for (const auto& job : listed.jobs()) before[job.id()] = content(record(job.id()));
+    service.reset();
+    for (const auto& [id, text] : before) std::ofstream(record(id)) << text;
+  }
+  void set_finished(const std::string& id, const std::string& time) {
+    std::string text = content(record(id));
+    const std::string key = "\"finished\":\"";
+    const auto at = text.find(key);
+    ASSERT_NE(at, std::string::npos) << text;
+    text.replace(at + key.size(), text.find('"', at + key.size()) - at - key.size(), time);
+    std::ofstream(record(id)) << text;
+  }
+};
+
+TEST_F(Faults, AJobDuringWhichTheProcessDiesThriceHasFailedAndCanBeResumed) {
+  make_cloud("large.ply", 400'000);
+  make_cloud("small.xyz", 500);
+  std::vector<std::string> told;
+  options.log = [&](const std::string& line) { told.push_back(line); };
+  open();
+  const auto deadly = submit(triangulate("large.ply", "deadly"));
+  const auto neighbour = submit(triangulate("small.xyz", "neighbour"));
+  for (int i = 0; i < 3; ++i) {
+    working(deadly);
+    die();
+    open();
+  }
+  const auto failed = status(deadly);
+  ASSERT_EQ(failed.status(), "failed") << failed.message();
+  EXPECT_NE(failed.message().find("died 3 times"), std::string::npos) << failed.message();
+  EXPECT_EQ(failed.problem().cause(), static_cast<int>(Errc::internal));
+  EXPECT_TRUE(failed.resumable());
+  EXPECT_EQ(failed.starts(), 3);
+  ASSERT_EQ(told.size(), 1);
+  EXPECT_NE(told[0].find(deadly), std::string::npos);
+  EXPECT_EQ(ended(neighbour).status(), "successful");
+  restart();
+  EXPECT_EQ(status(deadly).status(), "failed");
+  ASSERT_TRUE(service->resume(deadly, alice));
+  EXPECT_EQ(ended(deadly).status(), "successful");
+  EXPECT_EQ(service->triangulation("deadly").value().vertices(), 400'000);
+}
+
+TEST_F(Faults, RestartsThatTheServiceSurvivesAreNoDeaths) {
+  make_cloud("large.ply", 400'000);
+  open();
+  const auto id = submit(triangulate("large.ply", "block"));
+  for (int i = 0; i < 2; ++i) {
+    working(id);
+    die();
+    open();
+    working(id);
+    restart();
+  }
+  EXPECT_EQ(ended(id).status(), "successful");
+}
+
+TEST_F(Faults, AfterADeathJobsThatRanAreBegunAgainAloneSoThatNeighboursAreNotBlamed) {
+  options.limits.running = 2;
+  make_cloud("large.ply", 200'000);
+  open();
+  const auto first = submit(triangulate("large.ply", "first"));
+  const auto second = submit(triangulate("large.ply", "second"));
+  const auto third = submit(triangulate("large.ply", "third"));
+  working(first);
+  working(second);
+  die();
+  open();
+  for (const auto& id : {first, second, third}) EXPECT_EQ(ended(id).status(), "successful");
+  // One that has died begins when no other runs, and none begins beside it.
+  EXPECT_GE(status(second).started(), status(first).finished());
+  EXPECT_GE(status(third).started(), status(second).finished());
+}
+
+TEST_F(Faults, RetentionForgetsWhatEndedLongAgoAndNeverAResult) {
+  make_cloud("a.xyz", 500);
+  std::ofstream(inputs() / "bad.xyz") << "1 2 3\n4 5 6\n7 8 9\n1 2 nan\n";
+  open();
+  const auto old = submit(triangulate("a.xyz", "old"));
+  const auto old_failed = submit(triangulate("bad.xyz", "bad"));
+  const auto recent = submit(triangulate("a.xyz", "recent"));
+  for (const auto& id : {old, old_failed, recent}) ended(id);
+  service.reset();
+  set_finished(old, "2001-01-01T00:00:00.000Z");
+  set_finished(old_failed, "2001-01-01T00:00:00.000Z");
+  std::ofstream(job_folder(data(), old) / "mine.txt") << "mine";
+
+  open();  // off by default
+  EXPECT_EQ(service->jobs({}).value().number_matched(), 3);
+  service.reset();
+  options.retention_s = 3600;
+  open();
+  while (service->job(old) || service->job(old_failed)) std::this_thread::yield();
+  EXPECT_EQ(service->job(old).error().status(), 410);
+  EXPECT_EQ(status(recent).status(), "successful");
+  EXPECT_EQ(service->triangulation("old").value().vertices(), 500);
+  EXPECT_FALSE(fs::exists(record(old)));
+  EXPECT_TRUE(fs::exists(job_folder(data(), old) / "mine.txt"));
+  restart();
+  EXPECT_EQ(service->job(old).error().status(), 410);
+  EXPECT_TRUE(service->triangulation("old"));
+}
+
+}  // namespace
+}  // namespace tessera::testing
