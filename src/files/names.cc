@@ -102,6 +102,7 @@ fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
 }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 
+fs::path data_format_file(const fs::path& data) { return data / "format"; }
 fs::path jobs_folder(const fs::path& data) { return data / "jobs"; }
 fs::path job_folder(const fs::path& data, const std::string& id) { return jobs_folder(data) / id; }
 fs::path job_record_file(const fs::path& job) { return job / "job.json"; }
