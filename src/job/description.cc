@@ -156,9 +156,8 @@ std::string inputs_text(const Json& described) {
   lines.add("tiles", std::to_string(count_of(described, "tiles")) + " (" + text_of(described, "partition") +
                          ", at most " + grouped(count_of(described, "max_points_per_tile")) + " points each)");
   lines.add("cells", human_count(count_of(cost, "cells")));
-  lines.add("memory",
-            human_bytes(count_of(cost, "memory_bytes")) + " (" + phases +
-                (cost.at("tiles_whole").get<bool>() ? "; tiles stay whole" : "; tiles sleep on disk") + ")");
+  lines.add("memory", human_bytes(count_of(cost, "memory_bytes")) + " (" + phases +
+                          (cost.at("tiles_whole").get<bool>() ? "; tiles stay whole" : "; tiles sleep on disk") + ")");
   lines.add("disk", human_bytes(count_of(cost, "result_bytes")) + " result, " +
                         human_bytes(count_of(cost, "temporary_bytes")) + " while it works");
   lines.add("time", human_seconds(cost.at("seconds").get<double>()));
@@ -194,14 +193,14 @@ std::string result_text(const Json& result) {
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
-  lines.add("tiles",
-            grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
-                (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
+  lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
+                         (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));
   if (!text_of(result, "crs").empty()) lines.add("CRS", text_of(result, "crs_name"));
-  for (const auto& [name, seconds] : result.at("seconds").items()) lines.add(name, human_seconds(seconds.get<double>()));
+  for (const auto& [name, seconds] : result.at("seconds").items())
+    lines.add(name, human_seconds(seconds.get<double>()));
   for (const auto& [name, value] : result.at("figures").items()) lines.add(name, figure(name, value.get<double>()));
   return text_of(result, "result") + "\n" + lines.text();
 }
