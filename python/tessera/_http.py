@@ -35,6 +35,7 @@ class Transport:
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
             raise UsageError("token holds characters that a token cannot hold")
+        self.heard = False  # it has answered something
         self._tls = None
         if parts.scheme == "https":
             try:
@@ -65,6 +66,7 @@ class Transport:
                         raise
                     # A daemon that refuses what is sent may have said so before it was all there.
                 answer = connection.getresponse()
+                self.heard = True
             if not 200 <= answer.status < 300:
                 raise self._refusal(answer, method)
             yield answer

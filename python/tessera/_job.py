@@ -59,7 +59,6 @@ class Job:
         alone.
         """
         last: str | None = None
-        ever_heard = False
         waiting = Patience(patience)
         while True:
             try:
@@ -67,7 +66,6 @@ class Job:
                 with self._http.open("GET", f"{self._path}/events", headers, timeout=SILENCE_OF_EVENTS_S) as stream:
                     if not stream.headers.get("Content-Type", "").startswith("text/event-stream"):
                         raise self._http.no_tessera()
-                    ever_heard = True
                     waiting.restart()
                     # Events are told from now on: what was before is in the status.
                     now = self.status()
@@ -79,7 +77,7 @@ class Job:
                         if sent.status.get("status") in ENDED:
                             return
             except IoError as gone:
-                if not ever_heard:
+                if not self._http.heard:
                     raise
                 waiting.wait(gone)
             else:

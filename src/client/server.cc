@@ -100,6 +100,7 @@ Result<HttpAnswer> Server::answer_to(HttpRequest request, const std::stop_token&
   request.headers.try_emplace("Accept", receiver.head ? "*/*" : "application/json");
   auto answer = connection_.ask(request, stop, receiver);
   if (!answer) return with_advice(answer.error());
+  heard_ = true;
   return answer;
 }
 
@@ -240,7 +241,7 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
   const auto take_head = [&](const HttpHead& head) -> Result<bool> {
     if (head.status != 200) return false;
     if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
-    heard = true;
+    heard = heard_ = true;
     // Events are told from now on: what was before is in the status.
     proto::Event now;
     BOOST_OUTCOME_TRY(status, job(id, stop));
@@ -260,14 +261,13 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
 Status Server::events(const std::string& id, const OnEvent& on_event,
                       const std::function<void(const std::string&)>& on_gone, const std::stop_token& stop) {
   std::string last_id;
-  bool ever_heard = false, told = false;
+  bool told = false;
   Patience patience(options_.patience);
   while (true) {
     bool heard = false;
     const auto enough = listen(id, last_id, heard, on_event, stop);
     if (enough && enough.value()) return success();
     if (heard) {
-      ever_heard = true;
       told = false;
       patience.restart();
     }
@@ -276,7 +276,7 @@ Status Server::events(const std::string& id, const OnEvent& on_event,
       continue;
     }
     // Never there, or nothing that time heals; and the listener's own errors.
-    if (!ever_heard || enough.error().code != Errc::io) return enough.error();
+    if (!heard_ || enough.error().code != Errc::io) return enough.error();
     if (!told && options_.patience.count() > 0) on_gone(enough.error().where);
     told = true;
     BOOST_OUTCOME_TRYV(patience.wait(enough.error(), stop));

@@ -24,7 +24,7 @@ struct ServerOptions {
   ServerAddress address;
   std::string token;  // in place of the address's; "" for none
   std::filesystem::path authorities;
-  // How long a server that was there and is gone is waited for.
+  // How long a server that has answered and is gone is waited for.
   std::chrono::seconds patience{600};
   // What errors advise: how a token, and authorities, are given.
   std::string token_advice, authorities_advice;
@@ -111,6 +111,7 @@ class Server {
 
   ServerOptions options_;
   Connection connection_, watching_;  // one listens to events while the other asks
+  bool heard_ = false;                // it has answered something
 };
 
 }  // namespace tessera

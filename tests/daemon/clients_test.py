@@ -99,13 +99,15 @@ class Command(ClientsTest):
         while (next(stream)[2] or {}).get("status", {}).get("status") != "running":
             pass
         self.daemon.end(signal.SIGKILL)
-        for line in watching.stderr:
-            if "is waited for" in line:
-                break
+        said = ""
+        while "is waited for" not in said:
+            line = watching.stderr.readline()
+            self.assertNotEqual(line, "", said)
+            said += line
         self.daemon = self.start("--uploads", listen=f"127.0.0.1:{port}")
-        said, errors = watching.communicate(timeout=300)
-        self.assertEqual(watching.returncode, 0, errors)
-        self.assertIn("tetrahedra", said)
+        told, errors = watching.communicate(timeout=300)
+        self.assertEqual(watching.returncode, 0, said + errors)
+        self.assertIn("tetrahedra", told)
 
 
 @unittest.skipIf(tessera is None, "the Python package is not built")
