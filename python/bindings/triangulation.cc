@@ -132,6 +132,7 @@ void bind_triangulation(py::module_& module) {
       [](const Coordinates& points, const TriangulationOptions& options, const py::object& report,
          const py::object& warn) { return run(span_of(points), options, report, warn); },
       py::arg("points").noconvert(), py::arg("options"), py::arg("report"), py::arg("warn"));
+  module.def("file_checksum", &file_checksum, without_gil);
   module.def("triangulate_files", &run<std::vector<std::string>>);
   module.def("describe", [](const std::vector<std::string>& inputs, const TriangulationOptions& options) {
     return text_of(run_interruptible(

@@ -20,7 +20,8 @@ from ._progress import Progress
 from ._tile import Tile
 from ._triangulate import info, triangulate
 from ._triangulation import Proof, Tiles, Triangulation, open
-from .client import Client, Event, Job, connect
+from ._job import Event, Job
+from .client import Client, connect
 
 __version__ = _tessera.version()
 

@@ -9,6 +9,9 @@ class Error(Exception):
     """
 
     cause = "internal"
+    # Of what a daemon answers: the status of HTTP, and the type of its problem.
+    _http_status = 0
+    _problem_type = ""
 
 
 class UsageError(Error, ValueError):

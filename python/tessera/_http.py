@@ -4,7 +4,6 @@ from __future__ import annotations
 import contextlib
 import http.client
 import json
-import pathlib
 import ssl
 import typing
 import urllib.parse
@@ -13,6 +12,10 @@ from ._errors import BY_CAUSE, Error, IoError, UsageError
 
 TIMEOUT_S = 60.0
 SILENCE_OF_EVENTS_S = 45.0  # the daemon sends something every 15 s
+
+
+class ConnectionLost(IoError):
+    """The connection failed: nothing that the daemon has said."""
 
 
 class Transport:
@@ -32,6 +35,7 @@ class Transport:
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
             raise UsageError("token holds characters that a token cannot hold")
+        self.heard = False  # it has answered something
         self._tls = None
         if parts.scheme == "https":
             try:
@@ -46,7 +50,7 @@ class Transport:
         return http.client.HTTPConnection(self._host, self._port, timeout=timeout)
 
     @contextlib.contextmanager
-    def open(self, method: str, path: str, headers: dict[str, str] | None = None, body: bytes | None = None,
+    def open(self, method: str, path: str, headers: dict[str, str] | None = None, body: bytes | typing.BinaryIO | None = None,
              timeout: float = TIMEOUT_S) -> typing.Iterator[http.client.HTTPResponse]:
         """The answer to /v1 + path, which is 2xx; anything else is raised."""
         connection = self._connection(timeout)
@@ -55,10 +59,16 @@ class Transport:
             sent["Authorization"] = f"Bearer {self._token}"
         try:
             with self._as_ours():
-                connection.request(method, f"{self._base}/v1{path}", body, sent)
+                try:
+                    connection.request(method, f"{self._base}/v1{path}", body, sent)
+                except (BrokenPipeError, ConnectionResetError):
+                    if body is None:
+                        raise
+                    # A daemon that refuses what is sent may have said so before it was all there.
                 answer = connection.getresponse()
+                self.heard = True
             if not 200 <= answer.status < 300:
-                raise self._refusal(answer)
+                raise self._refusal(answer, method)
             yield answer
         finally:
             connection.close()
@@ -74,20 +84,20 @@ class Transport:
         except ssl.SSLError as error:
             raise UsageError(f"{self.url}: no TLS is spoken there: {error.reason or error}") from None
         except TimeoutError:
-            raise IoError(f"{self.url}: the server does not answer in time") from None
+            raise ConnectionLost(f"{self.url}: the server does not answer in time") from None
         except OSError as error:
-            raise IoError(f"{self.url}: the server cannot be reached: {error.strerror or error}") from None
+            raise ConnectionLost(f"{self.url}: the server cannot be reached: {error.strerror or error}") from None
         except http.client.BadStatusLine:
             raise UsageError(f"{self.url}: no HTTP is spoken there") from None
         except http.client.HTTPException as error:
-            raise IoError(f"{self.url}: the server has ended the connection: {error!r}") from None
+            raise ConnectionLost(f"{self.url}: the server has ended the connection: {error!r}") from None
 
     def read(self, answer: http.client.HTTPResponse, amount: int | None = None) -> bytes:
         """Bytes of an answer; the connection's end before theirs is an IoError."""
         with self._as_ours():
             content = answer.read(amount)
         if not content and answer.length:  # of what its head has promised; the library is silent about it
-            raise IoError(f"{self.url}: the server has ended the connection within its answer")
+            raise ConnectionLost(f"{self.url}: the server has ended the connection within its answer")
         return content
 
     def line(self, answer: http.client.HTTPResponse) -> bytes:
@@ -98,10 +108,15 @@ class Transport:
     def no_tessera(self) -> Error:
         return UsageError(f"{self.url}: what answers there is no Tessera server")
 
-    def _refusal(self, answer: http.client.HTTPResponse) -> Error:
+    def _refusal(self, answer: http.client.HTTPResponse, method: str) -> Error:
         if "json" not in answer.headers.get("Content-Type", ""):
             return self.no_tessera()
-        problem = self.document(answer)
+        problem = {} if method == "HEAD" else self.document(answer)
+        refused = self._problem(answer, problem)
+        refused._http_status, refused._problem_type = answer.status, problem.get("type", "")
+        return refused
+
+    def _problem(self, answer: http.client.HTTPResponse, problem: dict[str, typing.Any]) -> Error:
         if answer.status == 401:
             return UsageError(f"{self.url}: " + ("the server does not know this token" if self._token else
                                                  "the server wants a token"))
@@ -146,22 +161,3 @@ class Transport:
             here = there.path + (f"?{there.query}" if there.query else "")
             if there.netloc != urllib.parse.urlsplit(self.url).netloc or not here.startswith(f"{self._base}/v1/"):
                 raise IoError(f"{self.url}: the server's answer links to another one")
-
-    def download(self, path: str, to: pathlib.Path, etag: str | None, size: int | None) -> None:
-        """A file, under `to` when it is whole. What is there of it under its temporary name is gone on with when `etag` says
-        which it is; and stays when the connection ends."""
-        partial = to.with_name(to.name + ".tmp")
-        have = partial.stat().st_size if etag is not None and partial.exists() else 0
-        if size is None or have != size:
-            headers = {"Range": f"bytes={have}-", "If-Range": etag} if have and etag else {}
-            with self.open("GET", path, headers) as answer, partial.open("ab" if answer.status == 206 else "wb") as out:
-                its = answer.headers.get("ETag")
-                if etag and its and its.startswith('"xxh3-') and its != etag:
-                    raise BY_CAUSE[5](f"{path}: is another file on the server than its manifest says")
-                while content := self.read(answer, 1 << 20):
-                    out.write(content)
-        if size is not None and partial.stat().st_size != size:
-            has = partial.stat().st_size
-            partial.unlink()
-            raise BY_CAUSE[5](f"{path}: has {has} bytes on the server, its manifest says {size}")
-        partial.replace(to)

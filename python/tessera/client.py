@@ -1,147 +1,23 @@
 """Jobs and results of a daemon, asked for over HTTP."""
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pathlib
-import time
 import typing
-import urllib.parse
 import uuid
+import warnings
 
-from ._errors import BY_CAUSE, CorruptError, InternalError, InterruptedJobError, IoError, UsageError
-from ._http import SILENCE_OF_EVENTS_S, Transport
+from ._errors import CorruptError, Error, IoError, UsageError
+from ._http import Transport
+from ._job import Event, Job, quoted
 from ._options import Path
-from ._triangulation import Triangulation, open as open_folder
+from ._transfer import PATIENCE_S, File, download, upload
+from ._triangulation import Proof, Triangulation, open as open_folder
 
 # Where the service calls an option otherwise than triangulate().
-FIELDS = {"max_points_per_tile": "tile_points", "classes": "class"}
-ENDED = ("successful", "failed", "dismissed")
-
-
-class Event(typing.NamedTuple):
-    """What happened to a job."""
-
-    id: int
-    """Ascending; 0 of the status that there was when the watching began."""
-    kind: str
-    """"status", "progress" or "log"."""
-    status: dict[str, typing.Any]
-    """As of Job.status(); empty for a line of the log."""
-    text: str
-    time: str
-    """RFC 3339, UTC."""
-
-
-def _quoted(name: str) -> str:
-    return urllib.parse.quote(name, safe="")
-
-
-class Job:
-    """A job of a daemon, from Client.submit() or Client.job()."""
-
-    def __init__(self, client: Client, id: str):
-        self._client, self._http, self._path = client, client._http, f"/jobs/{_quoted(id)}"
-        self._id = id
-
-    @property
-    def id(self) -> str:
-        """Its name, good for Client.job() as long as the daemon knows of it."""
-        return self._id
-
-    def status(self) -> dict[str, typing.Any]:
-        """What the daemon knows of it: "status" ("accepted", "running", "successful", "failed", "dismissed"), "phase",
-        "progress" (percent), "triangulation" (the name of its result), "problem", ... as docs/service.md lists."""
-        return self._http.ask("GET", self._path)
-
-    def watch(self, patience: float = 600.0) -> typing.Iterator[Event]:
-        """The status there is, and then events as they come, until the job has ended.
-
-        A daemon that goes away is waited for, so many seconds; then IoError is raised. Leaving the loop leaves the job
-        alone.
-        """
-        last: str | None = None
-        heard_at: float | None = None
-        pause = 0.25
-        while True:
-            try:
-                headers = {"Accept": "text/event-stream", **({"Last-Event-ID": last} if last else {})}
-                with self._http.open("GET", f"{self._path}/events", headers, timeout=SILENCE_OF_EVENTS_S) as stream:
-                    if not stream.headers.get("Content-Type", "").startswith("text/event-stream"):
-                        raise self._http.no_tessera()
-                    heard_at, pause = time.monotonic(), 0.25
-                    # Events are told from now on: what was before is in the status.
-                    now = self.status()
-                    yield Event(0, "status", now, "", now.get("updated", ""))
-                    if now.get("status") in ENDED:
-                        return
-                    for last, sent in self._events(stream):
-                        yield sent
-                        if sent.status.get("status") in ENDED:
-                            return
-            except IoError:
-                if heard_at is None or time.monotonic() - heard_at > patience:
-                    raise
-            time.sleep(pause)
-            pause = min(2 * pause, 5.0)
-
-    def _events(self, stream: typing.Any) -> typing.Iterator[tuple[str, Event]]:
-        """(its id as the stream has it, the event)."""
-        last, data = "", b""
-        while line := self._http.line(stream):
-            name, _, value = line.rstrip(b"\r\n").partition(b":")
-            value = value.removeprefix(b" ")
-            if name == b"data":
-                data += value + b"\n"
-            elif name == b"id":
-                last = value.decode()
-            elif not name and not value and data:
-                try:
-                    sent = json.loads(data)
-                    event = Event(int(sent.get("id", 0)), sent.get("kind", ""), sent.get("status", {}), sent.get("text", ""),
-                                  sent.get("time", ""))
-                except (ValueError, TypeError, AttributeError):
-                    raise self._http.no_tessera() from None
-                yield last, event
-                data = b""
-
-    def wait(self, progress: typing.Callable[[Event], object] | None = None, patience: float = 600.0) -> dict[str, typing.Any]:
-        """Until it is successful; its last status. `progress` is called with each event.
-
-        Raises what made it fail, by its cause: BadInputError, MemoryLimitError, ...; InterruptedJobError when it was
-        cancelled.
-        """
-        status: dict[str, typing.Any] = {}
-        for event in self.watch(patience):
-            status = event.status or status
-            if progress is not None:
-                progress(event)
-        if status["status"] == "dismissed":
-            raise InterruptedJobError(f"job {self._id} was cancelled")
-        if status["status"] == "failed":
-            problem = status.get("problem", {})
-            raise BY_CAUSE.get(problem.get("cause", 0), InternalError)(
-                problem.get("detail") or status.get("message") or f"job {self._id} has failed")
-        return status
-
-    def cancel(self) -> None:
-        """Stops it, so that resume() can go on with it. UsageError when it has ended."""
-        status = self.status()["status"]
-        if status in ENDED:  # of one that has ended the daemon would forget that it was
-            raise UsageError(f"job {self._id} has ended already: {status}")
-        self._http.ask("DELETE", self._path)
-
-    def resume(self) -> None:
-        """Goes on with it after it failed or was cancelled."""
-        self._http.ask("POST", f"{self._path}/resume")
-
-    def result(self, folder: Path, progress: typing.Callable[[Event], object] | None = None) -> Triangulation:
-        """wait(), and then Client.fetch() of what it made."""
-        return self._client.fetch(self.wait(progress)["triangulation"], folder)
-
-    def __repr__(self) -> str:
-        return f"<tessera.Job {self._id} of {self._http.url}>"
-
+FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
 
 class Client:
     """A daemon, from connect(). All may be called from any thread."""
@@ -164,23 +40,93 @@ class Client:
         options
             As of tessera.triangulate(): dim, memory, crop, classes, ...; what is None or not given has the daemon's default.
         """
-        files = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
-        sent: dict[str, typing.Any] = {"inputs": [os.fspath(file) for file in files], "output": output}
-        for name, value in options.items():
-            if value is None:
-                continue
-            if isinstance(value, os.PathLike):
-                value = os.fspath(value)
-            elif name == "memory":
-                value = str(value)
-            elif name in ("attributes", "without") and isinstance(value, str):
-                value = [value]
-            elif not isinstance(value, (str, bool, int, float)):
-                value = [item.item() if hasattr(item, "item") else item for item in value]
-            sent[FIELDS.get(name, name)] = value
-        status = self._http.ask("POST", "/processes/triangulate/execution", {"inputs": sent},
-                                {"Idempotency-Key": key or uuid.uuid4().hex})
+        return self._execute("triangulate", {"inputs": _names(inputs), "output": output, **_fields(options)}, key)
+
+    def _execute(self, process: str, inputs: dict[str, typing.Any], key: str | None = None) -> Job:
+        status = self._http.ask("POST", f"/processes/{process}/execution", {"inputs": inputs},
+                                {"Idempotency-Key": key or uuid.uuid4().hex, "Prefer": "respond-async"})
         return Job(self, status["jobID"])
+
+    def verify(self, name: str, memory: int | str | None = None, against_cgal: bool = False,
+               progress: typing.Callable[[Event], object] | None = None) -> Proof:
+        """Has the daemon prove a result, as Triangulation.verify() does here; raises what that raises."""
+        job = self._execute("verify", {"triangulation": name, **_fields({"memory": memory, "against_cgal": against_cgal})})
+        job.wait(progress)
+        found = job.outcome()
+        try:
+            return Proof(found["cells"], found["facets"], found["hull_facets"], found["vertices"], tuple(found["passed"]))
+        except (KeyError, TypeError):
+            raise self._http.no_tessera() from None
+
+    def export(self, name: str, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
+               index: bool = True, max_edge: float | None = None, progress: typing.Callable[[Event], object] | None = None,
+               patience: float = PATIENCE_S) -> None:
+        """Has the daemon write a result for other programs, and brings the files here; as Triangulation.export(), also in
+        its arguments and what it raises and warns of. They do not stay at the daemon."""
+        path = pathlib.Path(target)
+        # The daemon takes a name without an ending for a folder.
+        into = path.is_dir() or os.fspath(target).endswith(os.sep) or not path.suffix
+        if path.exists() and not overwrite and (not into or not path.is_dir() or any(path.iterdir())):
+            raise UsageError(f"{path}: exists already; overwrite=True replaces it")
+        output = path.resolve().with_suffix("").name if into else path.name
+        options = {"format": format, "heights": heights, "overwrite": overwrite, "spatial_index": index, "max_edge": max_edge}
+        job = self._execute("export", {"triangulation": name, "output": output, **_fields(options)})
+        job.wait(progress)
+        found = job.outcome()
+        files = f"/triangulations/{quoted(name)}/files"
+        with _disk(path):
+            for file, inside in _written(found, self._http.url):
+                to = path / pathlib.PurePosixPath(*inside.parts[1:]) if into else path.with_suffix(inside.suffix)
+                to.parent.mkdir(parents=True, exist_ok=True)
+                download(self._http, file._replace(path=f"{files}/{file.path}"), to, patience)
+        try:
+            with self._http.open("DELETE", f"{files}/exports/{quoted(output)}"):
+                pass
+        except Error as stays:
+            warnings.warn(f"the export stays at the daemon, too: {stays}", stacklevel=2)
+        if found.get("note"):
+            warnings.warn(found["note"], stacklevel=2)
+
+    def info(self, source: Path | typing.Iterable[Path], dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:
+        """As tessera.info(), of inputs as the daemon sees them, or of one of its results.
+
+        Parameters
+        ----------
+        source
+            Files, folders, patterns, or the name of a result, which goes first.
+        dim, options
+            As of submit(); and stats=True: read all points, for their classes, returns, box and density.
+        """
+        names = _names(source)
+        inputs: dict[str, typing.Any] = {"inputs": names, **_fields({"dim": dim, **options})}
+        if len(names) == 1 and "/" not in names[0]:
+            try:
+                self._http.ask("GET", f"/triangulations/{quoted(names[0])}")
+                inputs = {"triangulation": names[0]}
+            except UsageError as refused:
+                if refused._http_status != 404:
+                    raise
+        try:
+            return self._http.ask("POST", "/processes/info/execution", {"inputs": inputs})
+        except UsageError as refused:
+            if refused._problem_type != "urn:tessera:needs-a-job":
+                raise
+        job = self._execute("info", inputs)
+        job.wait()
+        return job.outcome()
+
+    def upload(self, files: Path | typing.Iterable[Path], folder: str, patience: float = PATIENCE_S) -> list[str]:
+        """Sends files from here, in place of what has the same names there; a connection that ends is gone on with.
+
+        Gives what submit() and info() call them: "upload:FOLDER/FILE". UsageError when the daemon takes no uploads.
+        """
+        sent = []
+        for name in _names(files):
+            path = pathlib.Path(name)
+            with _disk(path):
+                upload(self._http, path, f"/uploads/{quoted(folder)}/{quoted(path.name)}", patience)
+            sent.append(f"upload:{folder}/{path.name}")
+        return sent
 
     def job(self, id: str) -> Job:
         """The job of that id. Whether there is one is told when it is asked."""
@@ -189,22 +135,22 @@ class Client:
     def jobs(self, status: typing.Iterable[str] = ()) -> list[dict[str, typing.Any]]:
         """All jobs, as of Job.status(), or those in these states."""
         states = [status] if isinstance(status, str) else list(status)
-        query = f"&status={_quoted(','.join(states))}" if states else ""
+        query = f"&status={quoted(','.join(states))}" if states else ""
         return self._http.ask_for_all(f"/jobs?limit=1000{query}", "jobs")
 
     def results(self) -> list[dict[str, typing.Any]]:
         """What the daemon has made: "name", "dimension", "vertices", "cells", "tiles", "bytes", "digest", ... of each."""
         return self._http.ask_for_all("/triangulations", "triangulations")
 
-    def fetch(self, name: str, folder: Path) -> Triangulation:
+    def fetch(self, name: str, folder: Path, patience: float = PATIENCE_S) -> Triangulation:
         """Copies a result into a folder here: the same as tessera.open() gives.
 
-        The folder is new, empty, or what an earlier fetch of the same result has left, which is gone on with. The manifest
-        is there when all files are. Each has the length and the name of its content (ETag) that the manifest says;
-        Triangulation.verify() also reads them.
+        The folder is new, empty, or what an earlier fetch of the same result has left, which is gone on with. Each file has
+        the length and the checksum that the manifest says, and the manifest is there when all are. A connection that ends is
+        gone on with; a daemon that goes away is waited for, so many seconds.
         """
         out = pathlib.Path(folder)
-        path = f"/triangulations/{_quoted(name)}/files"
+        path = f"/triangulations/{quoted(name)}/files"
         with self._http.open("GET", f"{path}/manifest.json") as answer:
             text = self._http.read(answer)
         try:
@@ -217,29 +163,70 @@ class Client:
             raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is none") from None
         if _holds(out, text):
             return open_folder(out)
-        try:
+        with _disk(out):
             (out / "tiles").mkdir(parents=True, exist_ok=True)
             (out / "manifest.json.tmp").write_bytes(text)
             for file, checksum, size in wanted:
                 if not (out / file).exists():
-                    self._http.download(f"{path}/{file}", out / file, f'"xxh3-{checksum}"', size)
-            self._fetch_report(path, out)
+                    download(self._http, File(f"{path}/{file}", checksum, size, f'"xxh3-{checksum}"'), out / file, patience)
+            self._fetch_report(path, out, patience)
             (out / "manifest.json.tmp").replace(out / "manifest.json")
-        except OSError as error:
-            if isinstance(error, IoError):
-                raise
-            raise IoError(f"{error.filename or out}: {error.strerror}") from None
         return open_folder(out)
 
-    def _fetch_report(self, path: str, out: pathlib.Path) -> None:
+    def _fetch_report(self, path: str, out: pathlib.Path, patience: float) -> None:
         """For people: a result is whole without it."""
         try:
-            self._http.download(f"{path}/report.html", out / "report.html", None, None)
+            download(self._http, File(f"{path}/report.html", None), out / "report.html", patience)
         except UsageError:
             pass  # there is none
 
     def __repr__(self) -> str:
         return f"<tessera.Client of {self._http.url}>"
+
+
+def _names(inputs: Path | typing.Iterable[Path]) -> list[str]:
+    return [os.fspath(file) for file in ([inputs] if isinstance(inputs, (str, os.PathLike)) else inputs)]
+
+
+def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
+    """As the service has them."""
+    sent = {}
+    for name, value in options.items():
+        if value is None:
+            continue
+        if isinstance(value, os.PathLike):
+            value = os.fspath(value)
+        elif name == "memory":
+            value = str(value)
+        elif name in ("attributes", "without") and isinstance(value, str):
+            value = [value]
+        elif not isinstance(value, (str, bool, int, float)):
+            value = [item.item() if hasattr(item, "item") else item for item in value]
+        sent[FIELDS.get(name, name)] = value
+    return sent
+
+
+def _written(outcome: dict[str, typing.Any], url: str) -> typing.Iterator[tuple[File, pathlib.PurePosixPath]]:
+    """The files of an export, below the result's and below its exports."""
+    try:
+        for entry in outcome["written"]:
+            inside = pathlib.PurePosixPath(entry["path"]).relative_to("exports")
+            if ".." in inside.parts or not inside.parts:
+                raise ValueError
+            yield File("/".join(map(quoted, ("exports", *inside.parts))), entry["xxh3"], int(entry["bytes"])), inside
+    except (KeyError, TypeError, ValueError):
+        raise CorruptError(f"{url}: the server does not say which files the export has written") from None
+
+
+@contextlib.contextmanager
+def _disk(place: pathlib.Path) -> typing.Iterator[None]:
+    """What the disk refuses, as IoError."""
+    try:
+        yield
+    except IoError:
+        raise
+    except OSError as error:
+        raise IoError(f"{error.filename or place}: {error.strerror or error}") from None
 
 
 def _holds(out: pathlib.Path, manifest: bytes) -> bool:

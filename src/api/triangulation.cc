@@ -8,6 +8,7 @@
 #include "src/api/options_inside.h"
 #include "src/api/triangulation_impl.h"
 #include "src/export/export.h"
+#include "src/files/checksum.h"
 #include "src/job/describe.h"
 #include "src/job/machine.h"
 #include "src/verify/verify.h"
@@ -148,6 +149,14 @@ Proof Triangulation::verify(const VerifyRequest& request) const {
     if (options.memory_bytes == 0) options.memory_bytes = default_memory();
     auto report = value_or_throw(tessera::verify(impl_->folder, options, asked.stop));
     return Proof(std::make_shared<const Proof::Impl>(Proof::Impl{std::move(report)}));
+  });
+}
+
+std::string file_checksum(const std::filesystem::path& file) {
+  return guarded([&] {
+    const auto sum = checksum_file(file);
+    if (!sum) throw_failure(sum.error());
+    return checksum_text(sum.value());
   });
 }
 

@@ -35,6 +35,7 @@ Command add_cancel(CLI::App& root);
 Command add_resume(CLI::App& root);
 Command add_results(CLI::App& root);
 Command add_fetch(CLI::App& root);
+Command add_upload(CLI::App& root);
 Command add_generate(CLI::App& root);
 Command add_harness(CLI::App& root);
 

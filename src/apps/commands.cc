@@ -28,6 +28,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_resume(root));
   commands.push_back(add_results(root));
   commands.push_back(add_fetch(root));
+  commands.push_back(add_upload(root));
   commands.push_back(add_generate(root));
   commands.push_back(add_harness(root));
   return commands;

@@ -15,8 +15,10 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/outcome.h"
+#include "src/apps/remote_result.h"
+#include "src/apps/server_options.h"
 #include "src/job/arguments.h"
-#include "src/report/human.h"
 
 namespace tessera {
 namespace {
@@ -52,20 +54,13 @@ Status run_export(Settings& settings, const std::string& folder) {
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
+  if (names_server(settings)) return export_remotely(settings, folder, target, options, output);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   const Interrupt interrupt;
   auto result = export_result(folder, target, options, interrupt.token());
   if (options.progress) std::fprintf(stderr, "\r\x1b[K");
   BOOST_OUTCOME_TRY(exported, std::move(result));
-  if (output.json) {
-    std::printf("%s\n", to_json(exported, exported.path.string()).c_str());
-  } else if (!output.quiet) {
-    std::printf("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
-                grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
-    if (options.max_edge)
-      std::printf("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(),
-                  settings.text("max-edge")->c_str());
-    if (!exported.note.empty()) std::fprintf(stderr, "note: %s\n", exported.note.c_str());
-  }
+  print_exported(exported, settings.text("max-edge"), output);
   return success();
 }
 
@@ -77,7 +72,8 @@ Command add_export(CLI::App& root) {
       "  tessera export out/ -o mesh.ply                 (one file; the ending tells the format)\n"
       "  tessera export out/ -o tiles/ --format vtu      (a folder: one .vtu a tile, a .pvtu over them)\n"
       "  tessera export ground/ -o ground.gpkg           (2D)\n"
-      "  tessera export out/ -o near.vtu --max-edge 2    (without what bridges gaps and the hull's bays)\n\n"
+      "  tessera export out/ -o near.vtu --max-edge 2    (without what bridges gaps and the hull's bays)\n"
+      "  tessera export NAME -o mesh.ply --server http://127.0.0.1:7070      (of a daemon's result, to a file here)\n\n"
       "Formats:\n" +
           export_format_help());
   add_value(command, "format", "NAME", "one of those below; default: as the ending of --output says");
@@ -91,9 +87,11 @@ Command add_export(CLI::App& root) {
   add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
              false, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.app->add_option("result", *folder, "result folder; with --server, the name of the result")
+      ->type_name("FOLDER");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_export(*settings, *folder);
   };

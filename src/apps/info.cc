@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/remote_result.h"
+#include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
 #include "src/apps/words.h"
 #include "src/job/describe.h"
@@ -19,6 +21,7 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   if (what.empty() && options.cloud.input_list.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
+  if (names_server(settings)) return info_remotely(settings, what, json);
   DescribeOptions how{.json = json, .names = flag_name};
   BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
   how.statistics = statistics;
@@ -36,12 +39,17 @@ Command add_info(CLI::App& root) {
                   "  tessera info scan.las\n"
                   "  tessera info block/*.las --memory 4G --threads 8      (what triangulating them would take)\n"
                   "  tessera info block/ --recursive --stats\n"
-                  "  tessera info out/ --json");
+                  "  tessera info out/ --json\n"
+                  "  tessera info NAME --server http://127.0.0.1:7070      (a result, or inputs, of a daemon)");
   add_cloud_options(command);
   add_switch(command, "stats", "read all points: their classes, returns, flags, box and density");
+  add_server_options(command);
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("what", *what, "input files, folders of them, - for standard input; or one result folder")
+  command.app
+      ->add_option("what", *what,
+                   "input files, folders of them, - for standard input; or one result folder. With --server, as the "
+                   "daemon names them")
       ->type_name("FILE|FOLDER");
   command.run = [settings = command.settings.get(), what](const std::vector<std::string>&) {
     return run_info(*settings, *what);

@@ -4,9 +4,14 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "src/job/arguments.h"
 
@@ -19,7 +24,8 @@ using Json = nlohmann::ordered_json;
 using Type = FieldDescriptor::CppType;
 
 // Options that the daemon calls otherwise.
-const std::map<std::string, std::string> other_names{{"max-points-per-tile", "tile_points"}, {"z", "heights"}};
+const std::map<std::string, std::string> other_names{
+    {"index", "spatial_index"}, {"max-points-per-tile", "tile_points"}, {"z", "heights"}};
 
 const FieldDescriptor* field_of(const Descriptor& inputs, std::string key) {
   if (const auto other = other_names.find(key); other != other_names.end()) {
@@ -70,6 +76,32 @@ Result<Json> json_of(const std::string& text, const FieldDescriptor& field) {
 }
 
 }  // namespace
+
+std::vector<std::string> only_here(std::vector<std::string> more) {
+  std::vector<std::string> keys{"config", "output", "quiet",      "verbose", "json",    "detach",
+                                "server", "token",  "token-file", "ca",      "patience"};
+  keys.insert(keys.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+  return keys;
+}
+
+Error in_flags(Error refused) {
+  constexpr std::string_view field = "overwrite: true";
+  if (const auto at = refused.where.find(field); at != std::string::npos)
+    refused.where.replace(at, field.size(), "--overwrite");
+  return refused;
+}
+
+Error advise_upload(Error refused, const std::vector<std::string>& inputs) {
+  refused = in_flags(std::move(refused));
+  if (!refused.where.starts_with("inputs:")) return refused;
+  for (const auto& input : inputs) {
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(input, none)) continue;
+    refused.where += "; " + input + " is a file here, which 'tessera upload' sends to the daemon";
+    break;
+  }
+  return refused;
+}
 
 Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, const std::vector<std::string>& here) {
   Json json = Json::object();

@@ -20,4 +20,12 @@ namespace tessera {
 Result<nlohmann::ordered_json> remote_inputs(const Settings& settings, const google::protobuf::Descriptor& inputs,
                                              const std::vector<std::string>& here);
 
+// What is between a command and its user, with those of `more`.
+std::vector<std::string> only_here(std::vector<std::string> more);
+
+// What a daemon says, with the switch that its user can give.
+Error in_flags(Error refused);
+// What a daemon says of inputs that it does not find, and of a file here, what to do.
+Error advise_upload(Error refused, const std::vector<std::string>& inputs);
+
 }  // namespace tessera

@@ -11,10 +11,6 @@
 namespace tessera {
 namespace {
 
-// What is between the command and its user.
-const std::vector<std::string> not_sent{"config", "output", "quiet",      "verbose", "json",     "detach",
-                                        "server", "token",  "token-file", "ca",      "patience", "crs"};
-
 Status refuse_what_is_local(const Settings& settings, const TriangulateOptions& options) {
   if (reads_standard_input(options))
     return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
@@ -38,7 +34,7 @@ Result<proto::StatusInfo> submit(Server& server, const nlohmann::ordered_json& i
 Status triangulate_remotely(Settings& settings, const TriangulateOptions& options) {
   BOOST_OUTCOME_TRYV(refuse_what_is_local(settings, options));
   BOOST_OUTCOME_TRY(detach, settings.on("detach"));
-  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::TriangulateInputs::descriptor(), not_sent));
+  BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::TriangulateInputs::descriptor(), only_here({"crs"})));
   inputs["inputs"] = options.inputs;
   std::string name = options.out.string();
   while (name.size() > 1 && name.ends_with('/')) name.pop_back();
@@ -46,7 +42,9 @@ Status triangulate_remotely(Settings& settings, const TriangulateOptions& option
   // Not a file's name, which is one of this machine.
   if (!options.job.cloud.crs.empty()) inputs["crs"] = options.job.cloud.crs;
   BOOST_OUTCOME_TRY(server, open_server(settings));
-  BOOST_OUTCOME_TRY(job, submit(server, inputs));
+  const auto submitted = submit(server, inputs);
+  if (!submitted) return advise_upload(submitted.error(), options.inputs);
+  const auto& job = submitted.value();
   if (detach) {
     print_detached(settings, job, options.output);
     return success();

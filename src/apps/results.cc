@@ -1,10 +1,7 @@
 // tessera results and fetch: what a daemon has made.
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,6 +12,8 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
+#include "src/apps/percent_line.h"
+#include "src/apps/remote_result.h"
 #include "src/apps/server_options.h"
 #include "src/client/fetch.h"
 #include "src/report/human.h"
@@ -34,16 +33,23 @@ Status run_results(Settings& settings) {
   return success();
 }
 
-// A line on the terminal, redrawn when its percentage changes; nothing elsewhere.
-std::function<void(const FetchProgress&)> progress_line(const OutputOptions& output) {
-  if (output.quiet || output.json || output.verbose || isatty(STDERR_FILENO) == 0) return [](const FetchProgress&) {};
-  return [shown = -1](const FetchProgress& now) mutable {
-    if (now.bytes_total == 0) return;
-    const int percent = static_cast<int>(100.0 * static_cast<double>(now.bytes) / static_cast<double>(now.bytes_total));
-    if (percent == shown) return;
-    shown = percent;
-    std::fprintf(stderr, "\r\x1b[Kfetching %d %% of %s", percent, human_bytes(now.bytes_total).c_str());
-  };
+// What an export job has written.
+Status fetch_of_job(Server& server, const std::string& id, const std::filesystem::path& path,
+                    const OutputOptions& output, const std::stop_token& stop) {
+  const auto job = server.job(id, stop);
+  if (!job && job.error().code != Errc::usage) return job.error();
+  if (!job || job.value().process_id() != "export")
+    return error(Errc::usage,
+                 "there is no result '" + id + "', and no export job of this id; 'tessera results' lists results");
+  if (job.value().status() != "successful")
+    return error(Errc::usage, "job " + id + " is " + job.value().status() + ": there is nothing to fetch of it");
+  std::error_code none;
+  const bool folder = !path.has_filename() || !path.has_extension() || std::filesystem::is_directory(path, none);
+  if (folder ? std::filesystem::exists(path, none) && !std::filesystem::is_empty(path, none)
+             : std::filesystem::exists(path, none))
+    return error(Errc::usage, path.string() + ": exists already; name something new");
+  const ExportTarget target{.path = path.has_filename() ? path : path.parent_path(), .folder = folder};
+  return fetch_export(server, job.value(), target, std::nullopt, output, stop);
 }
 
 Status run_fetch(Settings& settings, const std::string& name) {
@@ -54,8 +60,13 @@ Status run_fetch(Settings& settings, const std::string& name) {
   BOOST_OUTCOME_TRY(server, open_server(settings));
   if (output.verbose) log_everything();
   const Interrupt interrupt;
-  auto result = fetch_result(server, name, folder, progress_line(output), interrupt.token());
-  if (isatty(STDERR_FILENO) != 0 && !output.quiet) std::fprintf(stderr, "\r\x1b[K");
+  BOOST_OUTCOME_TRY(known, server.triangulation(name, interrupt.token()));
+  if (!known) return fetch_of_job(server, name, folder, output, interrupt.token());
+  auto result = fetch_result(
+      server, name, folder,
+      [line = percent_line("fetching", output)](const FetchProgress& now) { line(now.bytes, now.bytes_total); },
+      interrupt.token());
+  clear_line(output);
   if (!result && result.error().code == Errc::interrupted)
     return error(Errc::interrupted, "interrupted; the same command goes on");
   BOOST_OUTCOME_TRY(fetched, std::move(result));
@@ -91,13 +102,17 @@ Command add_results(CLI::App& root) {
 Command add_fetch(CLI::App& root) {
   auto command = new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
                              "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
-                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)");
+                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)\n"
+                             "  tessera fetch ID -o mesh.ply    (what export job ID has written)");
   command.app->group(daemon_group);
-  add_value(command, "output", "FOLDER", "the result folder: new, empty, or what an earlier fetch has left", 'o', true);
+  add_value(command, "output", "FOLDER",
+            "the result folder: new, empty, or what an earlier fetch has left; of an export, the file or folder", 'o',
+            true);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
-  command.app->add_option("result", *name, "its name, as 'tessera results' shows it")->type_name("NAME");
+  command.app->add_option("result", *name, "its name, as 'tessera results' shows it; or the id of an export job")
+      ->type_name("NAME");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

@@ -33,6 +33,17 @@ void add_server_options(Command& command) {
   add_value(command, "patience", "SECONDS", "how long to wait for a daemon that has gone; default: 600");
 }
 
+void add_remote_options(Command& command) {
+  add_switch(command, "detach", "with --server: do not wait for the job", 0, true);
+  add_server_options(command);
+}
+
+Status refuse_detach(const Settings& settings) {
+  BOOST_OUTCOME_TRY(detach, settings.on("detach"));
+  if (detach) return error(Errc::usage, "--detach is for a job of a daemon: give --server, too");
+  return success();
+}
+
 bool names_server(const Settings& settings) { return !settings.text("server").value_or("").empty(); }
 
 Result<Server> open_server(Settings& settings) {

@@ -10,6 +10,10 @@
 namespace tessera {
 
 void add_server_options(Command& command);
+// The same, and --detach, of a command that can also do without a daemon.
+void add_remote_options(Command& command);
+// Error usage for --detach of a job that no daemon does.
+Status refuse_detach(const Settings& settings);
 // Whether one is named, by a flag, TESSERA_SERVER or the file.
 bool names_server(const Settings& settings);
 // Error usage when none is named, or something is wrong with what is; io when the token's file cannot be read.

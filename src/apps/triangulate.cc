@@ -88,20 +88,19 @@ Command add_triangulate(CLI::App& root) {
                   "  tessera triangulate huge.las -o out/ --resume      (after Ctrl-C or a crash)\n"
                   "  tessera triangulate block/*.las -o block --server http://127.0.0.1:7070      (by a daemon)");
   add_triangulate_options(command);
-  add_switch(command, "detach", "with --server: do not watch the job", 0, true);
-  add_server_options(command);
+  add_remote_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app
-      ->add_option("inputs", *inputs,
-                   "LAS, LAZ, COPC, PLY, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
-                   "their names; - for standard input")
+      ->add_option(
+          "inputs", *inputs,
+          "LAS, LAZ, COPC, PLY, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
+          "their names; - for standard input")
       ->type_name("FILE");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(options, read_triangulate_options(*settings, *inputs));
     if (options.output.verbose) log_everything();
     if (names_server(*settings)) return triangulate_remotely(*settings, options);
-    BOOST_OUTCOME_TRY(detach, settings->on("detach"));
-    if (detach) return error(Errc::usage, "--detach is for a job of a daemon: give --server, too");
+    BOOST_OUTCOME_TRYV(refuse_detach(*settings));
     spare_memory(options.job.memory_bytes);
     options.job.command = command_line;
     return run_triangulate(std::move(options));

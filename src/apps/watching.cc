@@ -10,9 +10,11 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
+#include "src/apps/outcome.h"
 #include "src/apps/server_options.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
+#include "src/job/describe.h"
 #include "src/job/job_report.h"
 #include "src/report/progress_display.h"
 #include "src/report/summary.h"
@@ -88,15 +90,23 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
                     const std::stop_token& stop) {
   if (output.quiet) return success();
   if (job.process_id() == "triangulate") return show_summary(server, job, output, stop);
-  if (!output.json) {
-    std::printf("job %s: %s%s%s\n", job.job_id().c_str(), job.status().c_str(), job.message().empty() ? "" : ": ",
-                job.message().c_str());
+  BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
+  if (output.json) {
+    print_json_line(outcome);
     return success();
   }
-  BOOST_OUTCOME_TRY(found, server.outcome(job.job_id(), stop));
-  const auto json = nlohmann::ordered_json::parse(found, nullptr, false);
-  if (json.is_discarded()) return error(Errc::io, server.address().text() + ": the server's answer is no JSON");
-  print_json_line(json);
+  const auto verified = verified_of(outcome);
+  const auto exported = exported_of(outcome);
+  const auto described = description_text(outcome);
+  if (verified) {
+    print_verified(job.triangulation(), *verified, output);
+  } else if (exported) {
+    print_exported(*exported, std::nullopt, output);
+  } else if (described) {
+    std::fputs(described->c_str(), stdout);
+  } else {
+    std::printf("job %s: %s: %s\n", job.job_id().c_str(), job.status().c_str(), job.message().c_str());
+  }
   return success();
 }
 
@@ -138,29 +148,39 @@ void print_detached(const Settings& settings, const proto::StatusInfo& job, cons
   }
 }
 
-Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output) {
-  const Interrupt interrupt;
+Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, const std::string& id,
+                                    const OutputOptions& output, const std::stop_token& stop) {
   Watch watch(output);
   const auto on_gone = [&](const std::string& why) {
     watch.pause();
     if (!output.quiet) std::fprintf(stderr, "%s; the job is waited for\n", why.c_str());
   };
   const auto watched = server.events(
-      id, [&](const proto::Event& event) { return watch.take(event); }, on_gone, interrupt.token());
+      id, [&](const proto::Event& event) { return watch.take(event); }, on_gone, stop);
   watch.pause();
   if (!watched) {
+    if (watched.error().code == Errc::io && !watch.last().job_id().empty()) {
+      return error(Errc::io, watched.error().where + "; the job goes on when the daemon does: " +
+                                 command_for(settings, "watch", id) + " shows it again");
+    }
     if (watched.error().code != Errc::interrupted) return watched.error();
     return error(Errc::interrupted, "detached; the job goes on: " + command_for(settings, "watch", id) +
                                         " shows it again, " + command_for(settings, "cancel", id) + " stops it");
   }
   const auto& job = watch.last();
-  if (job.status() == "successful") return show_outcome(server, job, output, interrupt.token());
+  if (job.status() == "successful") return job;
   if (job.status() == "dismissed") {
     return error(Errc::interrupted,
                  "job " + id + " was cancelled" +
                      (job.resumable() ? "; " + command_for(settings, "resume", id) + " goes on with it" : ""));
   }
   return problem_of(job);
+}
+
+Status watch_job(Server& server, const Settings& settings, const std::string& id, const OutputOptions& output) {
+  const Interrupt interrupt;
+  BOOST_OUTCOME_TRY(job, await_job(server, settings, id, output, interrupt.token()));
+  return show_outcome(server, job, output, interrupt.token());
 }
 
 }  // namespace tessera

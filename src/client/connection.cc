@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 namespace tessera {
 
@@ -159,22 +160,68 @@ struct Connection::Impl {
     return failed(stop, shaken, "the connection cannot be secured");
   }
 
-  Result<HttpAnswer> exchange(const HttpRequest& request, const std::stop_token& stop, const HttpReceiver& receiver,
-                              bool& answered) {
-    http::request<http::string_body> message;
+  template <class Message>
+  void set_head(Message& message, const HttpRequest& request) const {
     message.version(11);
     message.method_string(request.method);
     message.target(request.target);
     message.set(http::field::host, address.authority());
     message.set(http::field::user_agent, "tessera");
     for (const auto& [name, value] : request.headers) message.set(name, value);
+  }
+
+  error_code send(const HttpRequest& request, const std::stop_token& stop) {
+    http::request<http::string_body> message;
+    set_head(message, request);
     message.body() = request.body;
     message.prepare_payload();
-    const auto written = on_stream(stop, request.silence, [&](auto& stream, auto done) {
+    return on_stream(stop, request.silence, [&](auto& stream, auto done) {
       http::async_write(stream, message, [done](error_code code, std::size_t) mutable { done(code); });
     });
+  }
+
+  // Ends early when the server has something to say. `left`: bytes that were not sent.
+  Result<error_code> send_from_source(const HttpRequest& request, const std::stop_token& stop, std::uint64_t& left) {
+    http::request<http::buffer_body> message;
+    set_head(message, request);
+    message.content_length(request.source_bytes);
+    message.body().data = nullptr;
+    message.body().more = true;
+    http::request_serializer<http::buffer_body> serializer(message);
+    auto code = on_stream(stop, request.silence, [&](auto& stream, auto done) {
+      http::async_write_header(stream, serializer, [done](error_code e, std::size_t) mutable { done(e); });
+    });
+    std::vector<char> bytes(std::size_t{256} << 10);
+    for (left = request.source_bytes; left > 0 && !code;) {
+      error_code unknown;
+      // Within TLS something always comes, and it need not be an answer.
+      if (plain && plain->socket().available(unknown) > 0) break;
+      BOOST_OUTCOME_TRY(piece, request.source(std::span(bytes).first(std::min<std::uint64_t>(bytes.size(), left))));
+      left -= piece;
+      message.body().data = bytes.data();
+      message.body().size = piece;
+      message.body().more = left > 0;
+      code = on_stream(stop, request.silence, [&](auto& stream, auto done) {
+        http::async_write(stream, serializer, [done](error_code e, std::size_t) mutable { done(e); });
+      });
+      if (code == http::error::need_buffer) code = {};
+    }
+    return code;
+  }
+
+  Result<HttpAnswer> exchange(const HttpRequest& request, const std::stop_token& stop, const HttpReceiver& receiver,
+                              bool& answered) {
+    std::uint64_t unsent = 0;
+    error_code written;
+    if (request.source) {
+      BOOST_OUTCOME_TRY(sent, send_from_source(request, stop, unsent));
+      written = sent;
+    } else {
+      written = send(request, stop);
+    }
     // A server that refuses a request may have answered before it was all sent.
     Parser parser;
+    parser.skip(request.method == "HEAD");
     // Boost 1.74 takes `none` for a limit that is below every length.
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     parser.header_limit(header_bytes_max);
@@ -213,7 +260,7 @@ struct Connection::Impl {
       }
       if (code) return failed(stop, code, "the server has ended the connection within its answer");
     }
-    if (!parser.get().keep_alive()) close();
+    if (!parser.get().keep_alive() || unsent > 0) close();
     return answer;
   }
 };

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -20,6 +23,10 @@ struct HttpRequest {
   std::string target;  // path and query, as they are sent
   std::map<std::string, std::string> headers = {};
   std::string body = {};
+  // Instead of `body`: so many bytes, a piece at a time; it fills the beginning of what it is given, with 1 byte at
+  // least, and says how many it were. Not repeatable.
+  std::uint64_t source_bytes = 0;
+  std::function<Result<std::size_t>(std::span<char>)> source = {};
   // Whether it may be sent a second time, when the server has closed the kept connection just then.
   bool repeatable = true;
   std::chrono::seconds silence{60};  // the longest time without any byte
@@ -51,8 +58,9 @@ class Connection {
   Connection(Connection&&) noexcept;
   ~Connection();
 
-  // Errors: io when nobody answers, the connection ends or is silent, and what the receiver returns; usage when what
-  // answers is not trusted or speaks no HTTP; interrupted. All but the receiver's begin with the server's address.
+  // Errors: io when nobody answers, the connection ends or is silent, and what receiver and source return; usage when
+  // what answers is not trusted or speaks no HTTP; interrupted. All but the receiver's and the source's begin with the
+  // server's address.
   Result<HttpAnswer> ask(const HttpRequest& request, const std::stop_token& stop, const HttpReceiver& receiver = {});
 
  private:

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "src/client/patience.h"
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
@@ -19,9 +20,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int attempts = 5;  // without a byte in between
-
-std::string etag_of(const RemoteFile& file) { return file.xxh3 ? "\"xxh3-" + checksum_text(*file.xxh3) + "\"" : ""; }
+std::string etag_of(const RemoteFile& file) {
+  return file.xxh3 && file.in_manifest ? "\"xxh3-" + checksum_text(*file.xxh3) + "\"" : "";
+}
 
 std::string name_of(const RemoteFile& file) { return file.triangulation + "/" + file.path; }
 
@@ -37,16 +38,18 @@ class Transfer {
             .body = [this](std::string_view bytes) { return take(bytes); }};
   }
   std::uint64_t have() const { return have_; }
-  // The disk's error, not the network's.
-  bool disk_failed() const { return disk_failed_; }
+  // The disk's error or the server's answer, not the network's.
+  bool is_final() const { return disk_failed_ || refused_; }
 
  private:
   Result<bool> take_head(const HttpHead& head) {
     if (head.status == 206 && head.header("content-range").starts_with("bytes " + std::to_string(begin_) + "-"))
       return true;
-    if (head.status != 200 && head.status != 206) return false;
+    refused_ = head.status != 200 && head.status != 206;
+    if (refused_) return false;
     // All of it, or a part that is not the one that was asked for.
-    if (head.status == 206) return error(Errc::io, "the server sends another part of the file than asked for");
+    refused_ = head.status == 206;
+    if (refused_) return error(Errc::io, "the server sends another part of the file than asked for");
     if (::ftruncate(out_.get(), 0) != 0) return failed(io_error(partial_, "cannot be emptied", errno));
     have_ = 0;
     return true;
@@ -68,7 +71,7 @@ class Transfer {
   const std::uint64_t begin_;
   std::uint64_t have_;
   const std::function<void(std::uint64_t)>& on_bytes_;
-  bool disk_failed_ = false;
+  bool disk_failed_ = false, refused_ = false;
 };
 
 // All bytes into `partial`, over as many connections as it takes.
@@ -81,16 +84,18 @@ Status receive(Server& server, const RemoteFile& file, const fs::path& partial,
     have = 0;
   }
   on_bytes(have);
-  for (int attempt = 1; !(file.bytes && have == *file.bytes);) {
+  Patience patience(server.patience());
+  while (!(file.bytes && have == *file.bytes)) {
     Transfer transfer(out, partial, have, on_bytes);
     auto answer = server.file(file.triangulation, file.path, have, etag_of(file), transfer.receiver(), stop);
     if (answer && answer.value().status == 416) {
       return error(Errc::corrupt, name_of(file) + ": is shorter on the server than what is here of it");
     }
-    attempt = transfer.have() == have ? attempt + 1 : 1;
+    if (transfer.have() != have) patience.restart();
     have = file.xxh3 ? transfer.have() : 0;
     if (answer) break;
-    if (answer.error().code != Errc::io || transfer.disk_failed() || attempt > attempts) return answer.error();
+    if (answer.error().code != Errc::io || transfer.is_final()) return answer.error();
+    BOOST_OUTCOME_TRYV(patience.wait(answer.error(), stop));
     if (have == 0 && ::ftruncate(out.get(), 0) != 0) return io_error(partial, "cannot be emptied", errno);
   }
   if (!out.close()) return io_error(partial, "cannot be written", errno);
@@ -102,14 +107,14 @@ Status check_received(const RemoteFile& file, const fs::path& partial) {
   const auto bytes = fs::file_size(partial, code);
   if (code) return io_error(partial, "cannot be looked at", code.value());
   if (file.bytes && bytes != *file.bytes) {
-    return error(Errc::corrupt, name_of(file) + ": has " + std::to_string(bytes) +
-                                    " bytes on the server, its manifest says " + std::to_string(*file.bytes));
+    return error(Errc::corrupt, name_of(file) + ": has " + std::to_string(bytes) + " bytes on the server, not " +
+                                    std::to_string(*file.bytes) + " as it says itself");
   }
   if (!file.xxh3) return success();
   BOOST_OUTCOME_TRY(sum, checksum_file(partial));
   if (sum == *file.xxh3) return success();
-  return error(Errc::corrupt, name_of(file) + ": its checksum is " + checksum_text(sum) + ", its manifest says " +
-                                  checksum_text(*file.xxh3) + ": it is damaged on the server, or on the way");
+  return error(Errc::corrupt, name_of(file) + ": its checksum is " + checksum_text(sum) + ", the server says " +
+                                  checksum_text(*file.xxh3) + ": it is damaged there, or on the way");
 }
 
 }  // namespace

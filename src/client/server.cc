@@ -1,36 +1,38 @@
 #include "src/client/server.h"
 
 #include <algorithm>
-#include <condition_variable>
+
 #include <cstdint>
 #include <cstdio>
-#include <mutex>
+
 #include <nlohmann/json.hpp>
 #include <random>
 #include <utility>
 
 #include "src/client/event_stream.h"
 #include "src/client/messages.h"
+#include "src/client/patience.h"
 
 namespace tessera {
 namespace {
 
 constexpr std::chrono::seconds silence_of_events{45};  // the server sends something every 15 s
+// The problem of `info` about much.
+constexpr const char* takes_a_job = "urn:tessera:needs-a-job";
 
-bool is_json(const HttpHead& head) {
+}  // namespace
+
+bool Server::is_json(const HttpHead& head) {
   const auto& type = head.header("content-type");
   return type.starts_with("application/json") || type.starts_with("application/problem+json");
 }
 
-// 401 ... of what has no cause of ours.
-Errc code_of(int status, int cause) {
+Errc Server::code_of(int status, int cause) {
   if (cause >= static_cast<int>(Errc::usage) && cause <= static_cast<int>(Errc::internal))
     return static_cast<Errc>(cause);
   if (status == 429 || status >= 500) return Errc::io;
   return Errc::usage;
 }
-
-}  // namespace
 
 std::string new_idempotency_key() {
   std::random_device random;
@@ -88,17 +90,25 @@ Error Server::refusal(const HttpAnswer& answer) const {
                                                               ": the server answers with status " +
                                                               std::to_string(answer.status) + ", and does not say why");
   }
+  // Without a cause it is about the request, not about what was asked for.
+  if (problem.cause() == 0) return error(code_of(answer.status, 0), options_.address.text() + ": " + said);
   return error(code_of(answer.status, problem.cause()), said);
 }
 
-Result<HttpAnswer> Server::ask(HttpRequest request, const std::stop_token& stop) {
+Result<HttpAnswer> Server::answer_to(HttpRequest request, const std::stop_token& stop, const HttpReceiver& receiver) {
   authorize(request);
-  request.headers["Accept"] = "application/json";
-  auto answer = connection_.ask(request, stop);
+  request.headers.try_emplace("Accept", receiver.head ? "*/*" : "application/json");
+  auto answer = connection_.ask(request, stop, receiver);
   if (!answer) return with_advice(answer.error());
-  if (answer.value().status / 100 != 2) return refusal(answer.value());
-  if (!is_json(answer.value())) return no_tessera();
+  heard_ = true;
   return answer;
+}
+
+Result<HttpAnswer> Server::ask(HttpRequest request, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(answer, answer_to(std::move(request), stop));
+  if (answer.status / 100 != 2) return refusal(answer);
+  if (!is_json(answer)) return no_tessera();
+  return std::move(answer);
 }
 
 template <class Message>
@@ -134,14 +144,36 @@ Result<std::vector<Member>> Server::ask_for_all(std::string target, std::size_t 
   }
 }
 
-Result<proto::StatusInfo> Server::submit(const std::string& process, const nlohmann::ordered_json& inputs,
-                                         const std::string& idempotency_key, const std::stop_token& stop) {
+HttpRequest Server::execution(const std::string& process, const nlohmann::ordered_json& inputs) const {
   HttpRequest request{.method = "POST", .target = target("/processes/" + process + "/execution")};
-  request.headers = {{"Content-Type", "application/json"}, {"Idempotency-Key", idempotency_key}};
+  request.headers = {{"Content-Type", "application/json"}};
   // Of names that are not UTF-8 the server would make U+FFFD, and not find them.
   request.body =
       nlohmann::ordered_json{{"inputs", inputs}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return request;
+}
+
+Result<proto::StatusInfo> Server::submit(const std::string& process, const nlohmann::ordered_json& inputs,
+                                         const std::string& idempotency_key, const std::stop_token& stop) {
+  auto request = execution(process, inputs);
+  request.headers["Idempotency-Key"] = idempotency_key;
+  request.headers["Prefer"] = "respond-async";
   return ask_for<proto::StatusInfo>(std::move(request), stop);
+}
+
+Result<Server::Told> Server::info(const nlohmann::ordered_json& inputs, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(answer, answer_to(execution("info", inputs), stop));
+  Told told;
+  if (answer.status / 100 == 2) {
+    told.now = nlohmann::ordered_json::parse(answer.body, nullptr, false);
+    if (!is_json(answer) || !told.now.is_object()) return no_tessera();
+    return told;
+  }
+  proto::Problem problem;
+  if (!is_json(answer) || !read_message(answer.body, problem) || problem.type() != takes_a_job) return refusal(answer);
+  BOOST_OUTCOME_TRY(job, submit("info", inputs, new_idempotency_key(), stop));
+  told.job = std::move(job);
+  return told;
 }
 
 Result<std::vector<proto::StatusInfo>> Server::jobs(const std::vector<std::string>& states, std::size_t limit,
@@ -171,33 +203,17 @@ Result<proto::StatusInfo> Server::resume(const std::string& id, const std::stop_
       {.method = "POST", .target = target("/jobs/" + percent_encoded(id) + "/resume"), .repeatable = false}, stop);
 }
 
-Result<std::string> Server::outcome(const std::string& id, const std::stop_token& stop) {
+Result<nlohmann::ordered_json> Server::outcome(const std::string& id, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(answer, ask({.target = target("/jobs/" + percent_encoded(id) + "/results")}, stop));
-  return std::move(answer.body);
+  auto results = nlohmann::ordered_json::parse(answer.body, nullptr, false);
+  if (!results.is_object()) return no_tessera();
+  auto& outcome = results["outcome"];
+  if (!outcome.is_object() || !outcome["value"].is_object()) return no_tessera();
+  return std::move(outcome["value"]);
 }
 
 Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::stop_token& stop) {
   return ask_for_all<proto::TriangulationList, proto::TriangulationInfo>(target("/triangulations"), SIZE_MAX, stop);
-}
-
-Result<HttpAnswer> Server::file(const std::string& triangulation, const std::string& path, std::uint64_t from,
-                                const std::string& etag, const HttpReceiver& receiver, const std::stop_token& stop) {
-  std::string where = target("/triangulations/" + percent_encoded(triangulation) + "/files");
-  for (std::size_t at = 0; at <= path.size();) {
-    const auto end = std::min(path.find('/', at), path.size());
-    where += "/" + percent_encoded(std::string_view(path).substr(at, end - at));
-    at = end + 1;
-  }
-  HttpRequest request{.target = where};
-  authorize(request);
-  if (from > 0) {
-    request.headers["Range"] = "bytes=" + std::to_string(from) + "-";
-    if (!etag.empty()) request.headers["If-Range"] = etag;
-  }
-  auto answer = connection_.ask(request, stop, receiver);
-  if (!answer) return with_advice(answer.error());
-  if (answer.value().status / 100 != 2 && answer.value().status != 416) return refusal(answer.value());
-  return answer;
 }
 
 // One connection to the events. True when on_event has heard enough.
@@ -225,7 +241,7 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
   const auto take_head = [&](const HttpHead& head) -> Result<bool> {
     if (head.status != 200) return false;
     if (!head.header("content-type").starts_with("text/event-stream")) return no_tessera();
-    heard = true;
+    heard = heard_ = true;
     // Events are told from now on: what was before is in the status.
     proto::Event now;
     BOOST_OUTCOME_TRY(status, job(id, stop));
@@ -244,34 +260,26 @@ Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& h
 
 Status Server::events(const std::string& id, const OnEvent& on_event,
                       const std::function<void(const std::string&)>& on_gone, const std::stop_token& stop) {
-  using Clock = std::chrono::steady_clock;
   std::string last_id;
-  bool ever_heard = false;
-  auto heard_at = Clock::now();
   bool told = false;
-  std::chrono::milliseconds pause{250};
-  std::mutex mutex;
-  std::condition_variable_any wake;
+  Patience patience(options_.patience);
   while (true) {
     bool heard = false;
     const auto enough = listen(id, last_id, heard, on_event, stop);
     if (enough && enough.value()) return success();
     if (heard) {
-      ever_heard = true;
       told = false;
-      heard_at = Clock::now();
-      pause = std::chrono::milliseconds(250);
+      patience.restart();
     }
-    if (!enough) {
-      // Never there, or nothing that time heals; and the listener's own errors.
-      if (!ever_heard || enough.error().code != Errc::io || Clock::now() - heard_at > options_.patience)
-        return enough.error();
-      if (!std::exchange(told, true)) on_gone(enough.error().where);
+    if (enough) {
+      BOOST_OUTCOME_TRYV(patience.pause(stop));
+      continue;
     }
-    std::unique_lock lock(mutex);
-    wake.wait_for(lock, stop, pause, [] { return false; });
-    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted");
-    pause = std::min<std::chrono::milliseconds>(pause * 2, std::chrono::seconds(5));
+    // Never there, or nothing that time heals; and the listener's own errors.
+    if (!heard_ || enough.error().code != Errc::io) return enough.error();
+    if (!told && options_.patience.count() > 0) on_gone(enough.error().where);
+    told = true;
+    BOOST_OUTCOME_TRYV(patience.wait(enough.error(), stop));
   }
 }
 

@@ -214,12 +214,28 @@ Result<Exported> export_arrays(const MeshSource& source, Selection& selection, c
 }  // namespace
 }  // namespace exports
 
-Result<Exported> export_result(const fs::path& out, const fs::path& path, const ExportOptions& options,
-                               std::stop_token stop) {
-  BOOST_OUTCOME_TRY(target, exports::find_target(path, options.format));
-  BOOST_OUTCOME_TRYV(exports::check_free(target, options.overwrite));
+namespace exports {
+namespace {
+
+Result<Target> find_free_target(const fs::path& path, const ExportOptions& options) {
+  BOOST_OUTCOME_TRY(target, find_target(path, options.format));
+  BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
   if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
     return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  return std::move(target);
+}
+
+}  // namespace
+}  // namespace exports
+
+Result<ExportTarget> find_export_target(const fs::path& path, const ExportOptions& options) {
+  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
+  return ExportTarget{target.path, target.folder};
+}
+
+Result<Exported> export_result(const fs::path& out, const fs::path& path, const ExportOptions& options,
+                               std::stop_token stop) {
+  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
   const exports::MeshSource source{.out = out,

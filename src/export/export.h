@@ -45,6 +45,13 @@ std::string to_json(const Exported& exported, const std::string& output);
 Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
                                const ExportOptions& options, std::stop_token stop);
 
+struct ExportTarget {
+  std::filesystem::path path;
+  bool folder = false;
+};
+// Where export_result() would write to. Its errors that need no result: usage.
+Result<ExportTarget> find_export_target(const std::filesystem::path& target, const ExportOptions& options);
+
 std::string export_format_names();  // "ply, vtu, ..."
 std::string export_format_help();   // a line for each
 

@@ -111,6 +111,7 @@ fs::path settled_file(const fs::path& run, NodeId node) {
 }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 
+fs::path data_format_file(const fs::path& data) { return data / "format"; }
 fs::path jobs_folder(const fs::path& data) { return data / "jobs"; }
 fs::path job_folder(const fs::path& data, const std::string& id) { return jobs_folder(data) / id; }
 fs::path job_record_file(const fs::path& job) { return job / "job.json"; }

@@ -21,6 +21,7 @@
 //
 // and in the data folder of a service:
 //
+//   DATA/format                    the number of the format of all this
 //   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
 //   DATA/tokens                    who may ask (src/http/tokens.h)
 //   DATA/forgotten.txt             the ids of jobs that were removed, a line each
@@ -82,6 +83,7 @@ std::filesystem::path settled_file(const std::filesystem::path& run, NodeId node
 std::filesystem::path settled_marker(const std::filesystem::path& run);
 
 // The data folder of a service.
+std::filesystem::path data_format_file(const std::filesystem::path& data);
 std::filesystem::path jobs_folder(const std::filesystem::path& data);
 std::filesystem::path job_folder(const std::filesystem::path& data, const std::string& id);
 std::filesystem::path job_record_file(const std::filesystem::path& job);

@@ -25,6 +25,20 @@ bool is_page(const Headers& headers) {
   });
 }
 
+// Of who may not.
+bool is_refusal(int status) { return status == 401 || status == 403 || status == 429; }
+
+// Who did what, and what came of it: the job of a submission, or why it was refused.
+void audit(const Request& request, const Answer& answer, const std::string& why) {
+  std::string outcome = std::to_string(answer.status);
+  for (const auto& [name, value] : answer.headers)
+    if (name == "Location") outcome += ", " + value;
+  if (!why.empty()) outcome += ", " + why;
+  spdlog::log(is_refusal(answer.status) ? spdlog::level::warn : spdlog::level::info,
+              "audit: {} ({}) from {}: {} {}: {}", request.caller.name.empty() ? "nobody" : request.caller.name,
+              word_of(request.caller.role), request.remote, request.method, request.target.path, outcome);
+}
+
 }  // namespace
 
 Front::Front(Backend& backend, Tokens tokens, FrontOptions options)
@@ -97,6 +111,7 @@ Reply<std::unique_ptr<Backend::Upload>> Front::begin_upload(const Request& reque
 }
 
 void Front::complete(const Request& request, const Admitted& admitted, Answer& answer) {
+  const std::string why = answer.problem ? answer.problem->detail() : "";
   write_problem(request, answer);
   Headers& headers = answer.headers;
   if (!has(headers, "Cache-Control")) headers.emplace_back("Cache-Control", "no-store");
@@ -114,9 +129,8 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
       admitted.route ? static_cast<std::size_t>(admitted.route - router_.routes().data()) : router_.routes().size();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - admitted.began;
   metrics().count(place, answer.status, seconds.count());
-  if (admitted.route && request.method != "GET" && request.method != "HEAD")
-    spdlog::info("audit: {} ({}) from {}: {} {}: {}", request.caller.name.empty() ? "nobody" : request.caller.name,
-                 word_of(request.caller.role), request.remote, request.method, request.target.path, answer.status);
+  if (admitted.route && (is_refusal(answer.status) || (request.method != "GET" && request.method != "HEAD")))
+    audit(request, answer, why);
 }
 
 }  // namespace tessera::http

@@ -1,7 +1,6 @@
 #include "src/http/guard.h"
 
 #include <arpa/inet.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -114,7 +113,7 @@ Guard::Shown Guard::identify(Request& request) const {
 Answer Guard::refuse(const Request& request, bool wrong) {
   if (wrong && !failures_.allow(request.remote, FailureRate::Clock::now()))
     return problem(429, "too many wrong tokens from this address");
-  if (wrong) spdlog::warn("audit: wrong token from {} for {} {}", request.remote, request.method, request.target.path);
+
   Answer answer = problem(401, wrong ? "the token is not one of this service's" : "a token is needed");
   answer.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"tessera\"");
   return answer;

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <utility>
 
+#include "src/files/names.h"
 #include "src/http/handlers.h"
 #include "src/http/ranges.h"
 
@@ -51,6 +52,16 @@ Answer remove(const Call& call) {
 Answer file(const Call& call) {
   const Reply<ServedFile> found = call.context.backend.file(call.arguments[0], call.arguments[1]);
   return found ? file_answer(call.request, found.value()) : problem(found.error());
+}
+
+Answer remove_export(const Call& call) {
+  const std::string begin = exports_folder("").string() + "/";
+  const std::string& path = call.arguments[1];
+  if (!path.starts_with(begin))
+    return problem(404, "there is no export at this address: other files go with their triangulation", 2);
+  const Reply<void> removed =
+      call.context.backend.remove_export(call.arguments[0], path.substr(begin.size()), call.request.caller);
+  return removed ? no_content() : problem(removed.error());
 }
 
 Answer uploaded(const Call& call) {
@@ -113,7 +124,7 @@ void add_result_routes(std::vector<Route>& routes) {
                     triangulation});
   routes.push_back({"DELETE",
                     "/v1/triangulations/{triangulation}",
-                    Role::admin,
+                    Role::submit,
                     "removeTriangulation",
                     "Remove a result for good",
                     {{204, "", "", "It is gone"}},
@@ -127,6 +138,13 @@ void add_result_routes(std::vector<Route>& routes) {
                      {206, "application/octet-stream", "", "A part of it"},
                      {304, "", "", "It is the one that If-None-Match names"}},
                     file});
+  routes.push_back({"DELETE",
+                    "/v1/triangulations/{triangulation}/files/{path*}",
+                    Role::submit,
+                    "removeExport",
+                    "Remove what a triangulation was exported to: exports/NAME",
+                    {{204, "", "", "It is gone"}},
+                    remove_export});
   routes.push_back({"HEAD",
                     "/v1/uploads/{upload}/{file}",
                     Role::submit,

@@ -1,6 +1,7 @@
 // What is to be told of input files and of result folders: what `tessera info` prints.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -25,6 +26,9 @@ struct Described {
 };
 
 Result<std::string> describe_result(const std::string& folder, bool json);
+// The text for people, of the object for programs: also of one that a daemon has made. Nothing when it is none of
+// these.
+std::optional<std::string> description_text(const nlohmann::ordered_json& described);
 // `what` is one result folder, or inputs. Error usage for both at once.
 Described describe(const std::vector<std::string>& what, JobOptions options, const DescribeOptions& how,
                    const std::stop_token& stop = {});

@@ -9,9 +9,9 @@
 #include "src/io/cloud/inputs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_points.h"
+#include "src/job/description.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
-#include "src/report/human.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -22,13 +22,6 @@ using Json = nlohmann::ordered_json;
 Json to_json(const Bounds& bounds) {
   if (bounds.empty()) return nullptr;
   return {{"min", {bounds.lo.x, bounds.lo.y, bounds.lo.z}}, {"max", {bounds.hi.x, bounds.hi.y, bounds.hi.z}}};
-}
-
-std::string to_text(const Bounds& bounds) {
-  if (bounds.empty()) return "unknown";
-  const auto side = [](double lo, double hi) { return coordinate(lo) + " .. " + coordinate(hi); };
-  return side(bounds.lo.x, bounds.hi.x) + "   " + side(bounds.lo.y, bounds.hi.y) + "   " +
-         side(bounds.lo.z, bounds.hi.z);
 }
 
 Json to_json(const FileInfo& file) {
@@ -46,24 +39,6 @@ Json to_json(const FileInfo& file) {
           {"crs_name", crs_title(file.crs)},
           {"crs_note", file.crs_note},
           {"attributes", names}};
-}
-
-std::string to_text(const FileInfo& file) {
-  std::string names;
-  for (const auto& attribute : file.attributes) names += (names.empty() ? "" : ", ") + attribute.name;
-  return file.path.string() + "\n  format      " + file.detail + " (" +
-         (file.packing.empty() ? "" : file.packing + ", ") + human_bytes(file.bytes) + ")\n  points      " +
-         (file.points ? grouped(*file.points) : "not told by the file") + "\n  box         " +
-         (file.bounds ? to_text(*file.bounds) : "not told by the file") + "\n  attributes  " +
-         (names.empty() ? "none" : names) + "\n" +
-         (file.crs.empty() ? "" : "  CRS         " + crs_title(file.crs) + "\n") +
-         (file.crs_note.empty() ? "" : "  note        " + file.crs_note + "\n");
-}
-
-std::string to_text(const budget::Phases& phases) {
-  return "routing " + human_bytes(phases.routing) + ", triangulating " + human_bytes(phases.triangulating) +
-         ", splaying " + human_bytes(phases.splaying) + ", collecting " + human_bytes(phases.collecting) +
-         (phases.whole ? "; tiles stay whole" : "; tiles sleep on disk");
 }
 
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.
@@ -95,8 +70,8 @@ Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::ui
   return made;
 }
 
-Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud,
-                                     const std::stop_token& stop) {
+Result<Json> count_points(const std::vector<std::string>& inputs, JobOptions options, const Cloud& cloud,
+                          const std::stop_token& stop) {
   options.cloud.attributes = described_attributes(cloud);
   BOOST_OUTCOME_TRY(counted, open_cloud(inputs, options, stop));
   return describe_points(counted);
@@ -105,7 +80,7 @@ Result<DescribedPoints> count_points(const std::vector<std::string>& inputs, Job
 Result<std::string> describe_together(const std::vector<std::string>& inputs, JobOptions options,
                                       const DescribeOptions& how, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, options, stop));
-  DescribedPoints counted;
+  Json counted;
   if (how.statistics) {
     BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud, stop));
     counted = std::move(described);
@@ -113,50 +88,34 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   const auto points = expected_points(cloud.files());
   BOOST_OUTCOME_TRY(expected, forecast(options, cloud, points));
   const auto& cost = expected.cost;
-  if (how.json) {
-    Json files = Json::array();
-    for (const auto& file : cloud.files()) files.push_back(to_json(file));
-    return Json{{"files", files},
-                {"points", points},
-                {"statistics", counted.json},
-                {"sampled_bounds", to_json(expected.sampled)},
-                {"crs", cloud.crs()},
-                {"crs_name", crs_title(cloud.crs())},
-                {"warnings", cloud.warnings()},
-                {"dimension", options.cloud.dimension},
-                {"partition", name_of(options.partition)},
-                {"max_points_per_tile", expected.limit},
-                {"tiles", expected.tiles},
-                {"threads", options.threads},
-                {"memory_budget_bytes", options.memory_bytes},
-                {"estimate",
-                 {{"cells", cost.cells},
-                  {"memory_bytes", cost.memory_bytes},
-                  {"phases",
-                   {{"routing", cost.phases.routing},
-                    {"triangulating", cost.phases.triangulating},
-                    {"splaying", cost.phases.splaying},
-                    {"collecting", cost.phases.collecting}}},
-                  {"tiles_whole", cost.phases.whole},
-                  {"result_bytes", cost.result_bytes},
-                  {"temporary_bytes", cost.temporary_bytes},
-                  {"seconds", cost.seconds}}}}
-               .dump(-1, ' ', false, Json::error_handler_t::replace) +
-           "\n";
-  }
-  std::string text;
-  for (const auto& file : cloud.files()) text += to_text(file);
-  if (!counted.text.empty()) text += "All points\n" + counted.text;
-  text += "Triangulated in " + std::to_string(options.cloud.dimension) + "D on " + std::to_string(options.threads) +
-          (options.threads == 1 ? " thread" : " threads") + " with " + human_bytes(options.memory_bytes) +
-          " of memory, this would be about\n  points      " + grouped(points) + "\n  box         " +
-          to_text(expected.sampled) + " (of a sample)\n  tiles       " + std::to_string(expected.tiles) + " (" +
-          name_of(options.partition) + ", at most " + grouped(expected.limit) + " points each)\n  cells       " +
-          human_count(cost.cells) + "\n  memory      " + human_bytes(cost.memory_bytes) + " (" + to_text(cost.phases) +
-          ")\n  disk        " + human_bytes(cost.result_bytes) + " result, " + human_bytes(cost.temporary_bytes) +
-          " while it works\n  time        " + human_seconds(cost.seconds) + "\n";
-  for (const auto& warning : cloud.warnings()) text += "warning: " + warning + "\n";
-  return text;
+  Json files = Json::array();
+  for (const auto& file : cloud.files()) files.push_back(to_json(file));
+  return written({{"files", files},
+                  {"points", points},
+                  {"statistics", counted},
+                  {"sampled_bounds", to_json(expected.sampled)},
+                  {"crs", cloud.crs()},
+                  {"crs_name", crs_title(cloud.crs())},
+                  {"warnings", cloud.warnings()},
+                  {"dimension", options.cloud.dimension},
+                  {"partition", name_of(options.partition)},
+                  {"max_points_per_tile", expected.limit},
+                  {"tiles", expected.tiles},
+                  {"threads", options.threads},
+                  {"memory_budget_bytes", options.memory_bytes},
+                  {"estimate",
+                   {{"cells", cost.cells},
+                    {"memory_bytes", cost.memory_bytes},
+                    {"phases",
+                     {{"routing", cost.phases.routing},
+                      {"triangulating", cost.phases.triangulating},
+                      {"splaying", cost.phases.splaying},
+                      {"collecting", cost.phases.collecting}}},
+                    {"tiles_whole", cost.phases.whole},
+                    {"result_bytes", cost.result_bytes},
+                    {"temporary_bytes", cost.temporary_bytes},
+                    {"seconds", cost.seconds}}}},
+                 how.json);
 }
 
 // What is wrong with some of many files shall not hide the others.
@@ -176,15 +135,13 @@ Described describe_each(const std::vector<std::string>& inputs, const JobOptions
     const auto cloud = name.standard_input ? Result<Cloud>(all) : open_cloud({name.path}, alone);
     if (cloud) {
       files.push_back(to_json(cloud.value().files().front()));
-      described.text += to_text(cloud.value().files().front());
       continue;
     }
     ++odd;
     const std::string sentence = render(name.explained(cloud.error()).where, how.names);
     files.push_back({{"path", name.path}, {"error", sentence}});
-    described.text += name.path + "\n  error       " + sentence + "\n";
   }
-  if (how.json) described.text = Json{{"files", files}}.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  described.text = written({{"files", files}}, how.json);
   if (odd == 0) {
     described.error = all;
   } else {

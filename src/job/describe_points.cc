@@ -1,7 +1,6 @@
 #include "src/job/describe_points.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -11,42 +10,11 @@
 
 #include "src/base/attribute.h"
 #include "src/io/bytes/fields.h"
-#include "src/report/human.h"
 
 namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Source: ASPRS, LAS Specification 1.4 - R15, table 17.
-const char* class_name(int number) {
-  constexpr std::array names{"never classified",
-                             "unassigned",
-                             "ground",
-                             "low vegetation",
-                             "medium vegetation",
-                             "high vegetation",
-                             "building",
-                             "low point",
-                             "model key point",
-                             "water",
-                             "rail",
-                             "road",
-                             "overlap",
-                             "wire guard",
-                             "wire conductor",
-                             "transmission tower",
-                             "wire connector",
-                             "bridge deck",
-                             "high noise",
-                             "overhead structure",
-                             "ignored ground",
-                             "snow",
-                             "temporal exclusion"};
-  return number >= 0 && number < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(number)]
-         : number < 64                                          ? "reserved"
-                                                                : "of the user";
-}
 
 // How much of a box holds points: a raster of at most a million pixels, some ten points each.
 class Area {
@@ -100,26 +68,6 @@ Json to_json(const Histogram& histogram) {
   return json;
 }
 
-std::string to_text(const Column& column) {
-  std::string text;
-  for (const auto& [value, count] : column.histogram) {
-    text += (text.empty() ? "" : ", ") + std::to_string(value);
-    if (column.name == "classification") text += std::string(" ") + class_name(static_cast<int>(value));
-    text += ": " + grouped(count);
-  }
-  return text;
-}
-
-std::string label(const std::string& name) {
-  if (name == "classification") return "classes";
-  if (name == "return_number") return "returns";
-  return name == "number_of_returns" ? "of returns" : name;
-}
-
-bool is_flag(const std::string& name) {
-  return std::find(point_flags.begin(), point_flags.end(), name) != point_flags.end();
-}
-
 }  // namespace
 
 std::vector<std::string> described_attributes(const Cloud& cloud) {
@@ -134,7 +82,7 @@ std::vector<std::string> described_attributes(const Cloud& cloud) {
   return there;
 }
 
-Result<DescribedPoints> describe_points(const Cloud& cloud) {
+Result<Json> describe_points(const Cloud& cloud) {
   std::vector<Column> columns;
   std::size_t stride = 0;
   for (const auto& attribute : cloud.schema()) {
@@ -158,33 +106,17 @@ Result<DescribedPoints> describe_points(const Cloud& cloud) {
     }
     return success();
   }));
-  DescribedPoints described;
   const std::uint64_t kept = counts.read - counts.invalid - counts.filtered;
-  described.json = {{"points", counts.read}, {"invalid", counts.invalid}, {"filtered", counts.filtered}};
-  const auto line = [&](std::string name, const std::string& value) {
-    name.resize(12, ' ');
-    described.text += "  " + name + value + "\n";
-  };
-  line("read", grouped(counts.read) + " points, " + grouped(counts.invalid) + " invalid, " + grouped(counts.filtered) +
-                   " filtered out");
-  if (!box.empty()) {
-    described.json["bounds"] = {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}};
-    const auto side = [](double lo, double hi) { return coordinate(lo) + " .. " + coordinate(hi); };
-    line("box", side(box.lo.x, box.hi.x) + "   " + side(box.lo.y, box.hi.y) + "   " + side(box.lo.z, box.hi.z));
-  }
+  Json described{{"points", counts.read}, {"invalid", counts.invalid}, {"filtered", counts.filtered}};
+  if (!box.empty())
+    described["bounds"] = {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}};
   if (const double covered = area.value(); covered > 0 && kept > 0) {
     const double density = static_cast<double>(kept) / covered;
-    described.json["covered_area"] = covered;
-    described.json["density"] = density;
-    described.json["spacing"] = std::sqrt(1 / density);
-    line("density", coordinate(std::round(density * 1000) / 1000) + " points a square unit where there are any, " +
-                        fixed(std::sqrt(1 / density), 3) + " apart");
+    described["covered_area"] = covered;
+    described["density"] = density;
+    described["spacing"] = std::sqrt(1 / density);
   }
-  for (const auto& column : columns) {
-    described.json[column.name] = to_json(column.histogram);
-    const bool none = is_flag(column.name) && column.histogram.size() == 1 && column.histogram.begin()->first == 0;
-    if (!none) line(label(column.name), to_text(column));
-  }
+  for (const auto& column : columns) described[column.name] = to_json(column.histogram);
   return described;
 }
 

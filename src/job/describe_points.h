@@ -1,7 +1,7 @@
-// What `tessera info --stats` prints of a cloud, after reading all its points: classes, returns, flags, box, density.
+// What `tessera info --stats` tells of a cloud, after reading all its points: classes, returns, flags, box, density.
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -10,15 +10,10 @@
 
 namespace tessera {
 
-struct DescribedPoints {
-  std::string text;  // lines
-  nlohmann::ordered_json json;
-};
-
 // The attributes to open a cloud with, so that they are counted: of those that its files have.
 std::vector<std::string> described_attributes(const Cloud& cloud);
 
 // Reads the whole cloud, with its filters. Errors: those of reading.
-Result<DescribedPoints> describe_points(const Cloud& cloud);
+Result<nlohmann::ordered_json> describe_points(const Cloud& cloud);
 
 }  // namespace tessera

@@ -95,6 +95,13 @@ proto::Problem problem_of_inputs(const Error& error) {
   return error.code == Errc::io && !disk_is_full(error) ? problem(422, error.where, error.code) : problem_of(error);
 }
 
+proto::Problem needs_a_job(const std::string& what) {
+  auto made =
+      problem(400, what + " are not read while a request waits: ask for a job (Prefer: respond-async)", Errc::usage);
+  made.set_type("urn:tessera:needs-a-job");
+  return made;
+}
+
 proto::Problem result_not_ready(std::string_view id, std::string_view state) {
   auto made = problem(404, "job " + std::string(id) + " is " + std::string(state) + ": it has no result yet");
   made.set_type(std::string(ogc) + "result-not-ready");

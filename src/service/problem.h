@@ -18,6 +18,8 @@ proto::Problem problem(int status, std::string_view detail, Errc cause = Errc::o
 // full, interrupted 410, all else 500.
 proto::Problem problem_of(const Error& error);
 // The same of an error about inputs that a caller has named: what cannot be found or read is 422, no fault of ours.
+// Of a process that is asked for an answer at once, and would take too long.
+proto::Problem needs_a_job(const std::string& what);
 proto::Problem problem_of_inputs(const Error& error);
 
 // With the types that OGC API - Processes gives them.

@@ -219,14 +219,20 @@ Status Results::publish_export(const std::string& job, const std::string& name) 
   BOOST_OUTCOME_TRY(names, names_in(made));
   for (const auto& file : names) {
     if (is_folder(to / file)) {  // cannot be renamed over
-      const auto gone = removed_folder(to, new_token());
-      BOOST_OUTCOME_TRYV(rename_file(to / file, gone));
-      if (const auto failed = remove_tree(gone)) return io_error(gone, "cannot be removed", failed.value());
+      BOOST_OUTCOME_TRYV(remove_export(name, file));
     }
     BOOST_OUTCOME_TRYV(rename_file(made / file, to / file));
   }
   if (const auto failed = remove_tree(made)) return io_error(made, "cannot be removed", failed.value());
   return sync_folder(to);
+}
+
+Status Results::remove_export(std::string_view name, const std::string& file) {
+  const auto exports = exports_folder(folder(name));
+  const auto gone = removed_folder(exports, new_token());
+  BOOST_OUTCOME_TRYV(rename_file(exports / file, gone));
+  if (const auto failed = remove_tree(gone)) return io_error(gone, "cannot be removed", failed.value());
+  return success();
 }
 
 Result<fs::path> Results::take_away(std::string_view name) {

@@ -41,6 +41,8 @@ class Results {
   // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
   // when one stands there that may not be replaced.
   Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
+
+  Status remove_export(std::string_view name, const std::string& file);
   Status publish_export(const std::string& job, const std::string& name);
   // The result is gone; its files are, once what this returns is given to discard(), which takes its time. Error io.
   Result<std::filesystem::path> take_away(std::string_view name);

@@ -7,6 +7,7 @@
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/service/beneath.h"
+#include "src/service/data_format.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -182,6 +183,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   BOOST_OUTCOME_TRYV(make_directories(options.data));
   options.data = std::filesystem::absolute(options.data).lexically_normal();
   BOOST_OUTCOME_TRY(lock, FolderLock::take(options.data));
+  BOOST_OUTCOME_TRYV(check_data_format(options.data));
   if (options.uploads) {
     BOOST_OUTCOME_TRYV(make_directories(uploads_folder(options.data)));
   }

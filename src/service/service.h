@@ -107,6 +107,8 @@ class Backend {
   virtual Reply<ServedFile> file(std::string_view name, std::string_view path) = 0;
   // 409 while a job works on it.
   virtual Reply<void> remove_triangulation(std::string_view name, const Caller& caller) = 0;
+  // What a triangulation was exported to. 409 while a job writes it.
+  virtual Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) = 0;
 
   // Bytes `offset`... of an upload are taken as they come. Nothing is there under its name before finish().
   class Upload {
@@ -137,7 +139,7 @@ class Backend {
 class Service final : public Backend {
  public:
   // Takes the data folder (one daemon a folder), reads what it holds, goes on with unfinished jobs. Error usage for
-  // options that do not fit, io for a folder that cannot be used.
+  // options that do not fit, io for a folder that cannot be used, corrupt for one of a newer version.
   static Result<std::unique_ptr<Service>> open(ServiceOptions options);
   // Running jobs are interrupted and stay resumable.
   ~Service() override;
@@ -158,6 +160,7 @@ class Service final : public Backend {
   Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;

@@ -2,14 +2,40 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
 
 #include "src/files/descriptor.h"
+#include "src/files/names.h"
 #include "src/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
 namespace tessera {
+namespace {
+
+std::optional<proto::Problem> no_uploads(const ServiceOptions& options) {
+  if (options.uploads) return std::nullopt;
+  return problem(403,
+                 "this service takes no uploads; who runs it can allow them (uploads), or offer the files as inputs",
+                 Errc::usage);
+}
+
+// What an export job has written beside what it was told to: the names that stand directly under exports.
+std::set<std::string> exports_in(const std::string& outcome) {
+  std::set<std::string> names;
+  const auto json = nlohmann::json::parse(outcome, nullptr, false);
+  if (!json.is_object() || !json.contains("written") || !json["written"].is_array()) return names;
+  for (const auto& entry : json["written"]) {
+    if (!entry.is_object() || !entry.contains("path") || !entry["path"].is_string()) continue;
+    const auto inside = std::filesystem::path(entry["path"].get<std::string>()).lexically_relative(exports_folder(""));
+    if (!inside.empty() && check_name(inside.begin()->string())) names.insert(*inside.begin());
+  }
+  return names;
+}
+
+}  // namespace
 
 Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std::string_view after) {
   const auto names = impl_->results.names();
@@ -61,15 +87,47 @@ Reply<void> Service::remove_triangulation(std::string_view name, const Caller& c
   return success();
 }
 
+Reply<void> Service::remove_export(std::string_view name, std::string_view file, const Caller& caller) {
+  auto& impl = *impl_;
+  const std::string triangulation(name), output(file);
+  const std::lock_guard changes(impl.changing);
+  if (!check_name(name) || !check_name(file) || !impl.results.exists(name) || !impl.results.export_exists(name, output))
+    return problem(404, "triangulation '" + triangulation + "' has no export '" + output + "'", Errc::usage);
+  std::string last;  // the job that has made it
+  {
+    const std::lock_guard lock(impl.mutex);
+    bool own = false;
+    for (const auto& [id, job] : impl.jobs) {
+      const auto& record = job->record;
+      if (!record.inputs().has_export_() || record.triangulation() != name ||
+          record.inputs().export_().output() != output)
+        continue;
+      if (impl.active.contains(id))
+        return problem(409, "export '" + output + "': job " + id + " works on it", Errc::usage);
+      own = own || record.caller() == caller.name;
+      if (job->is(job_state::successful)) last = id;
+    }
+    if (caller.role < Role::admin && !(own && caller.role >= Role::submit))
+      return problem(403, "export '" + output + "': who submitted its job or an admin may remove it", Errc::usage);
+  }
+  std::set<std::string> names{output};
+  if (const auto found = outcome(last)) names.merge(exports_in(found.value()));
+  for (const auto& each : names) {
+    if (!impl.results.export_exists(name, each)) continue;
+    if (const auto removed = impl.results.remove_export(name, each); !removed) return problem_of(removed.error());
+  }
+  return success();
+}
+
 Reply<std::unique_ptr<Service::Upload>> Service::upload(std::string_view folder, std::string_view file,
                                                         std::uint64_t offset, const Caller& caller) {
-  if (!impl_->options.uploads) return problem(403, "this service takes no uploads", Errc::usage);
+  if (const auto refused = no_uploads(impl_->options)) return *refused;
   if (caller.role < Role::submit) return problem(403, "an upload takes the role submit", Errc::usage);
   return impl_->uploads.begin(folder, file, offset);
 }
 
 Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view file) {
-  if (!impl_->options.uploads) return problem(403, "this service takes no uploads", Errc::usage);
+  if (const auto refused = no_uploads(impl_->options)) return *refused;
   return impl_->uploads.uploaded(folder, file);
 }
 

@@ -104,9 +104,9 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
       return clash("output: job " + id + " exports to '" + inputs.export_().output() + "' already");
   }
   if (queued >= options.limits.queued)
-    return problem(429, grouped(queued) + " jobs wait already, as many as may", Errc::usage);
+    return problem(429, grouped(queued) + " jobs wait already, as many as may", Errc::io);
   if (of_caller >= options.limits.jobs_of_a_caller) {
-    return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::usage);
+    return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
   }
   if (inputs.has_triangulate() && !name.empty() && !inputs.triangulate().overwrite() && results.exists(name) &&
       !results.made_by(name, job.id()))
@@ -222,8 +222,12 @@ Reply<proto::Estimate> Service::estimate(const proto::TriangulateInputs& inputs,
 Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& caller) {
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
     return problem(403, "to be told of inputs takes the role submit", Errc::usage);
-  auto text = describe_inputs(impl_->shop, inputs, info_points_max, {});
-  if (!text) return inputs.triangulation().empty() ? problem_of_inputs(text.error()) : problem_of(text.error());
+  const auto refuse = inputs.triangulation().empty() ? problem_of_inputs : problem_of;
+  const auto late = takes_too_long(impl_->shop, inputs, info_points_max);
+  if (!late) return refuse(late.error());
+  if (late.value()) return *late.value();
+  auto text = describe_inputs(impl_->shop, inputs, {});
+  if (!text) return refuse(text.error());
   return std::move(text).value();
 }
 

@@ -5,6 +5,7 @@
 
 #include "src/base/option.h"
 #include "src/export/export.h"
+#include "src/files/checksum.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
@@ -114,6 +115,31 @@ Reply<JobDone> verify(const Workshop& shop, const JobWork& work) {
   return JobDone{to_json(found, inputs.triangulation()) + "\n", 0, {}};
 }
 
+// What an export has made in `folder`: where the result will have it, its bytes and checksum.
+Result<Json> written_files(const std::filesystem::path& folder) {
+  Json list = Json::array();
+  std::vector<std::filesystem::path> folders{""};
+  while (!folders.empty()) {
+    const auto inside = std::move(folders.back());
+    folders.pop_back();
+    FolderReader reader(folder / inside);
+    while (const char* name = reader.next()) {
+      const auto path = inside / name;
+      std::error_code failed;
+      if (std::filesystem::is_directory(folder / path, failed)) {
+        folders.push_back(path);
+        continue;
+      }
+      BOOST_OUTCOME_TRY(sum, checksum_file(folder / path));
+      list.push_back({{"path", (exports_folder("") / path).string()},
+                      {"bytes", std::filesystem::file_size(folder / path, failed)},
+                      {"xxh3", checksum_text(sum)}});
+    }
+    if (reader.error()) return io_error(folder / inside, "cannot be listed", reader.error().value());
+  }
+  return list;
+}
+
 Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().export_();
   auto options = export_options(inputs);
@@ -139,9 +165,13 @@ Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
     std::filesystem::remove(exports, others);  // stays when anything is in it
     return problem_of(exported.error());
   }
+  auto written = written_files(folder);
+  if (!written) return problem_of(written.error());
   const auto& made = exported.value();
   if (!made.note.empty()) work.log("note: " + made.note);
-  return JobDone{to_json(made, made.path.filename().string()) + "\n", 0, {}};
+  Json outcome = Json::parse(to_json(made, made.path.filename().string()));
+  outcome["written"] = std::move(written).value();
+  return JobDone{line(outcome), 0, {}};
 }
 
 }  // namespace
@@ -162,7 +192,23 @@ std::string process_of(const proto::Inputs& inputs) {
   return "";
 }
 
-Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, std::uint64_t points_max,
+Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const proto::InfoInputs& inputs,
+                                                     std::uint64_t points_max) {
+  using Refused = std::optional<proto::Problem>;
+  if (!inputs.triangulation().empty()) return Refused{};
+  BOOST_OUTCOME_TRY(cloud, cloud_of(inputs));
+  BOOST_OUTCOME_TRY(options, job_options(cloud, shop.share));
+  BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
+  BOOST_OUTCOME_TRY(packed, any_packed(files));
+  if (packed) return Refused(needs_a_job("inputs: compressed files"));
+  if (!inputs.stats()) return Refused{};
+  BOOST_OUTCOME_TRY(opened, open_cloud(files, options));
+  const auto points = expected_points(opened.files());
+  if (points > points_max) return Refused(needs_a_job("inputs: " + grouped(points) + " points"));
+  return Refused{};
+}
+
+Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs,
                                     const std::stop_token& stop) {
   DescribeOptions how{.json = true, .statistics = inputs.stats(), .names = field_name};
   if (!inputs.triangulation().empty()) {
@@ -176,19 +222,7 @@ Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInput
   BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
   options.cloud.spool_folder = shop.data;
   options.cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);
-  if (points_max > 0) {
-    BOOST_OUTCOME_TRY(packed, any_packed(files));
-    std::uint64_t points = 0;
-    if (inputs.stats() && !packed) {
-      auto alone = options;
-      BOOST_OUTCOME_TRY(opened, open_cloud(files, alone, stop));
-      points = expected_points(opened.files());
-    }
-    if (packed || points > points_max) {
-      return error(Errc::usage, "inputs: " + (packed ? std::string("compressed files") : grouped(points) + " points") +
-                                    " are not read while a request waits: ask for a job");
-    }
-  }
+
   auto described = describe(files, std::move(options), how, stop);
   if (described.error) return *described.error;
   return std::move(described.text);
@@ -217,7 +251,7 @@ Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
     case proto::Inputs::kExport:
       return export_triangulation(shop, work);
     default: {
-      auto text = describe_inputs(shop, work.job.inputs().info(), 0, work.stop);
+      auto text = describe_inputs(shop, work.job.inputs().info(), work.stop);
       if (!text) return problem_of(text.error());
       return JobDone{std::move(text).value(), 0, {}};
     }

@@ -54,8 +54,10 @@ Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
 // The problem of a comparison with CGAL, which is made in memory, that needs more than there is.
 std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::VerifyInputs& inputs);
 
-// What `tessera info --json` prints. Error usage for statistics of more than `points_max` points (0: of any).
-Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, std::uint64_t points_max,
-                                    const std::stop_token& stop);
+// What `tessera info --json` prints.
+Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInputs& inputs, const std::stop_token& stop);
+// The problem of inputs that no request can wait for: compressed ones, and statistics of more than `points_max` points.
+Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const proto::InfoInputs& inputs,
+                                                     std::uint64_t points_max);
 
 }  // namespace tessera

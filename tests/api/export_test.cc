@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -38,6 +39,14 @@ TEST(ExportTo, WritesEveryCellOnce) {
   EXPECT_EQ(magic, "OFF");
   EXPECT_EQ(vertices, t.vertices());
   EXPECT_EQ(cells, t.cells());
+}
+
+TEST(FileChecksum, IsThatOfTheManifest) {
+  const auto t = sample(2);
+  std::ifstream file(t.folder() / "manifest.json");
+  const std::string manifest(std::istreambuf_iterator<char>(file), {});
+  EXPECT_NE(manifest.find(file_checksum(t.folder() / "triangulation.pvtu")), std::string::npos);
+  EXPECT_EQ(failure_of([&] { file_checksum(t.folder() / "missing"); }).cause(), Cause::io);
 }
 
 TEST(ExportTo, RefusesInTheWordsOfTheLibrary) {

@@ -18,7 +18,7 @@ HEADERS = sorted((SOURCE / "include/tessera").glob("*.h"))
 # What a user can name, and the type of what is thrown, which the program compares with its own.
 PUBLIC = re.compile(
     r"tessera::(Delaunay|Triangulation|Tile|Proof|TriangulationOptions|ExportRequest|VerifyRequest|Failure)::"
-    r"|tessera::(triangulate|describe|library_version)\("
+    r"|tessera::(triangulate|describe|file_checksum|library_version)\("
     r"|(typeinfo|typeinfo name|vtable) for tessera::Failure$"
 )
 

@@ -178,10 +178,13 @@ class Watch(ServerTest):
 
     def test_another_kind_of_job_has_its_outcome(self):
         self.job.fields["processID"] = "verify"
-        self.job.outcome = {"passed": ["hull"], "cells": 12}
-        self.job.tell("successful", message="proved")
-        self.assertEqual(self.ok("watch", "j1"), "job j1: successful: proved\n")
+        self.job.outcome = {"passed": ["the hull is convex"], "cells": 12, "facets": 30, "hull_facets": 6, "vertices": 7}
+        self.job.tell("successful", message="is done", triangulation="block")
+        said = self.ok("watch", "j1")
+        self.assertIn("ok  the hull is convex\nblock is the Delaunay triangulation of its 7 vertices: 12 cells", said)
         self.assertEqual(self.json_lines(self.ok("watch", "j1", "--json"))[-1], self.job.outcome)
+        self.job.outcome = {}
+        self.assertEqual(self.ok("watch", "j1"), "job j1: successful: is done\n")
 
 
 if __name__ == "__main__":

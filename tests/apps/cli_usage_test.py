@@ -3,7 +3,7 @@ import unittest
 
 from cli import IO, OK, USAGE, CliTest
 
-DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch"]  # ask one
+DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch", "upload"]  # ask one
 COMMANDS = ["triangulate", "verify", "info", "export", *DAEMON, "generate", "harness"]
 
 

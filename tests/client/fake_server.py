@@ -4,6 +4,7 @@
     server.results["block"] = pathlib.Path("out")           # a result folder of the command
     server.on_submit = lambda job: job.tell("running", phase="routing") or job.tell("successful", triangulation="block")
 """
+import ctypes
 import http.server
 import json
 import pathlib
@@ -46,6 +47,9 @@ class FakeServer:
         self.foreign = None         # (status, type, body): what something that is no Tessera server answers
         self.cut_files_after = []   # so many bytes of each of the next answers with a file, then the connection ends
         self.spoil = {}             # path of a file -> function of its bytes
+        self.uploads = {}           # "FOLDER/FILE" -> bytes; None when none are taken
+        self.cut_uploads_after = [] # so many bytes of each of the next uploads, then the connection ends
+        self.described = None       # what info tells; None: it takes a job
         self.page = 1000
         self.last_sent = 0          # the id of the last event that was written to some client
         self.start(port)
@@ -126,15 +130,18 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         for name, value in headers.items():
             self.send_header(name.replace("_", "-"), value)
         self.end_headers()
-        self.wfile.write(content)
+        if self.command != "HEAD":
+            self.wfile.write(content)
 
     def problem(self, status, detail, cause=0):
         self.answer(status, {"type": "about:blank", "title": "no", "status": status, "detail": detail, "cause": cause},
                     "application/problem+json")
 
     def do(self):
-        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
         fake = self.fake
+        if self.command == "PUT" and fake.cut_uploads_after:
+            return self.cut_upload()
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
         fake.requests.append((self.command, self.path, dict(self.headers), body))
         path, _, query = self.path.partition("?")
         if fake.foreign:
@@ -150,10 +157,37 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         asked = dict(urllib.parse.parse_qsl(query))
         return self.route(parts[1:], asked, body)
 
-    do_GET = do_POST = do_DELETE = do
+    do_GET = do_POST = do_DELETE = do_PUT = do_HEAD = do
+
+    def cut_upload(self):
+        self.fake.requests.append((self.command, self.path, dict(self.headers), b""))
+        self.take_upload(self.path.removeprefix("/v1/uploads/"), self.rfile.read(self.fake.cut_uploads_after.pop(0)))
+        self.connection.shutdown(2)
+        self.close_connection = True
+
+    def take_upload(self, name, body):
+        first = int(self.headers.get("Upload-Offset", 0))
+        self.fake.uploads[name] = self.fake.uploads.get(name, b"")[:first] + body
+
+    def of_upload(self, name, body):
+        if self.fake.uploads is None:
+            return self.problem(403, "this service takes no uploads", 2)
+        if self.command == "PUT":
+            self.take_upload(name, body)
+            return self.answer(204, b"")
+        if name not in self.fake.uploads:
+            return self.answer(404, b"", "application/problem+json")
+        return self.answer(204, b"", Upload_Offset=str(len(self.fake.uploads[name])))
 
     def route(self, parts, asked, body):
         fake = self.fake
+        if parts[0] == "uploads":
+            return self.of_upload("/".join(parts[1:]), body)
+        if parts[:2] == ["processes", "info"] and "respond-async" not in self.headers.get("Prefer", ""):
+            if fake.described is not None:
+                return self.answer(200, fake.described)
+            return self.answer(400, {"type": "urn:tessera:needs-a-job", "detail": "ask for a job", "cause": 2},
+                               "application/problem+json")
         if self.command == "POST" and parts[0] == "processes" and parts[2] == "execution":
             job = fake.add_job(f"j{len(fake.jobs) + 1}", process=parts[1])
             job.inputs = json.loads(body)["inputs"]
@@ -174,6 +208,9 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             folder = pathlib.Path(fake.results[parts[1]])
             if len(parts) == 2:
                 return self.answer(200, about(parts[1], folder))
+            if self.command == "DELETE":
+                folder.joinpath(*parts[3:]).unlink()
+                return self.answer(204, b"")
             return self.file(folder, "/".join(parts[3:]))
         return self.problem(404, f"there is no triangulation {parts[1]}")
 
@@ -201,7 +238,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             self.answer(200, job.fields)
             return self.fake.on_submit(job)
         if parts == ["results"]:
-            return self.answer(200, getattr(job, "outcome", {"links": []}))
+            return self.answer(200, {"outcome": {"value": getattr(job, "outcome", {})}})
         if parts == ["events"]:
             return self.send_events(job)
         return self.problem(404, "there is nothing of this name")
@@ -286,3 +323,9 @@ def etag_of(folder, name):
             return f'"xxh3-{tile["xxh3"]}"'
     sum_of = manifest["checksums"].get(name)
     return f'"xxh3-{sum_of}"' if sum_of else None
+
+
+def xxh3(content):
+    library = ctypes.CDLL("libxxhash.so.0")
+    library.XXH3_64bits.restype, library.XXH3_64bits.argtypes = ctypes.c_uint64, [ctypes.c_char_p, ctypes.c_size_t]
+    return f"{library.XXH3_64bits(content, len(content)):016x}"

@@ -1,4 +1,4 @@
-"""The curl lines of docs/service.md, typed along."""
+"""The lines of docs/service.md, typed along: curl, the command, Python."""
 import json
 import os
 import pathlib
@@ -6,14 +6,20 @@ import re
 import subprocess
 import unittest
 
-from daemon import DaemonTest
+from daemon import TESSERA, DaemonTest
+
+try:
+    import tessera
+except ImportError:  # built without it
+    tessera = None
 
 GUIDE = pathlib.Path(os.environ["SERVICE_GUIDE"]).read_text()
 
 
 class Guide(DaemonTest):
     def test_every_line_of_the_guide_works(self):
-        daemon = self.start()
+        daemon = self.start("--uploads")
+        self.tessera("generate", "uniform", "-n", "1000", "-o", "cloud.xyz")
         lines = [line for block in re.findall(r"```sh\n(.*?)```", GUIDE, re.S) for line in block.splitlines()]
         self.assertGreater(len(lines), 15)
         environment = os.environ | {"URL": daemon.url.rstrip("/"), "TOKEN": daemon.token}
@@ -23,15 +29,60 @@ class Guide(DaemonTest):
             if line.startswith("curl -X DELETE $URL/v1/jobs/"):
                 # Verifying goes before: it is forgotten once it has ended.
                 self.assertEqual(daemon.wait(environment["JOB"])["status"], "successful")
-            done = subprocess.run(["bash", "-c", curl + line], env=environment, stdout=subprocess.PIPE,
+            done = subprocess.run(["bash", "-c", curl + line], env=environment, cwd=self.folder, stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, timeout=150)
             said = done.stdout.decode()
             self.assertEqual(done.returncode, 0, f"{line}\n{said}\n{done.stderr.decode()}")
             if "Idempotency-Key" in line:
                 self.assertIn("201", said.splitlines()[0])
                 environment["JOB"] = json.loads(said.split("\r\n\r\n", 1)[1])["jobID"]
+            if "processes/export/execution" in line:
+                self.assertEqual(daemon.wait(json.loads(said)["jobID"])["status"], "successful")
             if "/events" in line:
                 self.assertIn("successful", said)
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+
+    def section(self, title):
+        return re.search(f"^## {title}\n(.*?)^## ", GUIDE, re.S | re.M)[1]
+
+    def test_every_command_of_the_guide_works(self):
+        daemon = self.start("--uploads")
+        self.tessera("generate", "uniform", "-n", "1000", "-o", "cloud.xyz")
+        programs = self.folder / "programs"
+        programs.mkdir()
+        (programs / "tessera").symlink_to(TESSERA)
+        environment = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
+        environment |= {"TESSERA_SERVER": daemon.url, "TESSERA_TOKEN": daemon.token,
+                        "PATH": f"{programs}:{os.environ['PATH']}"}
+        def type_in(line):
+            done = subprocess.run(["bash", "-c", line], env=environment, cwd=self.folder, text=True, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, timeout=300)
+            self.assertEqual(done.returncode, 0, f"{line}\n{done.stderr}")
+            return done.stdout
+        lines = re.findall(r"^    (tessera \S.*?)(?:   .*)?$", self.section("From the command line"), re.M)
+        self.assertGreater(len(lines), 12)
+        submit = "tessera triangulate '*.las' -o {} --detach --quiet"
+        job = type_in(submit.format("again")).strip()
+        for line in lines:
+            if "cancel" in line:
+                # The last of several waits for the others.
+                job = [type_in(submit.format(f"r{i}")).strip() for i in range(4)][-1]
+            type_in(line.replace("ID", job))
+        self.assertEqual((self.folder / "mesh.ply").read_bytes()[:4], b"ply\n")
+        self.tessera("verify", "out")
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+
+    @unittest.skipIf(tessera is None, "the Python package is not built")
+    def test_the_lines_of_python_work(self):
+        daemon = self.start()
+        text = "\n".join(re.findall(r"^    (.*)$", self.section("From Python"), re.M))
+        text = text.replace("http://127.0.0.1:7070", daemon.url).replace("block/*.laz", "*.las").replace('"4G"', '"500M"')
+        for name in ("block-here/", "mesh.ply"):
+            text = text.replace(f'"{name}"', repr(str(self.folder / name)))
+        names = {"tessera": tessera, "token": daemon.token, "print": lambda _: None}
+        exec(compile(text, "docs/service.md", "exec"), names)
+        self.assertEqual(names["t"].n_points, 262813)
+        self.assertTrue((self.folder / "mesh.ply").is_file())
         self.assertEqual(daemon.end(), 0, daemon.messages())
 
     def test_every_route_is_in_the_guide(self):

@@ -32,6 +32,8 @@ class Api(serving.ServerTest):
             ("GET", "/v1/triangulations"): ["/v1/triangulations?limit=1"],
             ("GET", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block", "/v1/triangulations/none"],
             ("DELETE", "/v1/triangulations/{triangulation}"): ["/v1/triangulations/block"],
+            ("DELETE", files): ["/v1/triangulations/block/files/exports/mesh.ply",
+                                "/v1/triangulations/block/files/exports/none", "/v1/triangulations/block/files/manifest.json"],
             ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],

@@ -233,6 +233,11 @@ Reply<void> FakeBackend::remove_triangulation(std::string_view name, const Calle
   return refused(409, "a job works on it");
 }
 
+Reply<void> FakeBackend::remove_export(std::string_view name, std::string_view file, const Caller&) {
+  if (name != "block" || file != "mesh.ply") return refused(404, "there is no such export");
+  return success();
+}
+
 Reply<std::unique_ptr<Backend::Upload>> FakeBackend::upload(std::string_view folder, std::string_view file,
                                                             std::uint64_t offset, const Caller&) {
   std::string name = std::string(folder) + "/" + std::string(file);

@@ -47,6 +47,7 @@ class FakeBackend final : public Backend {
   Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;

@@ -14,7 +14,7 @@ import tessera
 import clouds
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "client"))
-from fake_server import FakeServer  # noqa: E402
+from fake_server import FakeServer, xxh3  # noqa: E402, F401
 
 
 class ClientTest(unittest.TestCase):
@@ -123,7 +123,7 @@ class Fetch(ClientTest):
         out = self.folder / "out"
         self.server.cut_files_after = [5000]
         with self.assertRaises(tessera.IoError):
-            self.client.fetch("block", out)
+            self.client.fetch("block", out, patience=0)
         self.assertFalse((out / "manifest.json").exists())
         with self.assertRaises(tessera.IoError):
             tessera.open(out)
@@ -135,6 +135,25 @@ class Fetch(ClientTest):
         count = len(self.server.requests)
         self.assertEqual(self.client.fetch("block", out).digest, made.digest)
         self.assertEqual(len(self.server.requests), count + 1, "the manifest alone")
+
+    def test_connections_that_end_are_made_again_where_they_were(self):
+        made = self.make_result()
+        self.server.cut_files_after = [1000, 0, 2000, 50]
+        self.client.fetch("block", self.folder / "out")
+        self.assertEqual(self.content(self.folder / "out"), self.content(made.folder))
+        asked = [request[2] for request in self.server.asked("GET", "/files/tiles/")]
+        self.assertEqual([request.get("Range") for request in asked[:4]], [None, "bytes=1000-", "bytes=1000-", "bytes=3000-"])
+        self.assertTrue(all(request["If-Range"].startswith('"xxh3-') for request in asked if "Range" in request))
+
+    def test_damage_on_the_way_is_found(self):
+        name = f"tiles/{self.make_result()[0].id:06}.vtu"
+        self.server.spoil[name] = lambda content: content[:-100] + b"!" + content[-99:]
+        with self.assertRaisesRegex(tessera.CorruptError, "its checksum is"):
+            self.client.fetch("block", self.folder / "out")
+        self.assertFalse((self.folder / "out" / name).exists())
+        self.server.spoil.clear()
+        (self.folder / "out" / (name + ".tmp")).write_bytes(b"x" * 5000)  # the beginning of something else
+        self.client.fetch("block", self.folder / "out").verify()
 
     def test_another_length_is_found(self):
         name = f"tiles/{self.make_result()[0].id:06}.vtu"

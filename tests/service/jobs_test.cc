@@ -9,6 +9,28 @@ namespace {
 
 using Jobs = ServiceTest;
 
+TEST_F(Jobs, AFolderOfANewerVersionIsRefusedAndLeftAlone) {
+  open();
+  service.reset();
+  const auto format = data() / "format";
+  const auto content = [&] {
+    std::ifstream file(format);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(content(), "1\n");
+  for (const std::string noted : {"2\n", "x", ""}) {
+    std::ofstream(format) << noted;
+    const auto refused = Service::open(options);
+    ASSERT_FALSE(refused) << noted;
+    EXPECT_EQ(refused.error().code, Errc::corrupt);
+    EXPECT_NE(refused.error().where.find(noted == "2\n" ? "newer version" : "damaged"), std::string::npos);
+    EXPECT_EQ(content(), noted);
+  }
+  std::filesystem::remove(format);  // of a version that noted none
+  open();
+  EXPECT_EQ(content(), "1\n");
+}
+
 TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
   make_cloud("a.xyz", 2000);
   open();
@@ -31,6 +53,12 @@ TEST_F(Jobs, ATriangulationIsMadeProvedExportedAndDescribed) {
   EXPECT_EQ(refused(exported).status(), 409);
   exported.mutable_export_()->set_overwrite(true);
   EXPECT_EQ(ended(submit(exported)).status(), "successful");
+  EXPECT_NE(service->outcome(ply.id()).value().find("\"written\":[{\"path\":\"exports/mesh.ply\""), std::string::npos);
+  EXPECT_EQ(service->remove_export("block", "mesh.ply", bob).error().status(), 403);
+  EXPECT_EQ(service->remove_export("block", "..", alice).error().status(), 404);
+  ASSERT_TRUE(service->remove_export("block", "mesh.ply", alice));
+  EXPECT_EQ(service->remove_export("block", "mesh.ply", alice).error().status(), 404);
+  EXPECT_EQ(service->file("block", "exports/mesh.ply").error().status(), 404);
   proto::InfoInputs question;
   question.add_inputs("a.xyz");
   question.set_stats(true);

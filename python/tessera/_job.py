@@ -1,0 +1,149 @@
+"""A job of a daemon, and what happens to it."""
+from __future__ import annotations
+
+import json
+import typing
+import urllib.parse
+
+from ._errors import BY_CAUSE, InternalError, InterruptedJobError, IoError, UsageError
+from ._http import SILENCE_OF_EVENTS_S
+from ._options import Path
+from ._transfer import PATIENCE_S, Patience
+from ._triangulation import Triangulation
+
+if typing.TYPE_CHECKING:
+    from .client import Client
+
+ENDED = ("successful", "failed", "dismissed")
+
+
+class Event(typing.NamedTuple):
+    """What happened to a job."""
+
+    id: int
+    """Ascending; 0 of the status that there was when the watching began."""
+    kind: str
+    """"status", "progress" or "log"."""
+    status: dict[str, typing.Any]
+    """As of Job.status(); empty for a line of the log."""
+    text: str
+    time: str
+    """RFC 3339, UTC."""
+
+
+def quoted(name: str) -> str:
+    return urllib.parse.quote(name, safe="")
+
+
+class Job:
+    """A job of a daemon, from Client.submit() or Client.job()."""
+
+    def __init__(self, client: Client, id: str):
+        self._client, self._http, self._path = client, client._http, f"/jobs/{quoted(id)}"
+        self._id = id
+
+    @property
+    def id(self) -> str:
+        """Its name, good for Client.job() as long as the daemon knows of it."""
+        return self._id
+
+    def status(self) -> dict[str, typing.Any]:
+        """What the daemon knows of it: "status" ("accepted", "running", "successful", "failed", "dismissed"), "phase",
+        "progress" (percent), "triangulation" (the name of its result), "problem", ... as docs/service.md lists."""
+        return self._http.ask("GET", self._path)
+
+    def watch(self, patience: float = PATIENCE_S) -> typing.Iterator[Event]:
+        """The status there is, and then events as they come, until the job has ended.
+
+        A daemon that goes away is waited for, so many seconds; then IoError is raised. Leaving the loop leaves the job
+        alone.
+        """
+        last: str | None = None
+        waiting = Patience(patience)
+        while True:
+            try:
+                headers = {"Accept": "text/event-stream", **({"Last-Event-ID": last} if last else {})}
+                with self._http.open("GET", f"{self._path}/events", headers, timeout=SILENCE_OF_EVENTS_S) as stream:
+                    if not stream.headers.get("Content-Type", "").startswith("text/event-stream"):
+                        raise self._http.no_tessera()
+                    waiting.restart()
+                    # Events are told from now on: what was before is in the status.
+                    now = self.status()
+                    yield Event(0, "status", now, "", now.get("updated", ""))
+                    if now.get("status") in ENDED:
+                        return
+                    for last, sent in self._events(stream):
+                        yield sent
+                        if sent.status.get("status") in ENDED:
+                            return
+            except IoError as gone:
+                if not self._http.heard:
+                    raise
+                waiting.wait(gone)
+            else:
+                waiting.wait()
+
+    def _events(self, stream: typing.Any) -> typing.Iterator[tuple[str, Event]]:
+        """(its id as the stream has it, the event)."""
+        last, data = "", b""
+        while line := self._http.line(stream):
+            name, _, value = line.rstrip(b"\r\n").partition(b":")
+            value = value.removeprefix(b" ")
+            if name == b"data":
+                data += value + b"\n"
+            elif name == b"id":
+                last = value.decode()
+            elif not name and not value and data:
+                try:
+                    sent = json.loads(data)
+                    event = Event(int(sent.get("id", 0)), sent.get("kind", ""), sent.get("status", {}), sent.get("text", ""),
+                                  sent.get("time", ""))
+                except (ValueError, TypeError, AttributeError):
+                    raise self._http.no_tessera() from None
+                yield last, event
+                data = b""
+
+    def wait(self, progress: typing.Callable[[Event], object] | None = None, patience: float = PATIENCE_S) -> dict[str, typing.Any]:
+        """Until it is successful; its last status. `progress` is called with each event.
+
+        Raises what made it fail, by its cause: BadInputError, MemoryLimitError, ...; InterruptedJobError when it was
+        cancelled.
+        """
+        status: dict[str, typing.Any] = {}
+        for event in self.watch(patience):
+            status = event.status or status
+            if progress is not None:
+                progress(event)
+        if status["status"] == "dismissed":
+            raise InterruptedJobError(f"job {self._id} was cancelled")
+        if status["status"] == "failed":
+            problem = status.get("problem", {})
+            raise BY_CAUSE.get(problem.get("cause", 0), InternalError)(
+                problem.get("detail") or status.get("message") or f"job {self._id} has failed")
+        return status
+
+    def outcome(self) -> dict[str, typing.Any]:
+        """What a successful job of verify, export or info has found."""
+        found = self._http.ask("GET", f"{self._path}/results").get("outcome", {})
+        value = found.get("value") if isinstance(found, dict) else None
+        if not isinstance(value, dict):
+            raise self._http.no_tessera()
+        return value
+
+    def cancel(self) -> None:
+        """Stops it, so that resume() can go on with it. UsageError when it has ended."""
+        status = self.status()["status"]
+        if status in ENDED:  # of one that has ended the daemon would forget that it was
+            raise UsageError(f"job {self._id} has ended already: {status}")
+        self._http.ask("DELETE", self._path)
+
+    def resume(self) -> None:
+        """Goes on with it after it failed or was cancelled."""
+        self._http.ask("POST", f"{self._path}/resume")
+
+    def result(self, folder: Path, progress: typing.Callable[[Event], object] | None = None) -> Triangulation:
+        """wait(), and then Client.fetch() of what it made."""
+        return self._client.fetch(self.wait(progress)["triangulation"], folder)
+
+    def __repr__(self) -> str:
+        return f"<tessera.Job {self._id} of {self._http.url}>"

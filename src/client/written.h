@@ -1,0 +1,33 @@
+// The files that a job has written beside a result, as files here.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json_fwd.hpp>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/client/server.h"
+
+namespace tessera {
+
+struct WrittenFile {
+  std::string path;    // below the result: "exports/tiles/000042.vtu"
+  std::string inside;  // the same below exports: "tiles/000042.vtu"
+  std::uint64_t bytes = 0, xxh3 = 0;
+};
+
+// Of what an export job found. Error corrupt when it does not say, or a path would lead elsewhere.
+Result<std::vector<WrittenFile>> written_files(const nlohmann::ordered_json& outcome);
+
+// Each to where `place` says, in place of what is there, when it is whole and has its checksum; folders are made. What
+// a fetch that was cut has left under the temporary names is gone on with. Errors: those of download().
+Status fetch_written(Server& server, const std::string& triangulation, const std::vector<WrittenFile>& files,
+                     const std::function<std::filesystem::path(const WrittenFile&)>& place,
+                     const std::function<void(std::uint64_t bytes, std::uint64_t total)>& on_progress,
+                     const std::stop_token& stop);
+
+}  // namespace tessera

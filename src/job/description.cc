@@ -1,0 +1,223 @@
+#include "src/job/description.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "src/io/cloud/cloud.h"
+#include "src/job/describe.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Source: ASPRS, LAS Specification 1.4 - R15, table 17.
+const char* class_name(int number) {
+  constexpr std::array names{"never classified",
+                             "unassigned",
+                             "ground",
+                             "low vegetation",
+                             "medium vegetation",
+                             "high vegetation",
+                             "building",
+                             "low point",
+                             "model key point",
+                             "water",
+                             "rail",
+                             "road",
+                             "overlap",
+                             "wire guard",
+                             "wire conductor",
+                             "transmission tower",
+                             "wire connector",
+                             "bridge deck",
+                             "high noise",
+                             "overhead structure",
+                             "ignored ground",
+                             "snow",
+                             "temporal exclusion"};
+  return number >= 0 && number < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(number)]
+         : number < 64                                          ? "reserved"
+                                                                : "of the user";
+}
+
+std::string label(const std::string& name) {
+  if (name == "classification") return "classes";
+  if (name == "return_number") return "returns";
+  return name == "number_of_returns" ? "of returns" : name;
+}
+
+std::string text_of(const Json& object, const char* key) { return object.at(key).get<std::string>(); }
+std::uint64_t count_of(const Json& object, const char* key) { return object.at(key).get<std::uint64_t>(); }
+
+// Names and values in two columns.
+class Lines {
+ public:
+  explicit Lines(std::size_t width) : width_(width) {}
+  void add(std::string name, const std::string& value) {
+    name.resize(width_, ' ');
+    text_ += "  " + name + value + "\n";
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  std::size_t width_;
+  std::string text_;
+};
+
+std::string box_text(const Json& bounds, std::size_t dimension) {
+  std::string text;
+  for (std::size_t axis = 0; axis < dimension; ++axis) {
+    text += (text.empty() ? "" : "   ") + coordinate(bounds.at("min").at(axis).get<double>()) + " .. " +
+            coordinate(bounds.at("max").at(axis).get<double>());
+  }
+  return text;
+}
+
+std::string box_text_or(const Json& bounds, const char* otherwise) {
+  return bounds.is_null() ? otherwise : box_text(bounds, 3);
+}
+
+std::string joined(const Json& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
+  return text.empty() ? "none" : text;
+}
+
+std::string file_text(const Json& file) {
+  const std::string path = text_of(file, "path") + "\n";
+  Lines lines(12);
+  if (file.contains("error")) {
+    lines.add("error", text_of(file, "error"));
+    return path + lines.text();
+  }
+  const auto packing = text_of(file, "packing");
+  lines.add("format", text_of(file, "detail") + " (" + (packing.empty() ? "" : packing + ", ") +
+                          human_bytes(count_of(file, "bytes")) + ")");
+  lines.add("points", file.at("points").is_null() ? "not told by the file" : grouped(count_of(file, "points")));
+  lines.add("box", box_text_or(file.at("bounds"), "not told by the file"));
+  lines.add("attributes", joined(file.at("attributes")));
+  if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));
+  if (!text_of(file, "crs_note").empty()) lines.add("note", text_of(file, "crs_note"));
+  return path + lines.text();
+}
+
+std::string histogram_text(const std::string& name, const Json& histogram) {
+  std::string text;
+  for (const auto& [value, count] : histogram.items()) {
+    text += (text.empty() ? "" : ", ") + value;
+    if (name == "classification") text += std::string(" ") + class_name(std::stoi(value));
+    text += ": " + grouped(count.get<std::uint64_t>());
+  }
+  return text;
+}
+
+std::string statistics_text(const Json& counted) {
+  Lines lines(12);
+  lines.add("read", grouped(count_of(counted, "points")) + " points, " + grouped(count_of(counted, "invalid")) +
+                        " invalid, " + grouped(count_of(counted, "filtered")) + " filtered out");
+  if (counted.contains("bounds")) lines.add("box", box_text(counted.at("bounds"), 3));
+  if (counted.contains("density")) {
+    const auto density = counted.at("density").get<double>();
+    lines.add("density", coordinate(std::round(density * 1000) / 1000) + " points a square unit where there are any, " +
+                             fixed(std::sqrt(1 / density), 3) + " apart");
+  }
+  for (const auto& [name, histogram] : counted.items()) {
+    if (!histogram.is_object() || name == "bounds") continue;
+    const bool flag = std::find(point_flags.begin(), point_flags.end(), name) != point_flags.end();
+    const bool none = flag && histogram.size() == 1 && histogram.contains("0");
+    if (!none) lines.add(label(name), histogram_text(name, histogram));
+  }
+  return "All points\n" + lines.text();
+}
+
+std::string inputs_text(const Json& described) {
+  std::string text;
+  for (const auto& file : described.at("files")) text += file_text(file);
+  if (!described.contains("estimate")) return text;  // of files that do not go together
+  if (!described.at("statistics").is_null()) text += statistics_text(described.at("statistics"));
+  const auto threads = count_of(described, "threads");
+  text += "Triangulated in " + std::to_string(count_of(described, "dimension")) + "D on " + std::to_string(threads) +
+          (threads == 1 ? " thread" : " threads") + " with " + human_bytes(count_of(described, "memory_budget_bytes")) +
+          " of memory, this would be about\n";
+  const auto& cost = described.at("estimate");
+  std::string phases;
+  for (const auto& [name, bytes] : cost.at("phases").items())
+    phases += (phases.empty() ? "" : ", ") + name + " " + human_bytes(bytes.get<std::uint64_t>());
+  Lines lines(12);
+  lines.add("points", grouped(count_of(described, "points")));
+  lines.add("box", box_text_or(described.at("sampled_bounds"), "unknown") + " (of a sample)");
+  lines.add("tiles", std::to_string(count_of(described, "tiles")) + " (" + text_of(described, "partition") +
+                         ", at most " + grouped(count_of(described, "max_points_per_tile")) + " points each)");
+  lines.add("cells", human_count(count_of(cost, "cells")));
+  lines.add("memory", human_bytes(count_of(cost, "memory_bytes")) + " (" + phases +
+                          (cost.at("tiles_whole").get<bool>() ? "; tiles stay whole" : "; tiles sleep on disk") + ")");
+  lines.add("disk", human_bytes(count_of(cost, "result_bytes")) + " result, " +
+                        human_bytes(count_of(cost, "temporary_bytes")) + " while it works");
+  lines.add("time", human_seconds(cost.at("seconds").get<double>()));
+  text += lines.text();
+  for (const auto& warning : described.at("warnings")) text += "warning: " + warning.get<std::string>() + "\n";
+  return text;
+}
+
+// Figures carry their unit at the end of their name.
+std::string figure(const std::string& name, double value) {
+  if (name.ends_with("_s")) return human_seconds(value);
+  const bool count = value >= 0 && value < 1e18;
+  if (count && name.ends_with("_bytes")) return human_bytes(static_cast<std::uint64_t>(value));
+  return count && value == std::floor(value) ? grouped(static_cast<std::uint64_t>(value)) : coordinate(value);
+}
+
+std::string result_text(const Json& result) {
+  const auto& tiles = result.at("tiles");
+  std::uint64_t bytes = 0, least = ~std::uint64_t{0}, most = 0;
+  for (const auto& tile : tiles) {
+    bytes += count_of(tile, "bytes");
+    least = std::min(least, count_of(tile, "points"));
+    most = std::max(most, count_of(tile, "points"));
+  }
+  const auto dimension = result.at("dimension").get<std::size_t>();
+  const auto& inputs = result.at("inputs");
+  Lines lines(20);
+  lines.add("made by", "Tessera " + text_of(result, "software_version") + " from " + grouped(inputs.size()) +
+                           (inputs.size() == 1 ? " file" : " files"));
+  lines.add("points", grouped(count_of(result, "points")) + ", " + grouped(count_of(result, "duplicates")) +
+                          " duplicates, " + grouped(count_of(result, "invalid")) + " invalid, " +
+                          grouped(count_of(result, "filtered")) + " filtered out");
+  lines.add("vertices", grouped(count_of(result, "vertices")));
+  lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
+  lines.add("box", box_text(result.at("bounds"), dimension));
+  lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
+                         (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
+  lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
+  if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
+  lines.add("attributes", joined(result.at("attributes")));
+  if (!text_of(result, "crs").empty()) lines.add("CRS", text_of(result, "crs_name"));
+  for (const auto& [name, seconds] : result.at("seconds").items())
+    lines.add(name, human_seconds(seconds.get<double>()));
+  for (const auto& [name, value] : result.at("figures").items()) lines.add(name, figure(name, value.get<double>()));
+  return text_of(result, "result") + "\n" + lines.text();
+}
+
+}  // namespace
+
+std::optional<std::string> description_text(const Json& described) {
+  try {
+    return described.contains("result") ? result_text(described) : inputs_text(described);
+  } catch (const std::exception&) {  // of JSON, or of a class that is no number
+    return std::nullopt;
+  }
+}
+
+std::string written(const Json& described, bool json) {
+  if (!json) return description_text(described).value();
+  return described.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tessera

@@ -1,0 +1,188 @@
+"""verify, export, info and upload with a daemon: what is sent, what arrives, and what is said when it does not."""
+import os
+import signal
+import subprocess
+import unittest
+
+from cli import BAD_INPUT, CORRUPT, INTERRUPTED, IO, NOT_DELAUNAY, OK, TESSERA, USAGE
+from cli_server import ServerTest
+from fake_server import xxh3
+
+PROVED = {"event": "verified", "result": "block", "cells": 12, "facets": 30, "hull_facets": 6, "vertices": 7, "passed": ["hull"]}
+
+
+class Verify(ServerTest):
+    def test_a_proof_is_told_as_here(self):
+        def work(job):
+            job.outcome = PROVED
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+        said = self.ok("verify", "block/", "--memory", "2G", "--against-cgal")
+        self.assertEqual(said, "ok  hull\nblock is the Delaunay triangulation of its 7 vertices: 12 cells, 30 facets, 6 of them "
+                               "on the hull\n")
+        self.assertEqual(self.server.jobs["j1"].inputs, {"triangulation": "block", "memory": "2G", "against_cgal": True})
+        self.assertEqual(self.json_lines(self.ok("verify", "block", "--json"))[-1], PROVED)
+        self.assertEqual(self.ok("verify", "block", "--quiet"), "")
+
+    def test_what_is_wrong_is_the_exit_status(self):
+        problem = {"detail": "tile 3, cell 5: not empty", "cause": NOT_DELAUNAY}
+        self.server.on_submit = lambda job: job.tell("failed", problem=problem)
+        self.refused(NOT_DELAUNAY, "verify", "block", says="tile 3, cell 5: not empty")
+
+    def test_detached_it_says_how_to_look_again(self):
+        self.assertIn("'tessera watch j1' shows it", self.ok("verify", "block", "--detach"))
+        self.refused(USAGE, "verify", "block", "--server", "", "--detach", says="--detach")
+        self.refused(USAGE, "verify", "block", "--scratch", "/tmp", says="--scratch")
+
+    def test_a_folder_here_is_no_result_there(self):
+        self.make_result()
+        self.server.refusals["POST", "/v1/processes/verify/execution"] = (
+            422, {"detail": "triangulation: there is none called 'made-block'", "cause": USAGE})
+        self.refused(USAGE, "verify", "made-block", says=["there is none called", "made-block is a folder here", "--server ''"])
+        self.assertEqual(self.run_tessera("verify", "made-block", "--server", "").returncode, OK)
+
+
+class Export(ServerTest):
+    def setUp(self):
+        super().setUp()
+        self.make_result()
+        self.made = self.server.results["block"] / "exports"
+
+    def work(self, job):
+        """What the daemon does: the local command writes it."""
+        output = job.inputs["output"]
+        self.made.mkdir(exist_ok=True)
+        more = ["--format", job.inputs["format"]] if "format" in job.inputs else []
+        done = self.local("export", self.server.results["block"], "-o", self.made / output, "--json", "--overwrite", *more)
+        self.assertEqual(done.returncode, OK, done.stderr)
+        (told,) = self.json_lines(done.stdout)
+        self.bytes = {path.relative_to(self.made): path.read_bytes() for path in self.made.rglob("*") if path.is_file()}
+        written = [{"path": f"exports/{path}", "bytes": len(content), "xxh3": xxh3(content)}
+                   for path, content in self.bytes.items()]
+        job.outcome = told | {"output": output, "written": written}
+        job.tell("successful", triangulation="block")
+
+    def test_the_file_arrives_and_is_gone_there(self):
+        self.server.on_submit = self.work
+        said = self.ok("export", "block", "-o", "mesh.off", "--max-edge", "2", "--no-z")
+        self.assertRegex(said, "^mesh.off: 2 000 vertices, .* cells, .*\n0 cells with longer edges than 2 are left out\n$")
+        self.assertEqual(self.server.jobs["j1"].inputs,
+                         {"triangulation": "block", "output": "mesh.off", "max_edge": 2.0, "heights": False})
+        (content,) = self.bytes.values()
+        self.assertEqual((self.folder / "mesh.off").read_bytes(), content)
+        self.assertEqual(list(self.made.iterdir()), [])
+
+    def test_a_folder_of_tiles_arrives_too(self):
+        self.server.on_submit = self.work
+        (line,) = self.json_lines(self.ok("export", "block", "-o", "tiles/", "--format", "vtu", "--json"))[-1:]
+        self.assertEqual((line["event"], line["output"], line["files"]), ("exported", "tiles", 5))
+        here = {path.relative_to(self.folder): path.read_bytes() for path in (self.folder / "tiles").iterdir()}
+        self.assertEqual(here, self.bytes)
+
+    def test_a_connection_that_ends_is_gone_on_with_and_damage_is_found(self):
+        self.server.on_submit = self.work
+        self.server.spoil["exports/mesh.off"] = lambda content: content[:-1] + b"?"
+        self.refused(CORRUPT, "export", "block", "-o", "mesh.off", says=["block/exports/mesh.off", "checksum"])
+        self.assertFalse((self.folder / "mesh.off").exists())
+
+    def test_what_stands_here_is_looked_at_first(self):
+        self.write("mesh.off", "mine")
+        self.refused(USAGE, "export", "block", "-o", "mesh.off", says=["mesh.off", "--overwrite"])
+        self.refused(USAGE, "export", "block", "-o", "mesh.stl", says="stl")
+        self.refused(IO, "export", "block", "-o", "nowhere/mesh.off", says=["nowhere", "no such folder"])
+        self.assertEqual(self.server.requests, [])
+        self.server.on_submit = self.work
+        self.ok("export", "block", "-o", "mesh.off", "--overwrite")
+        self.assertGreater((self.folder / "mesh.off").stat().st_size, 1000)
+
+    def test_left_there_it_is_fetched_by_its_job(self):
+        self.server.on_submit = self.work
+        self.assertIn("'tessera watch j1' shows it", self.ok("export", "block", "-o", "mesh.off", "--detach"))
+        self.assertRegex(self.ok("watch", "j1"), "^mesh.off: 2 000 vertices")
+        self.assertRegex(self.ok("fetch", "j1", "-o", "here.off"), "^here.off: 2 000 vertices")
+        self.assertEqual((self.folder / "here.off").read_bytes(), (self.made / "mesh.off").read_bytes())
+        self.refused(USAGE, "fetch", "j1", "-o", "here.off", says="exists already")
+
+    def test_ctrl_c_says_how_to_fetch_it(self):
+        process = subprocess.Popen([TESSERA, "export", "block", "-o", "mesh.off"], cwd=self.folder, text=True,
+                                   stderr=subprocess.PIPE, env=os.environ | self.asking)
+        self.addCleanup(process.stderr.close)
+        self.assertEqual(process.stderr.readline(), "job j1 waits for its turn\n")
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED)
+        for part in ("the job goes on", "'tessera watch j1' shows it", "'tessera cancel j1' stops", "'tessera fetch j1 -o mesh.off'"):
+            self.assertIn(part, errors)
+
+
+class Info(ServerTest):
+    def test_inputs_are_described_as_here(self):
+        cloud = self.xyz()
+        self.server.described = self.json_lines(self.local("info", cloud, "--json", "--stats").stdout)[0]
+        self.assertEqual(self.ok("info", "cloud.xyz", "--stats", "--dim", 3), self.local("info", cloud, "--stats").stdout)
+        (line,) = self.json_lines(self.ok("info", "cloud.xyz", "--json"))
+        self.assertEqual(line, self.server.described)
+        self.server.described = {"files": [{"no": 1}]}
+        self.refused(IO, "info", "cloud.xyz", says="not what was asked for")
+
+    def test_what_takes_long_is_a_job(self):
+        cloud = self.xyz()
+        told = self.json_lines(self.local("info", cloud, "--json").stdout)[0]
+        def work(job):
+            job.outcome = told
+            job.tell("successful")
+        self.server.on_submit = work
+        self.assertEqual(self.ok("info", "cloud.xyz.gz"), self.local("info", cloud).stdout)
+        self.server.on_submit = lambda job: job.tell("failed", problem={"detail": "inputs: bad", "cause": BAD_INPUT})
+        self.refused(BAD_INPUT, "info", "cloud.xyz.gz", says="inputs: bad")
+
+    def test_a_result_goes_first(self):
+        self.make_result()
+        folder = self.server.results["block"]
+        told = self.json_lines(self.local("info", folder, "--json").stdout)[0]
+        self.server.described = told
+        said = self.ok("info", "block")
+        self.assertEqual(said.splitlines()[1:], self.local("info", folder).stdout.splitlines()[1:])
+        self.assertEqual(said.splitlines()[0], "block")
+        self.assertIn(b'"triangulation":"block"', self.server.asked("POST", "info")[0][3])
+
+    def test_what_is_here_alone_can_be_sent(self):
+        self.xyz()
+        self.server.refusals["POST", "/v1/processes/info/execution"] = (422, {"detail": "inputs: cloud.xyz: is not there", "cause": IO})
+        self.refused(IO, "info", "cloud.xyz", says=["is not there", "'tessera upload' sends"])
+        self.refused(USAGE, "info", "-", says="standard input")
+
+
+class Upload(ServerTest):
+    def test_files_arrive_and_their_names_are_told(self):
+        a, b = self.xyz("a.xyz"), self.write("b.las", b"x" * 3_000_000)
+        self.assertEqual(self.ok("upload", a, b, "-o", "mine/").splitlines()[1], "upload:mine/b.las: 2.86 MiB")
+        self.assertEqual(self.server.uploads, {"mine/a.xyz": a.read_bytes(), "mine/b.las": b.read_bytes()})
+        (line,) = self.json_lines(self.ok("upload", b, "-o", "mine", "--json"))
+        self.assertEqual(line, {"event": "uploaded", "input": "upload:mine/b.las", "bytes": 3_000_000})
+        self.ok("upload", self.write("empty", ""), "-o", "mine")
+        self.assertEqual(self.server.uploads["mine/empty"], b"")
+
+    def test_a_connection_that_ends_is_gone_on_with(self):
+        content = os.urandom(3_000_000)
+        self.server.cut_uploads_after = [1_000_000, 500_000]
+        self.ok("upload", self.write("a.las", content), "-o", "mine")
+        self.assertEqual(self.server.uploads, {"mine/a.las": content})
+        self.assertEqual([put[2].get("Upload-Offset") for put in self.server.asked("PUT", "")], [None, "1000000", "1500000"])
+
+    def test_what_cannot_be_sent_is_told_first(self):
+        a = self.xyz("a.xyz")
+        self.refused(USAGE, "upload", a, says="-o NAME")
+        self.refused(USAGE, "upload", "-o", "mine", says="no file")
+        self.refused(USAGE, "upload", self.folder, "-o", "mine", says="is a folder")
+        self.refused(IO, "upload", a, "missing.las", "-o", "mine", says="missing.las")
+        self.refused(USAGE, "upload", a, "./a.xyz", "-o", "mine", says="same name")
+        self.assertEqual(self.server.requests, [])
+
+    def test_a_daemon_that_takes_none_says_so(self):
+        self.server.uploads = None
+        self.refused(USAGE, "upload", self.write("a.las", b"x" * 10_000_000), "-o", "mine", says="takes no uploads")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,105 @@
+"""verify, export, info and upload of a daemon: what is sent, what comes back, and what is raised."""
+import os
+import pathlib
+import unittest
+
+import tessera
+
+from client_test import ClientTest, xxh3
+
+PROVED = {"event": "verified", "cells": 12, "facets": 30, "hull_facets": 6, "vertices": 7, "passed": ["hull"]}
+
+
+class Work(ClientTest):
+    def end(self, outcome):
+        def work(job):
+            job.outcome = outcome
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+
+    def test_a_proof_is_the_same_object(self):
+        self.end(PROVED)
+        proof = self.client.verify("block", memory="2G", against_cgal=True)
+        self.assertEqual(proof, tessera.Proof(12, 30, 6, 7, ("hull",)))
+        self.assertEqual(self.server.jobs["j1"].inputs, {"triangulation": "block", "memory": "2G", "against_cgal": True})
+        self.server.on_submit = lambda job: job.tell("failed", problem={"detail": "tile 3: not empty", "cause": 6})
+        with self.assertRaisesRegex(tessera.NotDelaunayError, "tile 3"):
+            self.client.verify("block")
+
+    def export(self, spoil=lambda content: content):
+        """A daemon that exports with the library here."""
+        t = self.make_result()
+        exports = pathlib.Path(t.folder) / "exports"
+        def work(job):
+            exports.mkdir(exist_ok=True)
+            output = exports / job.inputs["output"]
+            t.export(output, job.inputs.get("format"), overwrite=True)
+            files = [output] if output.is_file() else sorted(output.iterdir())
+            job.outcome = {"note": "so it is", "written": [
+                {"path": str(file.relative_to(t.folder)), "bytes": file.stat().st_size, "xxh3": xxh3(spoil(file.read_bytes()))}
+                for file in files]}
+            job.tell("successful", triangulation="block")
+        self.server.on_submit = work
+        return t, exports
+
+    def test_an_export_arrives_and_is_gone_there(self):
+        t, exports = self.export()
+        here, there = self.folder / "mesh.off", self.folder / "same.off"
+        with self.assertWarnsRegex(UserWarning, "so it is"):
+            self.client.export("block", here)
+        t.export(there)
+        self.assertEqual(here.read_bytes(), there.read_bytes())
+        self.assertEqual(list(exports.iterdir()), [])
+        with self.assertRaisesRegex(tessera.UsageError, "exists already"):
+            self.client.export("block", here)
+        with self.assertWarns(UserWarning):
+            self.client.export("block", here, overwrite=True)
+
+    def test_damage_of_an_export_is_found(self):
+        self.export(spoil=lambda content: content + b"?")
+        with self.assertRaisesRegex(tessera.CorruptError, "its checksum is"):
+            self.client.export("block", self.folder / "mesh.off")
+        self.assertFalse((self.folder / "mesh.off").exists())
+        self.end({"written": [{"path": "exports/../../x", "bytes": 1, "xxh3": "0"}]})
+        with self.assertRaises(tessera.CorruptError):
+            self.client.export("block", self.folder / "mesh.off")
+
+    def test_info_is_told_at_once_or_by_a_job(self):
+        self.server.described = {"points": 3}
+        self.assertEqual(self.client.info("a.las", dim=2, stats=True), {"points": 3})
+        self.assertIn(b'{"inputs": {"inputs": ["a.las"], "dim": 2, "stats": true}}', self.server.asked("POST", "")[0][3])
+        self.server.described = None
+        self.end({"points": 4})
+        self.assertEqual(self.client.info(["a.las.gz"]), {"points": 4})
+        self.make_result()
+        self.assertEqual(self.client.info("block"), {"points": 4})
+        self.assertEqual(self.server.jobs["j2"].inputs, {"triangulation": "block"})
+        self.server.refusals["POST", "/v1/processes/info/execution"] = (422, {"detail": "inputs: x: is no file", "cause": 4})
+        with self.assertRaisesRegex(tessera.IoError, "inputs: x"):
+            self.client.info("x")
+
+    def test_uploads_go_on_where_the_connection_ended(self):
+        content = os.urandom(3_000_000)
+        (self.folder / "a.las").write_bytes(content)
+        self.server.cut_uploads_after = [1_000_000, 500_000]
+        self.assertEqual(self.client.upload(self.folder / "a.las", "mine"), ["upload:mine/a.las"])
+        self.assertEqual(self.server.uploads, {"mine/a.las": content})
+        self.assertEqual([put[2].get("Upload-Offset") for put in self.server.asked("PUT", "")], [None, "1000000", "1500000"])
+
+    def test_uploads_that_are_refused(self):
+        (self.folder / "a.las").write_bytes(b"x" * 10_000_000)
+        with self.assertRaisesRegex(tessera.IoError, "missing.las"):
+            self.client.upload(self.folder / "missing.las", "mine")
+        self.server.uploads = None
+        with self.assertRaisesRegex(tessera.UsageError, "takes no uploads"):
+            self.client.upload(self.folder / "a.las", "mine")
+        self.server.stop()
+        with self.assertRaisesRegex(tessera.IoError, "cannot be reached"):
+            self.client.upload(self.folder / "a.las", "mine")
+        self.server.start()
+
+
+del ClientTest  # not again here
+
+if __name__ == "__main__":
+    unittest.main()
