@@ -1,6 +1,7 @@
 #include "tests/tile/recovery.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <random>
@@ -115,7 +116,7 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
     bounds[tile_of[i]].add(points[i].at);
   }
   std::vector<Seed> seeds = make_seeds(points, tile_of, options.dimension, options.announced);
-  add_random_seeds(points, tile_of, rng_, seeds);
+  if (options.random_seeds) add_random_seeds(points, tile_of, rng_, seeds);
   std::vector<std::vector<TileId>> neighbours(tiles);
   for (std::uint32_t i = 0; i < tiles && options.announce; ++i) {
     for (std::uint32_t k = 0; k < tiles; ++k) {
@@ -177,6 +178,12 @@ std::vector<World::Action> World::possible() {
     if (!life->begun) actions.push_back({Kind::begin, i});
     if (life->begun && !life->waiting.empty()) actions.push_back({Kind::splay, i});
     if (i < living_.size() && life->told < table_->epoch) actions.push_back({Kind::rejoin, i});
+  }
+  if (options_.prompt && rng_() % 8 != 0) {
+    std::vector<Action> rejoins;
+    std::copy_if(actions.begin(), actions.end(), std::back_inserter(rejoins),
+                 [](const Action& action) { return action.kind == Kind::rejoin; });
+    if (!rejoins.empty()) return rejoins;
   }
   for (std::size_t i = 0; i < mail_.size(); ++i) actions.push_back({Kind::deliver, i});
   return actions;
@@ -286,7 +293,7 @@ Recovered World::run() {
     }
     if (still) break;
     if (!zombies_.empty() && rng_() % 16 == 0) zombies_.erase(zombies_.begin());
-    if (rng_() % 8 == 0) sleep();
+    if (options_.sleep && rng_() % 8 == 0) sleep();
     const std::vector<Action> actions = possible();
     act(actions[rng_() % actions.size()]);
   }

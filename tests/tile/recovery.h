@@ -24,8 +24,11 @@ struct RecoveryOptions {
   std::uint64_t mail_points_max = ~std::uint64_t{0};
   std::uint32_t losses = 1;    // of one or several tiles at once
   std::uint32_t patience = 8;  // about so many steps between two of them
-  bool images = false;         // the reborn may begin from what the dead have left on scratch
-  bool settle = false;         // at the end all are built from points and foreign vertices
+  bool random_seeds = true;
+  bool sleep = true;
+  bool prompt = false;  // most tables arrive before any mail does
+  bool images = false;  // the reborn may begin from what the dead have left on scratch
+  bool settle = false;  // at the end all are built from points and foreign vertices
 };
 
 struct Recovered {
