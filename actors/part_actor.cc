@@ -118,9 +118,9 @@ void PartActor::open(const BeginPart& begin) {
   office_->tiles.resize(part_->points.size());
   for (std::uint32_t t = 0; t < part_->points.size(); ++t) {
     if (part_->points[t] == 0) continue;
-    const std::uint32_t incarnation = part_->context.incarnations.empty() ? 0 : part_->context.incarnations[t];
     hosted_.push_back({TileId{t}, {}});  // first: what is there must be told to leave
-    office_->tiles[t] = spawn<TileActor>(Peer{TileId{t}, incarnation}, part_, std::shared_ptr<const Office>(office_));
+    office_->tiles[t] =
+        spawn<TileActor>(part_->context.table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_));
   }
   opened_ = true;
   if (begin.settled) return schedule_.enter(Schedule::Stage::collecting);

@@ -70,12 +70,12 @@ inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
 // Updates: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
 inline caf::error inspect(caf::serializer& f, Update& x) {
   std::uint64_t n = x.points.size();
-  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
 inline caf::error inspect(caf::deserializer& f, Update& x) {
   std::uint64_t n = 0;
-  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
   if (n > update_points_max) return caf::sec::invalid_argument;  // before memory is taken
   x.points.resize(n);
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};

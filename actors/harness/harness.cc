@@ -32,15 +32,16 @@ class DeterministicConfig : public caf::actor_system_config {
 class Truth final : public ExchangeWatch {
  public:
   explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
-  void sent(Peer self, Totals now) override {
+  void sent(Peer from, Peer, Totals now) override {
     ++under_way_;
     ++sent_;
-    note(self, now);
+    note(from, now);
   }
-  void processed(Peer self, Totals now) override {
+  void processed(Peer, Peer to, Totals now) override {
     --under_way_;
-    note(self, now);
+    note(to, now);
   }
+  void rejoined(Peer self, Totals now) override { note(self, now); }
   std::int64_t under_way() const { return under_way_; }
   std::uint64_t sent() const { return sent_; }
   // Whether the counters of all tiles differ by what is under way.

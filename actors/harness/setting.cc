@@ -81,7 +81,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     s.spec.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
     s.spec.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
-  s.context.incarnations = s.spec.incarnations;
+  s.context.table = std::make_shared<const Table>(Table{0, s.spec.nodes, s.spec.incarnations});
   // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;

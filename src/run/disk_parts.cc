@@ -105,7 +105,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   context.boxes = final_boxes(run->partition);
   context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
-  context.incarnations = spec.incarnations;
+  context.table = std::make_shared<const Table>(Table{0, spec.nodes, spec.incarnations});
   context.storage = &part->storage;
   context.stop = part->stopping.get_token();
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);

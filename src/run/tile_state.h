@@ -10,12 +10,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <stop_token>
 #include <vector>
 
 #include "src/base/result.h"
 #include "src/quiescence/counters.h"
 #include "src/run/mail.h"
+#include "src/run/table.h"
 #include "src/run/tile_storage.h"
 #include "src/run/update.h"
 #include "src/tile/tile_triangulation.h"
@@ -26,8 +28,10 @@ namespace tessera {
 class ExchangeWatch {
  public:
   virtual ~ExchangeWatch() = default;
-  virtual void sent(Peer self, Totals now) = 0;
-  virtual void processed(Peer self, Totals now) = 0;
+  // `now`: of the tile that has sent, has processed, or has a new table.
+  virtual void sent(Peer from, Peer to, Totals now) = 0;
+  virtual void processed(Peer from, Peer to, Totals now) = 0;
+  virtual void rejoined(Peer self, Totals now) = 0;
 };
 
 // What all tiles of a job on one node have in common, read-only.
@@ -38,8 +42,8 @@ struct TileContext {
   bool reduce = false;
   std::vector<Box> boxes;  // by tile; a tile with the empty box has no final cells, and announces nothing
   Surroundings around;
-  std::vector<std::uint32_t> incarnations;            // by tile; empty: all 0
-  std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
+  std::shared_ptr<const Table> table = std::make_shared<const Table>();  // that the part was opened with
+  std::uint64_t mail_points_max = ~std::uint64_t{0};                     // that a tile keeps in memory
   TileStorage* storage = nullptr;
   std::stop_token stop = {};  // once requested, begin(), splay() and collect() soon throw Stopped
   ExchangeWatch* watch = nullptr;
@@ -51,7 +55,12 @@ class TileState {
 
   // From the image an earlier process has left, if there is a sound one, else from the tile's points.
   Status begin();
+  // Drops what a dead tile sent, or what was sent to an earlier life of this one.
   Status receive(Update update);
+  // Tiles were reborn: from now on nothing from their dead incarnations counts, and if this tile has begun, it calls
+  // itself to a splay (take_outgoing()), in which it first tells again what may have been lost. In any phase, and at
+  // once: neither the triangulation nor scratch is touched. A table that is no newer than the tile's changes nothing.
+  void rejoin(std::shared_ptr<const Table> table);
   // Processes all mail that waits. No update is counted as processed before its points are in.
   Status splay();
   // Leaves an image on scratch, from which the tile also begins in a resumed run.
@@ -88,16 +97,20 @@ class TileState {
   Status put_finals(const FinalCells& finals);
   Result<FinalCells> take_finals();
   Error damaged(const char* what) const;
+  bool dead(const Update& update) const { return update.to != self_ || table_->dead(update.from); }
+  Update outgoing(Peer to, std::vector<SharedPoint> points);
   TileOptions options() const {
     return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around, context_.stop};
   }
 
   Peer self_;
   const TileContext& context_;
+  std::shared_ptr<const Table> table_;
+  std::set<TileId> reborn_;  // since its last splay
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;     // kept while the tile is whole in memory
-  bool called_ = false;   // to its first splay, by mail to itself
+  bool call_ = false;     // itself to a splay, by mail: to its first, and to one after a loss
   bool imaged_ = false;   // the image on scratch is the tile's present state
   bool earlier_ = false;  // it is an earlier process's, though
   std::uint64_t own_points_ = 0;

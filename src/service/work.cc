@@ -1,5 +1,6 @@
 #include "src/service/work.h"
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
 
@@ -24,6 +25,8 @@
 
 namespace tessera {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 // Of a result that was complete when its job went on.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
@@ -171,7 +174,7 @@ Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
   if (!made.note.empty()) work.log("note: " + made.note);
   Json outcome = Json::parse(to_json(made, made.path.filename().string()));
   outcome["written"] = std::move(written).value();
-  return JobDone{line(outcome), 0, {}};
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
 }
 
 }  // namespace
