@@ -24,6 +24,7 @@ test=(
   gdal-bin python3-gdal python3-gmsh        # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest
+  spin                                      # searches the models of the cluster
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

@@ -70,9 +70,9 @@ inline apply_table() {
       :: LIVE(applied[me], k) != LIVE(applied[me] - 1, k) ->
         reborn[me] = reborn[me] | (1 << k);
 #ifndef COUNTERS_NOT_BY_INCARNATION
-        for (i : 0 .. LIVE(applied[me], k) - 1) {
-          sent[PAIR(me, k, i)] = 0;
-          processed[PAIR(me, k, i)] = 0
+        for (i : 1 .. LIVE(applied[me], k)) {
+          sent[PAIR(me, k, i - 1)] = 0;
+          processed[PAIR(me, k, i - 1)] = 0
         }
 #endif
       :: else

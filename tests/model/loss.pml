@@ -170,6 +170,15 @@ inline begin() {
     up[me] = true;
     applied[me] = epoch;
     printf("tile %d.%d begins\n", me, INCARNATION(epoch, me));
+#ifndef KEEP_DEAD_MAIL
+    for (j : 0 .. TILES - 1) {
+      for (i : 1 .. INCARNATION(epoch, j)) {
+        for (u : 0 .. TOKENS - 1) {
+          SLOT(me, j, i - 1, u) = 0
+        }
+      }
+    }
+#endif
     for (u : 0 .. TOKENS - 1) {
       if
       :: OWNER(u) == me ->
@@ -197,9 +206,9 @@ inline apply_table() {
       :: INCARNATION(applied[me], j) != INCARNATION(applied[me] - 1, j) ->
         due[me] = due[me] | (1 << j);
 #ifndef KEEP_DEAD_MAIL
-        for (i : 0 .. INCARNATION(applied[me], j) - 1) {
+        for (i : 1 .. INCARNATION(applied[me], j)) {
           for (u : 0 .. TOKENS - 1) {
-            SLOT(me, j, i, u) = 0
+            SLOT(me, j, i - 1, u) = 0
           }
         }
 #endif
