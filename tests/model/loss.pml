@@ -349,6 +349,10 @@ inline choose_announced() {
   announced[AT(1, 1)] = 1;
   announced[AT(2, 2)] = 2;
   announced[AT(3, 3)] = 5
+#elif SCENE == 3
+  announced[AT(1, 1)] = 1;
+  announced[AT(2, 2)] = 2;
+  announced[AT(2, 3)] = 1
 #else
   to = ANNOUNCED;
   for (v : 0 .. TOKENS - 1) {
