@@ -25,6 +25,7 @@ test=(
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
+  spin                                      # searches the models of the cluster
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

@@ -1,0 +1,205 @@
+// Quiescence without losses (docs/cluster.md): actors/part_actor.h, src/quiescence/detector.h, and the credit window.
+// A tile a node. Batches look alike, so a channel that need not keep their order is a number.
+#define NODES 3
+#ifndef BATCHES  // updates sent at most, of all tiles together
+#define BATCHES 5
+#endif
+#ifndef WINDOW  // batches under way from one node to another: credit comes back when one is taken in
+#define WINDOW 2
+#endif
+#ifndef FRESH  // tiles that have not begun yet; the others wait for mail
+#define FRESH 3
+#endif
+#define PAIR(from, to) ((from) * NODES + (to))
+
+mtype = { grant, notice, report };
+
+byte budget = BATCHES;
+byte outbox[NODES * NODES];  // posted, and wait for credit
+byte wire[NODES * NODES];
+byte mail[NODES];  // what the tile has
+byte sent[NODES], processed[NODES];  // what the tile counts
+byte live;  // ghost: batches sent and not processed
+byte at_work;  // ghost
+
+// Messages from one actor to another keep their order.
+chan to_tile[NODES] = [1] of { mtype };
+chan to_part[NODES] = [3] of { mtype, byte, byte, byte };  // of mail, sent, processed
+bool probe[NODES];
+bool idle_notice;  // those that are under way at once are one
+// Answers add up in any order: that they are under way is seen in when the last is judged.
+byte answers, sum_sent, sum_processed;
+bool all_idle;
+
+inline post() {
+  budget--;
+  live++;
+  outbox[PAIR(me, peer)]++;
+#ifndef COUNT_AT_GATE
+  sent[me]++;
+#endif
+  give(me, peer);
+  peer = 0
+}
+
+// The gate: what has credit is on its way. Nobody could see that it goes any later.
+inline give(from, to) {
+  if
+  :: outbox[PAIR(from, to)] > 0 && wire[PAIR(from, to)] < WINDOW ->
+    outbox[PAIR(from, to)]--;
+#ifdef COUNT_AT_GATE
+    sent[from]++;
+#endif
+    wire[PAIR(from, to)]++
+  :: else
+  fi
+}
+
+// Taken in at once, whatever waits to go out.
+inline take_in(from) {
+  wire[PAIR(from, me)]--;
+  give(from, me);
+  mail[me]++;
+  if
+  :: told
+  :: else -> told = true; to_part[me] ! notice(mail[me], 0, 0)
+  fi
+}
+
+#ifdef RECEIVING_WAITS
+#define MAY_RECEIVE (wire[PAIR(me, 0)] + wire[PAIR(me, 1)] + wire[PAIR(me, 2)] == 0)
+#else
+#define MAY_RECEIVE true
+#endif
+
+proctype tile(byte me) {
+  byte peer, taken;
+  bool told, begun = me >= FRESH;
+end:
+  do
+  :: to_tile[me] ? grant ->
+    atomic {
+      at_work++;
+      if
+      :: begun -> taken = mail[me]; mail[me] = 0
+      :: else -> begun = true  // mail waits for the first splay
+      fi
+    }
+    do  // others see each post before the report
+    :: atomic {
+        budget > 0 ->
+        if
+        :: peer = (me + 1) % NODES
+        :: peer = (me + 2) % NODES
+        fi;
+        post()
+      }
+    :: break
+    od;
+    atomic {
+      processed[me] = processed[me] + taken;
+      live = live - taken;
+      taken = 0;
+      at_work--;
+      told = mail[me] > 0;
+      to_part[me] ! report(mail[me], sent[me], processed[me])
+    }
+  :: atomic { MAY_RECEIVE && wire[PAIR((me + 1) % NODES, me)] > 0 -> take_in((me + 1) % NODES) }
+  :: atomic { MAY_RECEIVE && wire[PAIR((me + 2) % NODES, me)] > 0 -> take_in((me + 2) % NODES) }
+  od
+}
+
+inline dispatch() {
+  if
+  :: working
+  :: !working && waiting > 0 -> working = true; waiting = 0; to_tile[me] ! grant
+  :: else -> idle_notice = true
+  fi
+}
+
+proctype part(byte me) {
+  byte waiting, known_sent, known_processed, of_mail;
+  bool working = me < FRESH;
+  if
+  :: working -> to_tile[me] ! grant
+  :: else
+  fi;
+end:
+  do
+  :: atomic {
+      to_part[me] ? notice(of_mail, _, _) ->
+      if
+      :: working  // the report will tell
+      :: else -> waiting = of_mail
+      fi;
+      of_mail = 0;
+      dispatch()
+    }
+  :: atomic { to_part[me] ? report(waiting, known_sent, known_processed) -> working = false; dispatch() }
+  :: d_step {
+      probe[me] ->
+      probe[me] = false;
+      answers++;
+#ifndef BUSY_IGNORED
+      all_idle = all_idle && !working && waiting == 0;
+#endif
+      sum_sent = sum_sent + known_sent;
+      sum_processed = sum_processed + known_processed
+    }
+  od
+}
+
+inline begin_wave() {
+  in_wave = true;
+  noticed = false;
+  probe[0] = true;
+  probe[1] = true;
+  probe[2] = true
+}
+
+proctype coordinator() {
+  byte had_sent;
+  bool in_wave, noticed, had_sums, quiet, could_be_quiet;
+  do
+  :: d_step {
+      idle_notice ->
+      idle_notice = false;
+      if
+      :: !in_wave -> begin_wave()
+#ifndef NOTICE_FORGOTTEN
+      :: else -> noticed = true
+#else
+      :: else
+#endif
+      fi
+    }
+  :: d_step {
+      answers == NODES ->
+      could_be_quiet = all_idle && sum_sent == sum_processed;
+#ifdef ONE_WAVE
+      quiet = could_be_quiet;
+#else
+      quiet = could_be_quiet && had_sums && had_sent == sum_sent;
+#endif
+      had_sums = could_be_quiet;
+      had_sent = (could_be_quiet -> sum_sent : 0);
+      answers = 0; sum_sent = 0; sum_processed = 0; all_idle = true; in_wave = false;
+      if
+      :: !quiet && (could_be_quiet || noticed) -> begin_wave()
+      :: else
+      fi;
+      could_be_quiet = false
+    }
+  :: quiet -> break
+  od;
+  assert(live == 0 && at_work == 0)  // quiet is believed: it is true. That it never is would be an invalid end state
+}
+
+init {
+  atomic {
+    all_idle = true;
+    run tile(0); run tile(1); run tile(2);
+    run part(0); run part(1); run part(2);
+    run coordinator()
+  }
+}
