@@ -10,7 +10,9 @@
 namespace tessera {
 
 NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source)
-    : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {}
+    : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {
+  live_at(options_.hooks.home);
+}
 
 NodeActor::behavior_type NodeActor::make_behavior() {
   // Whoever did not get the answer watches its own peers.
@@ -69,6 +71,7 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   });
   PartOpened opened;
   opened.settled = part->settled;
+  opened.threads = part->schedule.threads;
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
       spawn<PartActor>(wanted.node, std::move(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),

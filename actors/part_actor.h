@@ -8,15 +8,19 @@
 // exchanging | Probe         | answer with the sums of all tiles; idle only if no grant is out and no mail is known
 // exchanging | Settle        | grant settle to every tile in memory; PartSettled when all have
 // opened, settling | Collect | grant collect to every tile that is not stored
-// collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
-// any        | Parcel        | hand its updates to the tiles
+// collecting | TileStored    | TileDone to the coordinator, grant the next; PartCollected when every tile is stored
+// collecting | Finish        | PartEnded
+// any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
+// any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
+// any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
+// opened, exchanging, collecting | Release | PartReleased, with fresh tiles that are not its own any more
 // any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
 //                            | grant nothing more; PartEnded with the first failure once nothing is under way
 // any        | an exception  | PartEnded with it; the tiles go on with what they are at, and leave
 //
-// A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
-// the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
+// A tile's counters change only while it works under a grant, or goes by a new table, and both end in a report. So when
+// neither is under way the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
 #pragma once
 
 #include <chrono>
@@ -45,21 +49,28 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  private:
   struct Hosted {
     TileId tile;
+    TileHandle handle;
     Prepared<Leave> leave;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
-  void open(const BeginPart& begin);
+  void open(BeginPart& begin);
+  void change_table(ChangeTable& change);
+  void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
+  void release(const Release& wanted);
+  void enter_collecting();
   void deliver(Parcel& parcel);
   void take(TileReport& report);
   void take(TileStored& stored);
+  void take(const TileRejoined& rejoined);
   void lost_coordinator(const caf::down_msg& down);
   void abandon(TileId tile, Failure failure);
   void stop(Failure failure);
   void dispatch();
   void end();
   void tell_progress(bool now);
-  bool knows(TileId tile) const { return tile.value < part_->points.size() && part_->points[tile.value] > 0; }
+  void note(TileId tile, Totals totals);
+  bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   struct Figures {  // of one tile
     Totals totals;
@@ -74,6 +85,9 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   Schedule schedule_;
   std::vector<Figures> tiles_;
   std::vector<Hosted> hosted_;
+  std::shared_ptr<const Table> table_;
+  std::vector<Update> early_;     // of epochs whose table is still to come
+  std::uint32_t rejoining_ = 0;   // tiles that do not yet go by the table
   Totals totals_;  // sums over tiles
   PartEnded sum_;
   Prepared<PartEnded> last_word_;
@@ -81,7 +95,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::chrono::milliseconds progress_interval_;
   std::chrono::steady_clock::time_point progress_told_{};
   std::optional<Failure> failure_;
-  bool opened_ = false, told_begun_ = false, told_settled_ = false, ended_ = false;
+  bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false;
 };
 
 }  // namespace tessera

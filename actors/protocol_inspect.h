@@ -30,23 +30,33 @@ TESSERA_MESSAGE(TileFailed, x.tile, x.failure)
 TESSERA_MESSAGE(TileStored, x.tile, x.failure, x.entry)
 TESSERA_MESSAGE(Parcel, x.updates)
 TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator)
-TESSERA_MESSAGE(BeginPart, x.parts, x.settled)
+TESSERA_MESSAGE(Rejoin)
+TESSERA_MESSAGE(TileRejoined, x.tile, x.epoch, x.sent, x.processed, x.waiting)
+TESSERA_MESSAGE(Table, x.epoch, x.nodes, x.incarnations)
+TESSERA_MESSAGE(BeginPart, x.parts, x.table, x.settled)
+TESSERA_MESSAGE(ChangeTable, x.table, x.parts)
 TESSERA_MESSAGE(Probe, x.wave)
 TESSERA_MESSAGE(Settle)
 TESSERA_MESSAGE(Collect)
+TESSERA_MESSAGE(Finish)
+TESSERA_MESSAGE(Release, x.points)
 TESSERA_MESSAGE(Suspend)
 TESSERA_MESSAGE(Abort)
-TESSERA_MESSAGE(PartOpened, x.node, x.failure, x.part, x.settled)
+TESSERA_MESSAGE(PartOpened, x.node, x.failure, x.part, x.settled, x.threads)
 TESSERA_MESSAGE(PartBegun, x.node)
 TESSERA_MESSAGE(PartIdle, x.node)
-TESSERA_MESSAGE(PartTally, x.node, x.wave, x.idle, x.sent, x.processed)
-TESSERA_MESSAGE(PartSettled, x.node)
+TESSERA_MESSAGE(PartTally, x.node, x.epoch, x.wave, x.idle, x.sent, x.processed)
+TESSERA_MESSAGE(PartSettled, x.node, x.epoch)
+TESSERA_MESSAGE(PartCollected, x.node, x.epoch)
+TESSERA_MESSAGE(PartReleased, x.node, x.tiles)
 TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
                 x.updates_processed, x.points_sent, x.memory_bytes, x.spans)
 TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
 TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.updates, x.hops, x.sleeps, x.most_received, x.begin_us,
                 x.splay_us, x.collect_us)
 TESSERA_MESSAGE(Cancel)
+TESSERA_MESSAGE(NodeLost, x.node)
+TESSERA_MESSAGE(NodeJoined, x.node)
 TESSERA_MESSAGE(Leave)
 #undef TESSERA_MESSAGE
 
@@ -70,12 +80,12 @@ inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
 // Updates: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
 inline caf::error inspect(caf::serializer& f, Update& x) {
   std::uint64_t n = x.points.size();
-  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
 inline caf::error inspect(caf::deserializer& f, Update& x) {
   std::uint64_t n = 0;
-  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.hops, n)) return failed;
+  if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
   if (n > update_points_max) return caf::sec::invalid_argument;  // before memory is taken
   x.points.resize(n);
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
@@ -88,24 +98,33 @@ CAF_ADD_TYPE_ID(tessera, (tessera::Abort))
 CAF_ADD_TYPE_ID(tessera, (tessera::Update))
 CAF_ADD_TYPE_ID(tessera, (tessera::BeginPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Cancel))
+CAF_ADD_TYPE_ID(tessera, (tessera::ChangeTable))
 CAF_ADD_TYPE_ID(tessera, (tessera::Collect))
+CAF_ADD_TYPE_ID(tessera, (tessera::Finish))
 CAF_ADD_TYPE_ID(tessera, (tessera::Grant))
 CAF_ADD_TYPE_ID(tessera, (tessera::Leave))
 CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
+CAF_ADD_TYPE_ID(tessera, (tessera::NodeJoined))
+CAF_ADD_TYPE_ID(tessera, (tessera::NodeLost))
 CAF_ADD_TYPE_ID(tessera, (tessera::OpenPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Parcel))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartBegun))
+CAF_ADD_TYPE_ID(tessera, (tessera::PartCollected))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartEnded))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartIdle))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartOpened))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartProgress))
+CAF_ADD_TYPE_ID(tessera, (tessera::PartReleased))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartSettled))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartTally))
 CAF_ADD_TYPE_ID(tessera, (tessera::Probe))
+CAF_ADD_TYPE_ID(tessera, (tessera::Rejoin))
+CAF_ADD_TYPE_ID(tessera, (tessera::Release))
 CAF_ADD_TYPE_ID(tessera, (tessera::Settle))
 CAF_ADD_TYPE_ID(tessera, (tessera::Suspend))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileDone))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileFailed))
+CAF_ADD_TYPE_ID(tessera, (tessera::TileRejoined))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileReport))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileStored))
 CAF_END_TYPE_ID_BLOCK(tessera)

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <caf/all.hpp>
+#include <cstdlib>
 #include <map>
 #include <random>
 #include <utility>
 
 #include "actors/coordinator.h"
+#include "actors/harness/losses.h"
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/network.h"
 #include "actors/harness/seeded_scheduler.h"
@@ -32,23 +34,34 @@ class DeterministicConfig : public caf::actor_system_config {
 class Truth final : public ExchangeWatch {
  public:
   explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
-  void sent(Peer self, Totals now) override {
-    ++under_way_;
+  void sent(Peer from, Peer to, Totals now) override {
+    const Turn ours(memory_faults_, false);
     ++sent_;
-    note(self, now);
+    ++under_way_;
+    ++by_pair_[{from, to}];
+    note(from, now);
   }
-  void processed(Peer self, Totals now) override {
+  void processed(Peer from, Peer to, Totals now) override {
+    const Turn ours(memory_faults_, false);
     --under_way_;
-    note(self, now);
+    --by_pair_[{from, to}];
+    note(to, now);
   }
-  std::int64_t under_way() const { return under_way_; }
+  void rejoined(Peer self, Totals now) override { note(self, now); }
+  // Updates that have been sent and not processed, between tiles that live.
+  std::int64_t under_way(const Table& table) const {
+    std::int64_t sum = 0;
+    for (const auto& [pair, updates] : by_pair_) {
+      if (table.alive(pair.first) && table.alive(pair.second)) sum += std::abs(updates);
+    }
+    return sum;
+  }
   std::uint64_t sent() const { return sent_; }
-  // Whether the counters of all tiles differ by what is under way.
+  // Whether the counters of all tiles differ by what is under way. As long as no tile has begun again.
   bool agrees() const { return counted_ == under_way_; }
 
  private:
   void note(Peer self, Totals now) {
-    const Turn ours(memory_faults_, false);
     Totals& before = totals_[self];
     counted_ +=
         static_cast<std::int64_t>(now.sent - before.sent) - static_cast<std::int64_t>(now.processed - before.processed);
@@ -56,6 +69,7 @@ class Truth final : public ExchangeWatch {
   }
   MemoryFaults* memory_faults_;
   std::map<Peer, Totals> totals_;
+  std::map<std::pair<Peer, Peer>, std::int64_t> by_pair_;
   std::int64_t under_way_ = 0, counted_ = 0;
   std::uint64_t sent_ = 0;
 };
@@ -63,7 +77,7 @@ class Truth final : public ExchangeWatch {
 struct Outcome {
   std::string failure;  // of the harness: what must not be
   std::optional<RunEnded> ended;
-  std::uint64_t steps = 0, updates = 0;
+  std::uint64_t steps = 0, updates = 0, epochs = 0;
 };
 
 class Owner final : public RunOwner {
@@ -96,25 +110,35 @@ class Life {
     const NetworkHandle network = system.spawn<Network>(network_state, options_.trace, rng_(), setting_.patience);
     const auto source = std::make_shared<MemoryParts>(setting_, storage_, truth_);
     std::vector<NodeHandle> nodes;
-    for (std::uint32_t n = 0; n < setting_.nodes; ++n) {
+    const auto spawn = [&](NodeId home) {
+      const Turn ours(options_.memory_faults, false);
       NodeOptions node;
       node.memory_bytes = ~std::uint64_t{0};
       node.progress_interval = std::chrono::hours(24);
-      node.hooks = {options_.trace, network};
+      node.hooks = {options_.trace, network, home};
       nodes.push_back(system.spawn<NodeActor>(std::move(node), source));
-    }
+      return nodes.back();
+    };
+    for (std::uint32_t n = 0; n < setting_.nodes; ++n) spawn(NodeId{n});
+    Losses losses(options_.faults, setting_.nodes, rng_);
     scheduler.run_all();  // from here on nodes and network wait for messages
     CoordinatorOptions job;
     job.spec = setting_.spec;
     job.mark_settled = [this](bool settled) -> Status {
       storage_.settled = settled;
+      if (!settled) storage_.forget_settled();
       return success();
     };
-    job.on_quiet = [&] {
+    for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
+      job.points.push_back(setting_.tiles[t].size());
+      if (!setting_.tiles[t].empty()) job.order.push_back(TileId{t});
+    }
+    job.on_quiet = [&](const Table& table) {
       const Turn ours(options_.memory_faults, false);
       tell("coordinator: quiet");
-      if (network_state.held > 0 || truth_.under_way() != 0) {
-        outcome.failure = "quiescence believed with " + std::to_string(truth_.under_way()) + " updates not processed";
+      outcome.epochs = table.epoch;
+      if (const auto under_way = truth_.under_way(table); under_way != 0) {
+        outcome.failure = "quiescence believed with " + std::to_string(under_way) + " updates not processed";
       }
     };
     storage_.take_reads();
@@ -125,13 +149,19 @@ class Life {
         if (end == End::kill) break;
         caf::anon_send(coordinator, Cancel{});
       }
+      losses.at(outcome.steps, scheduler, coordinator, spawn, options_.trace);
       // A store may end at any moment, or when nothing else is left to happen.
       if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
-      if (!step(scheduler, outcome) && !storage_.store_one(rng_)) break;
+      if (!step(scheduler, outcome) && !storage_.store_one(rng_)) {
+        if (owner.end() || !losses.next_step()) break;
+        outcome.steps = std::max(outcome.steps, *losses.next_step());
+        continue;
+      }
       ++outcome.steps;
-      if (!truth_.agrees()) outcome.failure = "the counters of the tiles do not tell what is under way";
+      if (!losses.any() && !truth_.agrees()) outcome.failure = "the counters of the tiles do not tell what is under way";
     }
     outcome.ended = owner.end();
+    losses.thaw(scheduler, losses.nodes());
     for (const NodeHandle& node : nodes) caf::anon_send_exit(node, caf::exit_reason::kill);
     caf::anon_send_exit(network, caf::exit_reason::kill);
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
@@ -144,7 +174,7 @@ class Life {
       outcome.failure = "no end after " + std::to_string(outcome.steps) + " steps";
     }
     const bool settled = outcome.ended && !outcome.ended->failure && outcome.ended->waves == 0;  // from the start
-    if (settled && storage_.take_reads() > 1) {
+    if (settled && !losses.any() && storage_.take_reads() > 1) {
       outcome.failure = "a run that was settled reads what it is built from more than once";
     }
     return outcome;
@@ -188,7 +218,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   MemoryStorage storage(options.dimension, setting.tiles);
   storage.late_stores = setting.late_stores;
   storage.memory_faults = options.memory_faults;
-  if (options.faults) storage.fault = draw_fault(rng);
+  if (options.faults.storage) storage.fault = draw_fault(rng);
   const auto fail = [&](const std::string& failure) {
     report.failed_seed = seed;
     report.failure = failure;
@@ -205,6 +235,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     if (out_of_memory) ++lives_max;
     report.steps += outcome.steps;
     report.updates += outcome.updates;
+    report.epochs += outcome.epochs;
     if (!outcome.failure.empty()) return fail(outcome.failure);
     if (outcome.ended) {
       report.waves += outcome.ended->waves;
@@ -216,7 +247,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
       }
       const auto code = static_cast<Errc>(outcome.ended->failure.code);
       const bool cancelled = end == End::cancel && code == Errc::interrupted;
-      const bool faulty = (options.faults && !storage.fault) || (out_of_memory && code == Errc::memory);
+      const bool faulty = (options.faults.storage && !storage.fault) || (out_of_memory && code == Errc::memory);
       if (!cancelled && !faulty) return fail(outcome.ended->failure.text);
       if (!cancelled) ++report.failures;
     }

@@ -14,11 +14,6 @@ PeerCounters::Count& PeerCounters::at(Peer peer) {
   return *found;
 }
 
-void PeerCounters::forget(Peer peer) {
-  const auto found = place(peer);
-  if (found != count_.end() && found->peer == peer) count_.erase(found);
-}
-
 Totals PeerCounters::totals() const {
   Totals sum;
   for (const Count& c : count_) sum += {c.sent, c.processed};

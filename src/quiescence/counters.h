@@ -32,8 +32,11 @@ class PeerCounters {
  public:
   void add_sent(Peer peer) { ++at(peer).sent; }
   void add_processed(Peer peer) { ++at(peer).processed; }
-  // The dead incarnation's messages vanish from both sides of the sum.
-  void forget(Peer peer);
+  // What was exchanged with dead incarnations vanishes from both sides of the sum.
+  template <class Dead>
+  void forget_if(const Dead& dead) {
+    std::erase_if(count_, [&](const Count& c) { return dead(c.peer); });
+  }
   Totals totals() const;
   std::size_t memory() const { return count_.capacity() * sizeof(Count); }
 

@@ -17,10 +17,11 @@ Status Mail::add(Update update, TileStorage& storage) {
 
 Status Mail::spill(TileStorage& storage) {
   FlatWriter out;
-  out.reserve(held_points_ * sizeof(SharedPoint) + held_.size() * 32);
+  out.reserve(held_points_ * sizeof(SharedPoint) + held_.size() * 40);
   for (const Update& update : held_) {
     out.value(update.from);
     out.value(update.to);
+    out.value(update.epoch);
     out.value(update.hops);
     out.list(update.points);
   }
@@ -39,7 +40,10 @@ Result<std::vector<Update>> Mail::take(TileStorage& storage) {
       FlatReader in(piece);
       while (!in.at_end()) {
         Update update;
-        if (!in.value(update.from) || !in.value(update.to) || !in.value(update.hops) || !in.list(update.points)) break;
+        if (!in.value(update.from) || !in.value(update.to) || !in.value(update.epoch) || !in.value(update.hops) ||
+            !in.list(update.points)) {
+          break;
+        }
         points += update.points.size();
         all.push_back(std::move(update));
       }

@@ -10,6 +10,7 @@
 #include "src/base/result.h"
 #include "src/run/heap_trim.h"
 #include "src/run/schedule.h"
+#include "src/run/table.h"
 #include "src/run/tile_state.h"
 
 namespace tessera {
@@ -33,12 +34,9 @@ struct RunOptions {
 // Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
 struct PartSpec : RunOptions {
   std::string run_folder, out_folder;
-  // By tile: its node, and which incarnation of it lives there. Empty: all on node 0, incarnation 0.
-  std::vector<NodeId> nodes;
-  std::vector<std::uint32_t> incarnations;
+  Table table;  // as it is when the part is opened
 
   friend bool operator==(const PartSpec&, const PartSpec&) = default;
-  NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
 };
 std::string to_bytes(const PartSpec& spec);
 Result<PartSpec> spec_from_bytes(const std::string& bytes);
@@ -48,7 +46,8 @@ struct Part {
   virtual ~Part() = default;
   TileContext context;
   ScheduleOptions schedule;
-  std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
+  std::vector<std::uint64_t> tile_points;  // by tile, of the whole run
+  std::vector<std::uint64_t> points;       // the same of those here: 0 where there is none, or another node's
   std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
   HeapTrim heap_trim;
   bool settled = false;  // all was quiet once, and each tile not stored has left what it is built from

@@ -13,7 +13,7 @@
 namespace tessera {
 
 TileState::TileState(Peer self, const TileContext& context)
-    : self_(self), context_(context), mail_(self.tile, context.mail_points_max) {}
+    : self_(self), context_(context), table_(context.table), mail_(self.tile, context.mail_points_max) {}
 
 Error TileState::damaged(const char* what) const {
   return error(Errc::corrupt, "tile " + std::to_string(self_.tile.value) + ": its " + what + " on disk is damaged");
@@ -72,6 +72,7 @@ Result<bool> TileState::restore() {
 }
 
 Status TileState::receive(Update update) {
+  if (dead(update)) return success();
   if (phase_ == Phase::gone) {
     return error(Errc::internal, "tile " + std::to_string(self_.tile.value) + " got mail after quiescence");
   }
@@ -79,16 +80,24 @@ Status TileState::receive(Update update) {
   return mail_.add(std::move(update), *context_.storage);
 }
 
+void TileState::rejoin(std::shared_ptr<const Table> table) {
+  if (table->epoch <= table_->epoch) return;
+  table_ = std::move(table);
+  counters_.forget_if([&](Peer peer) { return table_->dead(peer); });
+  if (context_.watch) context_.watch->rejoined(self_, counters_.totals());
+}
+
 Status TileState::splay() {
   BOOST_OUTCOME_TRYV(wake());
   BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
+  std::erase_if(mail, [&](const Update& update) { return dead(update); });
   hops_ = std::max(hops_, std::exchange(waiting_hops_, 0));
   BOOST_OUTCOME_TRYV(insert(mail));
   triangulation_->introduce();
   imaged_ = false;
   for (const Update& update : mail) {
     counters_.add_processed(update.from);
-    if (context_.watch) context_.watch->processed(self_, counters_.totals());
+    if (context_.watch) context_.watch->processed(update.from, self_, counters_.totals());
   }
   counts_ = triangulation_->counts();
   return success();
@@ -127,30 +136,26 @@ std::vector<Update> TileState::take_outgoing() {
   if (!triangulation_) return out;
   // What it has heard first, the seeds and what its neighbours announce, it processes together.
   if (triangulation_->due() && !std::exchange(called_, true)) {
-    counters_.add_sent(self_);
-    ++updates_sent_;
-    if (context_.watch) context_.watch->sent(self_, counters_.totals());
-    out.push_back({self_, self_, hops_ + 1, {}});
+    out.push_back(outgoing(self_, {}));
   }
   for (auto& [tile, points] : triangulation_->take_updates()) {
-    const Peer to{tile, context_.incarnations.empty() ? 0 : context_.incarnations[tile.value]};
     const std::size_t n = points.size();
     for (std::size_t begin = 0; begin < n; begin += update_points_max) {
       const std::size_t end = std::min(n, begin + update_points_max);
-      Update update{self_, to, hops_ + 1, {}};
-      if (end - begin == n) {
-        update.points = std::move(points);
-      } else {
-        const auto first = points.begin();
-        update.points.assign(first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end));
-      }
-      counters_.add_sent(to);
-      ++updates_sent_;
-      if (context_.watch) context_.watch->sent(self_, counters_.totals());
-      out.push_back(std::move(update));
+      const auto first = points.begin() + static_cast<std::ptrdiff_t>(begin);
+      out.push_back(outgoing(table_->peer_of(tile),
+                             end - begin == n ? std::move(points)
+                                              : std::vector(first, points.begin() + static_cast<std::ptrdiff_t>(end))));
     }
   }
   return out;
+}
+
+Update TileState::outgoing(Peer to, std::vector<SharedPoint> points) {
+  counters_.add_sent(to);
+  ++updates_sent_;
+  if (context_.watch) context_.watch->sent(self_, to, counters_.totals());
+  return {self_, to, table_->epoch, hops_ + 1, std::move(points)};
 }
 
 Status TileState::sleep() {
@@ -228,13 +233,18 @@ Result<FinalCells> TileState::take_finals() {
 // The star of a point among the tile's own points and their neighbours is its star among all points, and more points
 // change nothing: all foreign vertices are written, which include the neighbours.
 Status TileState::settle() {
-  if (phase_ != Phase::awake || imaged_) return success();
+  if (context_.many_nodes) {
+    BOOST_OUTCOME_TRYV(wake());
+  } else if (phase_ != Phase::awake || imaged_) {
+    return success();
+  }
   const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
   return context_.storage->write(self_.tile, ScratchKind::settled, std::as_bytes(std::span(foreign)));
 }
 
 Status TileState::build_settled() {
   BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::settled));
+  if (pieces.empty() && context_.many_nodes) return damaged("list of foreign vertices");
   if (pieces.empty()) {  // it slept when all was quiet
     BOOST_OUTCOME_TRY(restored, restore());
     if (!restored) return damaged("image");

@@ -15,6 +15,7 @@
 #include "src/base/result.h"
 #include "src/quiescence/counters.h"
 #include "src/run/mail.h"
+#include "src/run/table.h"
 #include "src/run/tile_storage.h"
 #include "src/run/update.h"
 #include "src/tile/tile_triangulation.h"
@@ -25,8 +26,10 @@ namespace tessera {
 class ExchangeWatch {
  public:
   virtual ~ExchangeWatch() = default;
-  virtual void sent(Peer self, Totals now) = 0;
-  virtual void processed(Peer self, Totals now) = 0;
+  // `now`: of the tile that has sent, has processed, or has a new table.
+  virtual void sent(Peer from, Peer to, Totals now) = 0;
+  virtual void processed(Peer from, Peer to, Totals now) = 0;
+  virtual void rejoined(Peer self, Totals now) = 0;
 };
 
 // What all tiles of a job on one node have in common, read-only.
@@ -37,8 +40,9 @@ struct TileContext {
   bool reduce = false;
   std::vector<Box> boxes;  // by tile; a tile with the empty box has no final cells, and announces nothing
   Surroundings around;
-  std::vector<std::uint32_t> incarnations;            // by tile; empty: all 0
-  std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
+  std::shared_ptr<const Table> table = std::make_shared<const Table>();  // that the part was opened with
+  bool many_nodes = false;  // images are no use to those who come after: everybody settles
+  std::uint64_t mail_points_max = ~std::uint64_t{0};                     // that a tile keeps in memory
   TileStorage* storage = nullptr;
   ExchangeWatch* watch = nullptr;
 };
@@ -49,7 +53,11 @@ class TileState {
 
   // From the image an earlier process has left, if there is a sound one, else from the tile's points.
   Status begin();
+  // Drops what a dead tile sent, or what was sent to an earlier life of this one.
   Status receive(Update update);
+  // Tiles were reborn: from now on nothing from their dead incarnations counts. In any phase, and at once: neither the
+  // triangulation nor scratch is touched. A table that is no newer than the tile's changes nothing.
+  void rejoin(std::shared_ptr<const Table> table);
   // Processes all mail that waits. No update is counted as processed before its points are in.
   Status splay();
   // Leaves an image on scratch, from which the tile also begins in a resumed run.
@@ -86,16 +94,19 @@ class TileState {
   Status put_finals(const FinalCells& finals);
   Result<FinalCells> take_finals();
   Error damaged(const char* what) const;
+  bool dead(const Update& update) const { return update.to != self_ || table_->dead(update.from); }
+  Update outgoing(Peer to, std::vector<SharedPoint> points);
   TileOptions options() const {
     return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around};
   }
 
   Peer self_;
   const TileContext& context_;
+  std::shared_ptr<const Table> table_;
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;     // kept while the tile is whole in memory
-  bool called_ = false;   // to its first splay, by mail to itself
+  bool called_ = false;   // to its first splay, or to one after a loss, by mail to itself
   bool imaged_ = false;   // the image on scratch is the tile's present state
   bool earlier_ = false;  // it is an earlier process's, though
   std::uint64_t own_points_ = 0;

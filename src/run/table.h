@@ -1,0 +1,29 @@
+// Who hosts which tile, and in which of its lives. The coordinator makes a table of the next epoch whenever a node is
+// lost: the tiles that it hosted are reborn, each as the next incarnation, on nodes that live.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/quiescence/counters.h"
+
+namespace tessera {
+
+struct Table {
+  std::uint64_t epoch = 0;
+  // By tile. Empty: all on node 0, all incarnation 0.
+  std::vector<NodeId> nodes;
+  std::vector<std::uint32_t> incarnations;
+
+  NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
+  // The tile's living incarnation.
+  Peer peer_of(TileId tile) const { return {tile, incarnations.empty() ? 0 : incarnations[tile.value]}; }
+  bool alive(Peer peer) const { return peer == peer_of(peer.tile); }
+  // Known to have died. A younger one than the table's is neither alive nor dead: a later table tells of it.
+  bool dead(Peer peer) const { return peer.incarnation < peer_of(peer.tile).incarnation; }
+
+  friend bool operator==(const Table&, const Table&) = default;
+};
+
+}  // namespace tessera
