@@ -175,7 +175,8 @@ void PartActor::change_table(ChangeTable& change) {
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
   PartReleased released{self_, {}};
-  if (!failure_ && opened_ && schedule_.stage() != Schedule::Stage::settling) released.tiles = schedule_.release(wanted.points);
+  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling;
+  if (can) released.tiles = schedule_.release(wanted.points);
   for (const TileId tile : released.tiles) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
     hosted->leave.say(hosted->handle);

@@ -27,6 +27,8 @@ Status TileState::begin() {
   }
   counts_ = triangulation_->counts();
   phase_ = Phase::awake;
+  // What it has heard by then, the seeds and what its neighbours announce, it processes together.
+  call_ = triangulation_->due();
   return success();
 }
 
@@ -81,7 +83,13 @@ Status TileState::receive(Update update) {
 }
 
 void TileState::rejoin(std::shared_ptr<const Table> table) {
-  if (table->epoch <= table_->epoch) return;
+  if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
+  if (phase_ != Phase::fresh) {
+    for (std::uint32_t t = 0; t < context_.around.tiles(); ++t) {
+      if (TileId{t} != self_.tile && table->peer_of(TileId{t}) != table_->peer_of(TileId{t})) reborn_.insert(TileId{t});
+    }
+    call_ |= !reborn_.empty();
+  }
   table_ = std::move(table);
   counters_.forget_if([&](Peer peer) { return table_->dead(peer); });
   if (context_.watch) context_.watch->rejoined(self_, counters_.totals());
@@ -91,7 +99,15 @@ Status TileState::splay() {
   BOOST_OUTCOME_TRYV(wake());
   BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
   std::erase_if(mail, [&](const Update& update) { return dead(update); });
+  for (Update& update : mail) {
+    if (update.epoch == table_->epoch) continue;
+    for (SharedPoint& p : update.points) p.told = 0;
+  }
   hops_ = std::max(hops_, std::exchange(waiting_hops_, 0));
+  if (!reborn_.empty()) {
+    triangulation_->replay_to(std::vector(reborn_.begin(), reborn_.end()));
+    reborn_.clear();
+  }
   BOOST_OUTCOME_TRYV(insert(mail));
   triangulation_->introduce();
   imaged_ = false;
@@ -133,11 +149,8 @@ Status TileState::insert(const std::vector<Update>& mail) {
 
 std::vector<Update> TileState::take_outgoing() {
   std::vector<Update> out;
+  if (std::exchange(call_, false)) out.push_back(outgoing(self_, {}));
   if (!triangulation_) return out;
-  // What it has heard first, the seeds and what its neighbours announce, it processes together.
-  if (triangulation_->due() && !std::exchange(called_, true)) {
-    out.push_back(outgoing(self_, {}));
-  }
   for (auto& [tile, points] : triangulation_->take_updates()) {
     const std::size_t n = points.size();
     for (std::size_t begin = 0; begin < n; begin += update_points_max) {

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "src/base/result.h"
@@ -55,8 +56,9 @@ class TileState {
   Status begin();
   // Drops what a dead tile sent, or what was sent to an earlier life of this one.
   Status receive(Update update);
-  // Tiles were reborn: from now on nothing from their dead incarnations counts. In any phase, and at once: neither the
-  // triangulation nor scratch is touched. A table that is no newer than the tile's changes nothing.
+  // Tiles were reborn: from now on nothing from their dead incarnations counts, and if this tile has begun, it calls
+  // itself to a splay (take_outgoing()), in which it first tells again what may have been lost. In any phase, and at
+  // once: neither the triangulation nor scratch is touched. A table that is no newer than the tile's changes nothing.
   void rejoin(std::shared_ptr<const Table> table);
   // Processes all mail that waits. No update is counted as processed before its points are in.
   Status splay();
@@ -103,10 +105,11 @@ class TileState {
   Peer self_;
   const TileContext& context_;
   std::shared_ptr<const Table> table_;
+  std::set<TileId> reborn_;  // since its last splay
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
   LoadedTile points_;     // kept while the tile is whole in memory
-  bool called_ = false;   // to its first splay, or to one after a loss, by mail to itself
+  bool call_ = false;     // itself to a splay, by mail: to its first, and to one after a loss
   bool imaged_ = false;   // the image on scratch is the tile's present state
   bool earlier_ = false;  // it is an earlier process's, though
   std::uint64_t own_points_ = 0;

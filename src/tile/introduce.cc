@@ -31,9 +31,7 @@ void TileTriangulation::introduce() {
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
     check(!again.inserted, "what conflicts with no local star never will");
     for (const Vertex w : around_) {
-      const std::uint32_t bit = options_.around->bit(r.point.tile, owners_[w]);
-      const bool heard = owners_[w] == r.from || (r.point.told & bit) != 0;
-      if (!heard && !told(r.point.tile, w)) share(w, r.point.tile);
+      if (!knows(r.point.tile, w) && !heard(owners_[w], r) && !told(r.point.tile, w)) share(w, r.point.tile);
     }
   }
   refused_.clear();
@@ -54,10 +52,22 @@ bool TileTriangulation::knows(TileId tile, Vertex v) const {
   return owners_[v] == tile || sent_.has(v, tile) || knew(tile, v);
 }
 
-// By somebody. From now on it counts as told by this tile, too: so it is told again after a restart.
+// By somebody. From now on it counts as told by this tile, too: so it is told again after a restart or a loss.
 bool TileTriangulation::told(TileId tile, Vertex v) {
   if (told_[v] == 0 || (told_[v] & options_.around->bit(owners_[v], tile)) == 0) return false;
-  sent_.add(v, tile);
+  if (sent_.add(v, tile)) relied_.push_back(std::uint64_t{v} << 32 | tile.value);
+  return true;
+}
+
+// Whether a tile has been told of a point that was refused. That one is no vertex, and has no place in the sent-set.
+bool TileTriangulation::heard(TileId tile, const Refused& refused) {
+  const SharedPoint& p = refused.point;
+  const bool itself = tile == refused.from;
+  if (!itself && (p.told & options_.around->bit(p.tile, tile)) == 0) return false;
+  for (auto r = refused_relied_.rbegin(); r != refused_relied_.rend() && r->point.id == p.id; ++r) {
+    if (r->tile == tile) return true;  // a neighbour of it, too
+  }
+  refused_relied_.push_back({{p.at, p.id, p.tile, 0}, tile, itself ? 0u : 1u});
   return true;
 }
 
@@ -103,6 +113,10 @@ std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() {
     auto& points = out[tile];
     points.reserve(list.size());
     for (const Vertex v : list) points.push_back(shared(v));
+  }
+  for (auto& [tile, list] : std::exchange(refused_updates_, {})) {
+    auto& points = out[tile];
+    points.insert(points.end(), list.begin(), list.end());
   }
   return out;
 }

@@ -1,13 +1,15 @@
 // What outlives a tile's triangulation. A sleeping tile as bytes: counts first, then flat arrays. Read back on the
 // machine and by the version that wrote it, so layout and byte order are the memory's own; lengths and ranges are
 // checked all the same.
+#include <algorithm>
+
 #include "src/base/flat_codec.h"
 #include "src/tile/tile_triangulation.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t magic = 0x3465676d49454c54u;
+constexpr std::uint64_t magic = 0x3565676d49454c54u;
 
 struct KnownSeed {
   std::uint64_t vertex;
@@ -21,7 +23,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   KernelImage image = kernel_->save();
   const std::vector<std::uint64_t> sent = sent_.keys();
   out.reserve(image.points.size() * 48 + image.cells.vertices.size() * 8 + sent.size() * 8 + seeds_.size() * 16 +
-              open_cells_.size() * 16 + 1024);
+              open_cells_.size() * 16 + relied_.size() * 8 + refused_relied_.size() * sizeof(RefusedRelied) + 1024);
   out.value(magic);
   out.value(options_.self);
   out.value(static_cast<std::int32_t>(options_.dimension));
@@ -45,6 +47,8 @@ std::vector<std::byte> TileTriangulation::save() const {
   out.value(due_);
   out.value(static_cast<std::uint8_t>(seeded_));
   out.list(sent);
+  out.list(relied_);
+  out.list(refused_relied_);
   out.list(std::vector<CellKey>(open_cells_.begin(), open_cells_.end()));
   return out.take();
 }
@@ -60,7 +64,8 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   KernelImage image;
   std::vector<PointId> ids;
   std::vector<TileId> owners;
-  std::vector<std::uint64_t> sent;
+  std::vector<std::uint64_t> sent, relied;
+  std::vector<RefusedRelied> refused_relied;
   std::vector<std::uint32_t> told, ranks;
   std::vector<KnownSeed> seeds;
   Vertex due = 0;
@@ -71,7 +76,8 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
                     in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
                     in.list(image.cells.vertices) && in.list(image.cells.neighbors) && in.value(image.frozen) &&
                     in.list(ids) && in.list(owners) && in.list(told) && in.list(ranks) && in.list(seeds) &&
-                    in.value(due) && in.value(seeded) && in.list(sent) && in.list(open_cells) && in.at_end();
+                    in.value(due) && in.value(seeded) && in.list(sent) && in.list(relied) && in.list(refused_relied) &&
+                    in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
@@ -80,8 +86,8 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   for (const auto& seed : seeds) {
     if (seed.vertex >= n) return false;
   }
-  for (const std::uint64_t key : sent) {
-    if (key >> 32 >= n) return false;
+  for (const auto* pairs : {&sent, &relied}) {
+    if (std::any_of(pairs->begin(), pairs->end(), [&](std::uint64_t pair) { return pair >> 32 >= n; })) return false;
   }
   // A tile wakes up when memory is short: no more than two copies of it at a time.
   std::vector<std::byte>().swap(bytes);
@@ -105,28 +111,12 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
   sent_ = {};
   for (const std::uint64_t key : sent)
     sent_.add(static_cast<Vertex>(key >> 32), TileId{static_cast<std::uint32_t>(key)});
+  relied_ = std::move(relied);
+  refused_relied_ = std::move(refused_relied);
+  for (const RefusedRelied& r : refused_relied_) foreign_.insert({r.point.id, 0});  // it stays refused
   open_cells_ = {open_cells.begin(), open_cells.end()};
   updates_.clear();
   return true;
-}
-
-void TileTriangulation::replay() {
-  forget_words();
-  for (const std::uint64_t key : sent_.keys()) {
-    const auto v = static_cast<Vertex>(key >> 32);
-    const TileId tile{static_cast<std::uint32_t>(key)};
-    if (owners_[v] == tile) continue;
-    updates_[tile].push_back(v);
-    ++counts_.sent;
-  }
-}
-
-void TileTriangulation::forget_words() {
-  std::fill(told_.begin(), told_.end(), 0);
-  for (const std::uint64_t key : sent_.keys()) {
-    const auto v = static_cast<Vertex>(key >> 32);
-    told_[v] |= options_.around->bit(owners_[v], TileId{static_cast<std::uint32_t>(key)});
-  }
 }
 
 std::vector<SharedPoint> TileTriangulation::foreign_vertices() const {

@@ -283,7 +283,8 @@ std::size_t TileTriangulation::memory() const {
   std::size_t bytes = (kernel_ ? kernel_->memory() : 0) + ids_.capacity() * 8 + owners_.capacity() * 4 +
                       told_.capacity() * 4 + ranks_.capacity() * 4;
   bytes += foreign_.bucket_count() * 24 + sent_.memory() + seeds_.bucket_count() * 24 +
-           refused_.capacity() * sizeof(Refused) + open_cells_.bucket_count() * 24;
+           refused_.capacity() * sizeof(Refused) + relied_.capacity() * 8 +
+           refused_relied_.capacity() * sizeof(RefusedRelied) + open_cells_.bucket_count() * 24;
   for (const auto& [tile, list] : updates_) bytes += list.capacity() * sizeof(Vertex);
   return bytes;
 }

@@ -76,6 +76,9 @@ class TileTriangulation {
   // Everything that this tile has ever told others, or heard from them of points they do not own, becomes updates once
   // more: the way back into the exchange of a tile that begins from an image (docs/design.md, section 3).
   void replay();
+  // Tiles (ascending) were reborn and know nothing: the same for these alone. Others may have died before what they had
+  // told, as this tile was told, arrived: what it has relied on becomes updates, too, whomever it is for.
+  void replay_to(std::span<const TileId> reborn);
   // Whom others have told of what: an earlier process's word, which holds no more. What this tile has told stays, for
   // it tells it again.
   void forget_words();
@@ -106,6 +109,10 @@ class TileTriangulation {
   std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
   Result<Vertex> add_foreign(const SharedPoint& p, bool always, std::vector<Vertex>& around);
+  struct Refused {
+    SharedPoint point;
+    TileId from;
+  };
   Error refuse(TileId from, const SharedPoint& p) const;
   void add_seed(const Seed& seed);
   void introduce(Vertex v, Vertex neighbour);
@@ -115,6 +122,8 @@ class TileTriangulation {
   bool note(Vertex v, TileId tile);
   void hear(Vertex v, TileId from, const SharedPoint& p);
   bool told(TileId tile, Vertex v);
+  bool heard(TileId tile, const Refused& refused);
+  void replay_if(const std::function<bool(TileId)>& reborn);
   SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
   void share(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> points);
@@ -132,15 +141,20 @@ class TileTriangulation {
   std::vector<std::uint32_t> told_;       // by vertex: SharedPoint::told
   tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and how far they reach
   Vertex due_ = 1;                        // the first vertex that has not been introduced
-  struct Refused {
+  std::vector<Refused> refused_;          // not introduced yet
+  // This tile has not told it, for others have: told() of a vertex, and of a refused point. All of one life.
+  std::vector<std::uint64_t> relied_;  // vertex << 32 | tile, in the sent-set as well
+  struct RefusedRelied {
     SharedPoint point;
-    TileId from;
+    TileId tile;                // that has heard of it
+    std::uint32_t by_word = 0;  // as others said; else it has said so itself, or has been told by this tile
   };
-  std::vector<Refused> refused_;  // not introduced yet
-  bool seeded_ = false;           // all seeds are in
+  std::vector<RefusedRelied> refused_relied_;
+  bool seeded_ = false;  // all seeds are in
   bool reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<TileId, std::vector<Vertex>> updates_;
+  std::map<TileId, std::vector<SharedPoint>> refused_updates_;
   ExchangeCounts counts_;
   std::vector<Vertex> around_;  // scratch
 };

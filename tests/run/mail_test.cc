@@ -30,7 +30,7 @@ class Scratch final : public TileStorage {
 };
 
 Update update(std::uint32_t from, std::size_t points) {
-  Update b{{TileId{from}, 3}, {TileId{9}, 1}, from + 7, {}};
+  Update b{{TileId{from}, 3}, {TileId{9}, 1}, from + 2, from + 7, {}};
   for (std::size_t i = 0; i < points; ++i) b.points.push_back({{1.5, -2, 5e-324}, 100 * from + i, from, 0});
   return b;
 }
@@ -49,6 +49,7 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
       const Update& b = taken.value()[from];
       EXPECT_EQ(b.from, update(from, from).from);
       EXPECT_EQ(b.to, update(from, from).to);
+      EXPECT_EQ(b.epoch, from + 2);
       EXPECT_EQ(b.hops, from + 7);
       EXPECT_EQ(b.points, update(from, from).points);
     }

@@ -9,12 +9,9 @@
 #include "src/base/point.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/tile/tile_triangulation.h"
+#include "tests/tile/setting.h"
 
 namespace tessera::testing {
-
-// What every tile is given at the start: the lexicographic minimum, and with it points that span the space (as in
-// production) or the extreme points of every tile.
-enum class Announced { minimum, spanning, extremes };
 
 struct SplayOptions {
   int dimension = 3;

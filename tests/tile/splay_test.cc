@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <random>
 
@@ -11,40 +10,6 @@
 
 namespace tessera::testing {
 namespace {
-
-// Ways to give points to tiles; only "stripes" has boxes.
-struct Assignment {
-  std::vector<std::uint32_t> tile_of;
-  std::vector<Box> boxes;
-};
-
-Assignment assign(const std::string& how, const std::vector<LocalPoint>& points, std::uint32_t tiles,
-                  std::uint64_t seed) {
-  Assignment a;
-  std::mt19937_64 rng(seed);
-  if (how == "random") {
-    for (std::size_t i = 0; i < points.size(); ++i) a.tile_of.push_back(static_cast<std::uint32_t>(rng() % tiles));
-  } else if (how == "single") {
-    for (std::size_t i = 0; i < points.size(); ++i) a.tile_of.push_back(static_cast<std::uint32_t>(i));
-  } else {  // stripes: equal numbers along x, borders on points
-    std::vector<double> xs;
-    for (const auto& p : points) xs.push_back(p.at.x);
-    std::sort(xs.begin(), xs.end());
-    std::vector<double> cuts;
-    for (std::uint32_t t = 1; t < tiles; ++t) cuts.push_back(xs[xs.size() * t / tiles]);
-    for (const auto& p : points) {
-      const auto cut = std::upper_bound(cuts.begin(), cuts.end(), p.at.x);
-      a.tile_of.push_back(static_cast<std::uint32_t>(cut - cuts.begin()));
-    }
-    for (std::uint32_t t = 0; t < tiles; ++t) {
-      Box box;
-      if (t > 0) box.lo.x = cuts[t - 1];
-      if (t + 1 < tiles) box.hi.x = cuts[t];
-      a.boxes.push_back(box);
-    }
-  }
-  return a;
-}
 
 void expect_global_delaunay(const std::vector<LocalPoint>& points, const Assignment& a, const SplayOptions& options) {
   const auto meshes = splay(points, a.tile_of, a.boxes, options);
