@@ -23,13 +23,20 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
       detector_({}),
       table_(options_.spec.table),
       stored_(options_.points.size()) {
-  for (NodeHandle& node : nodes) parts_.emplace_back().node = std::move(node);
+  live_at(options_.home);
+  if (options_.take_over) {
+    state_ = State::finding;
+    asked_ = std::move(nodes);
+  } else {
+    for (NodeHandle& node : nodes) parts_.emplace_back().node = std::move(node);
+  }
 }
 
 // All nodes are asked or none: what is opened must be told how it ends.
 void Coordinator::initialize() {
   SteadyActor::initialize();
   for (PartOf& p : parts_) p.open.say(p.node);
+  for (const NodeHandle& node : asked_) find(node);
 }
 
 // Coordinator and parts know each other: one that has ended must not keep the others alive.
@@ -77,9 +84,12 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)});
   return {
       [this](const PartOpened& message) { attempt([&] { opened(message); }); },
+      [this](PartFound& message) { attempt([&] { found(message); }); },
       [this](const PartBegun& message) {
+        if (state_ == State::finding) return;
         parts_.at(message.node.value).begun = true;
-        if (!begun_ && all([](const PartOf& p) { return p.begun || !p.opened; })) begun_ = std::chrono::steady_clock::now();
+        if (!begun_ && all([](const PartOf& p) { return p.begun || !p.opened; }))
+          begun_ = std::chrono::steady_clock::now();
       },
       [this](const PartIdle&) {
         attempt([&] {
@@ -101,24 +111,24 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](const PartCollected& message) {
         attempt([&] {
-          if (message.epoch != table_.epoch) return;
+          if (message.epoch != table_.epoch || state_ != State::collecting) return;
           parts_.at(message.node.value).collected = true;
           finish_if_collected();
         });
       },
-      [this](PartReleased& released) { attempt([&] { take(released); }); },
+      [this](PartReleased& released) {
+        attempt([&] {
+          if (state_ != State::finding) take(released);
+        });
+      },
       [this](const NodeLost& lost) {
-        attempt([&] { lose(lost.node, failure_of(error(Errc::internal, "the last node is lost"))); });
+        attempt([&] {
+          lose(caf::actor_cast<NodeHandle>(lost.node), failure_of(error(Errc::internal, "the last node is lost")));
+        });
       },
       [this](const NodeJoined& joined) { attempt([&] { join(caf::actor_cast<NodeHandle>(joined.node)); }); },
       [this](PartProgress& message) { attempt([&] { show_progress(message); }); },
-      [this](const TileDone& done) {
-        attempt([&] {
-          if (stored_.at(done.entry.tile.value)) return;  // by a node that was lost, too
-          stored_[done.entry.tile.value] = true;
-          owner_.stored(done);
-        });
-      },
+      [this](const TileDone& done) { attempt([&] { take(done); }); },
       [this](PartEnded& message) { attempt([&] { ended(message); }); },
       [this](const Cancel&) {
         if (state_ != State::ending) attempt([&] { fail(failure_of(error(Errc::interrupted, "interrupted"))); });
@@ -131,23 +141,133 @@ void Coordinator::prepare(NodeId node) {
   monitor(p.node);
   PartSpec spec = options_.spec;
   spec.table = table_;
-  p.open.message() = {options_.job, node, to_bytes(spec), caf::actor_cast<caf::actor>(this)};
+  p.open.message() = {options_.job, node, to_bytes(spec), caf::actor_cast<caf::actor>(this), options_.term};
+  p.abort.message().term = options_.term;
 }
 
 void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
   p.opened = true;
   if (message.failure) {
+    const bool needed = !p.lost && state_ == State::opening;  // later ones only help
+    p.lost = !needed;
     p.ended = true;
-    return fail(message.failure);
+    return needed ? fail(message.failure) : finish_if_over();
   }
   p.settled = message.settled;
   p.threads = message.threads;
   p.part = caf::actor_cast<PartHandle>(message.part);
-  if (p.lost || state_ == State::ending) return p.abort.say(p.part);  // given up meanwhile
+  if (state_ == State::finishing) p.lost = p.ended = true;  // it is not needed any more
+  if (p.lost || state_ == State::ending) {
+    p.abort.say(p.part);
+    return finish_if_over();
+  }
   monitor(p.part);
   if (state_ == State::opening) return begin_if_opened();
   welcome(message.node);
+}
+
+void Coordinator::find(const NodeHandle& node) {
+  monitor(node);
+  send(node,
+       FindPart{options_.job, options_.term, caf::actor_cast<caf::actor>(node), caf::actor_cast<caf::actor>(this)});
+}
+
+void Coordinator::found(PartFound& message) {
+  if (state_ != State::finding || message.term != options_.term) return;
+  const auto asked = std::find(asked_.begin(), asked_.end(), caf::actor_cast<NodeHandle>(message.node));
+  if (asked == asked_.end()) return;
+  asked_.erase(asked);
+  answers_.push_back(std::move(message));
+  if (asked_.empty()) take_over();
+}
+
+// The newest table that any part goes by is the last that counted: what came after it was heard by nobody.
+void Coordinator::take_over() {
+  std::vector<NodeHandle> without;
+  std::uint32_t numbers = 0;
+  for (const PartFound& found : answers_) {
+    if (!found.part) {
+      without.push_back(caf::actor_cast<NodeHandle>(found.node));
+      continue;
+    }
+    if (found.table.epoch >= table_.epoch) table_ = found.table;
+    numbers = std::max(numbers, found.self.value + 1);
+  }
+  if (numbers == 0) return open_anew(std::move(without));
+  for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
+  parts_.resize(numbers);
+  for (PartOf& p : parts_) p.lost = p.ended = p.opened = true;
+  for (const PartFound& found : answers_) {
+    if (!found.part) continue;
+    PartOf& p = parts_[found.self.value];
+    p.lost = p.ended = false;
+    p.node = caf::actor_cast<NodeHandle>(found.node);
+    p.part = caf::actor_cast<PartHandle>(found.part);
+    p.threads = found.threads;
+    p.begun = found.begun;
+    p.abort.message().term = options_.term;
+    monitor(p.part);
+  }
+  go_on();
+  for (const NodeHandle& node : without) join(node);
+}
+
+// Nobody has anything of it: what is on scratch, or settled, each will find.
+void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
+  state_ = State::opening;
+  std::vector<Host> hosts;
+  for (NodeHandle& node : nodes) {
+    hosts.push_back({NodeId{static_cast<std::uint32_t>(parts_.size())}, 1});
+    parts_.emplace_back().node = std::move(node);
+  }
+  if (hosts.empty()) return fail(failure_of(error(Errc::internal, "there is no node")));
+  table_ = {table_.epoch, std::vector<NodeId>(options_.points.size()),
+            std::vector<std::uint32_t>(options_.points.size())};
+  const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
+  for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
+  for (const Host& host : hosts) prepare(host.node);
+  for (PartOf& p : parts_) p.open.say(p.node);
+}
+
+void Coordinator::go_on() {
+  const auto settled = options_.is_settled();
+  if (!settled) return fail(failure_of(settled.error()));
+  started_ = std::chrono::steady_clock::now();
+  state_ = State::exchanging;
+  if (settled.value()) {
+    state_ = State::collecting;
+    begun_ = quiet_ = started_;
+    const auto stored = options_.stored();  // by nodes that cannot say so any more, too
+    if (!stored) return fail(failure_of(stored.error()));
+    for (const TileEntry& entry : stored.value()) take({entry, 0});
+  }
+  std::vector<TileId> tiles;
+  for (const TileId t : options_.order) {
+    if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
+  }
+  std::vector<bool> begun;
+  for (const PartOf& p : parts_) begun.push_back(p.begun);
+  change_table(place_again(table_, tiles, options_.points, hosts()));
+  for (std::size_t n = 0; n < parts_.size(); ++n) {
+    if (!begun[n] && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
+  }
+  if (settled.value()) tell_parts(Collect{});
+}
+
+// REQUIRES: the part is open, and has not been told.
+void Coordinator::begin(NodeId node) {
+  BeginPart message;
+  message.settled = state_ == State::collecting;
+  message.table = table_;
+  message.parts = part_handles();
+  send(parts_.at(node.value).part, std::move(message));
+}
+
+void Coordinator::take(const TileDone& done) {
+  if (stored_.at(done.entry.tile.value)) return;  // by a node that was lost, too
+  stored_[done.entry.tile.value] = true;
+  owner_.stored(done);
 }
 
 void Coordinator::begin_if_opened() {
@@ -162,11 +282,7 @@ void Coordinator::begin() {
   started_ = std::chrono::steady_clock::now();
   state_ = settled ? State::collecting : State::exchanging;
   if (settled) begun_ = quiet_ = started_;
-  BeginPart message;
-  message.settled = settled;
-  message.table = table_;
-  message.parts = part_handles();
-  tell_parts(message);
+  for (const Host& host : hosts()) begin(host.node);
   detector_.restart(nodes());
   for (const TileId t : options_.order) {  // of nodes that were lost before anything began
     if (parts_.at(table_.node_of(t).value).lost) lost_.push_back(t);
@@ -209,7 +325,11 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
 }
 
 void Coordinator::join(const NodeHandle& node) {
-  if (state_ == State::ending) return;
+  if (state_ == State::finishing || state_ == State::ending) return;
+  if (state_ == State::finding) {
+    asked_.push_back(node);
+    return find(node);
+  }
   parts_.emplace_back().node = node;
   prepare(NodeId{static_cast<std::uint32_t>(parts_.size() - 1)});
   parts_.back().open.say(node);
@@ -217,14 +337,9 @@ void Coordinator::join(const NodeHandle& node) {
 
 // A part that has come later. It has no tiles yet, and so nothing to settle.
 void Coordinator::welcome(NodeId node) {
-  PartOf& p = parts_.at(node.value);
-  BeginPart message;
-  message.settled = state_ == State::collecting;
-  message.table = table_;
-  message.parts = part_handles();
-  send(p.part, std::move(message));
+  begin(node);
   detector_.restart(nodes());
-  p.settled = state_ == State::settling;
+  parts_.at(node.value).settled = state_ == State::settling;
   waiting_.push_back(node);
   if (state_ == State::settling) return;
   std::vector<std::uint64_t> held(parts_.size());
@@ -242,6 +357,13 @@ void Coordinator::take(PartReleased& released) {
   if (releasing_.erase(released.node) == 0) return;  // lost meanwhile, and its tiles with it
   released_.insert(released_.end(), released.tiles.begin(), released.tiles.end());
   place_orphans();
+}
+
+void Coordinator::lose(const NodeHandle& node, Failure failure) {
+  if (std::erase(asked_, node) > 0 && asked_.empty()) return take_over();
+  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
+    if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure));
+  }
 }
 
 void Coordinator::lose(NodeId node, Failure failure) {
@@ -309,7 +431,7 @@ void Coordinator::finish_if_collected() {
 }
 
 void Coordinator::show_progress(PartProgress& message) {
-  if (parts_.at(message.node.value).lost) return;
+  if (state_ == State::finding || parts_.at(message.node.value).lost) return;
   RunProgress progress;
   progress.sum.spans = std::move(message.spans);
   parts_.at(message.node.value).progress = std::move(message);
@@ -351,6 +473,12 @@ void Coordinator::abort_parts() noexcept {
 }
 
 void Coordinator::ended(PartEnded& message) {
+  if (state_ == State::finding) {  // it had answered: its node may open another
+    for (PartFound& found : answers_) {
+      if (found.part && found.self == message.node) found.part = nullptr;
+    }
+    return;
+  }
   PartOf& p = parts_.at(message.node.value);
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
@@ -367,13 +495,16 @@ void Coordinator::ended(PartEnded& message) {
 }
 
 void Coordinator::lost_actor(const caf::down_msg& down) {
-  for (PartOf& p : parts_) {
+  const auto asked =
+      std::find_if(asked_.begin(), asked_.end(), [&](const NodeHandle& node) { return node.address() == down.source; });
+  if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason));
+  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
+    const PartOf& p = parts_[n];
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
     if ((!node && !part) || p.ended) continue;
     if (node && p.opened) continue;  // its part lives on, or will be missed by itself
-    return lose(NodeId{static_cast<std::uint32_t>(&p - parts_.data())},
-                lost(node ? "a node" : "a node's part of the job", down.reason));
+    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason));
   }
 }
 

@@ -14,12 +14,14 @@ std::string name_of(NodeId node) { return "node " + std::to_string(node.value); 
 }  // namespace
 
 PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
-                     CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval)
+                     CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
+                     std::chrono::milliseconds progress_interval)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
       office_(std::make_shared<Office>()),
       coordinator_(std::move(coordinator)),
+      term_(term),
       schedule_(part_->schedule, part_->points),
       progress_interval_(progress_interval) {
   office_->self = self;
@@ -64,42 +66,55 @@ PartActor::behavior_type PartActor::make_behavior() {
   });
   return {
       [this](BeginPart& begin) {
+        if (!obeyed()) return;
         open(begin);
         dispatch();
       },
       [this](ChangeTable& change) {
+        if (!obeyed()) return;
         change_table(change);
         dispatch();
       },
-      [this](const Finish&) {
-        if (!failure_) end();
+      [this](const FindPart& found) {
+        obey(found);
+        dispatch();
       },
-      [this](const Release& wanted) { release(wanted); },
+      [this](const Finish&) {
+        if (obeyed() && !failure_) end();
+      },
+      [this](const Release& wanted) {
+        if (obeyed()) release(wanted);
+      },
       [this](const TileRejoined& rejoined) {
         take(rejoined);
         dispatch();
       },
       [this](const Probe& probe) {
+        if (!obeyed()) return;
         const PartTally tally{self_, table_->epoch, probe.wave, idle(), totals_.sent, totals_.processed};
         office_->hooks.tell([&] {
           return name_of(self_) + ": wave " + std::to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") +
                  ", sent " + std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
-        send(coordinator_, tally);
+        tell(tally);
       },
       [this](const Settle&) {
+        if (!obeyed()) return;
         if (!failure_) schedule_.enter(Schedule::Stage::settling);
         dispatch();
       },
       [this](const Collect&) {
+        if (!obeyed()) return;
         enter_collecting();
         dispatch();
       },
       [this](const Suspend&) {
+        if (!obeyed()) return;
         stop(failure_of(error(Errc::interrupted, "interrupted")));
         dispatch();
       },
-      [this](const Abort&) {
+      [this](const Abort& abort) {
+        if (abort.term != term_) return;
         stop(failure_of(error(Errc::interrupted, "given up")));
         dispatch();
       },
@@ -118,6 +133,11 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](TileStored& stored) {
         take(stored);
+        dispatch();
+      },
+      [this](const GraceOver& over) {
+        if (coordinator_ || over.term != term_) return;
+        stop(failure_of(error(Errc::interrupted, "no coordinator has taken over")));
         dispatch();
       },
   };
@@ -183,7 +203,7 @@ void PartActor::release(const Release& wanted) {
     hosted_.erase(hosted);
     note(tile, {});
   }
-  send(coordinator_, std::move(released));
+  tell(std::move(released));
 }
 
 // What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
@@ -259,12 +279,15 @@ void PartActor::take(TileStored& stored) {
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
   ++progress_.tiles_stored;
-  send(coordinator_, TileDone{stored.entry, tiles_[stored.tile.value].microseconds});
+  tell_stored({stored.entry, tiles_[stored.tile.value].microseconds});
 }
 
+// The tiles go on: what they say meanwhile is said again to whoever takes over.
 void PartActor::lost_coordinator(const caf::down_msg& down) {
-  coordinator_ = nullptr;  // nobody is left to be told
-  stop(lost("the coordinator", down.reason));
+  if (!coordinator_ || down.source != coordinator_.address()) return;
+  coordinator_ = nullptr;
+  if (office_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
+  delayed_send(this, std::chrono::seconds(office_->options.grace_s), GraceOver{term_});
 }
 
 void PartActor::abandon(TileId tile, Failure failure) {
@@ -283,26 +306,26 @@ void PartActor::stop(Failure failure) {
 
 void PartActor::dispatch() {
   if (ended_) return;
-  while (const auto grant = schedule_.next()) {
+  while (const auto grant = opened_ ? schedule_.next() : std::nullopt) {
     send(office_->routes()->tiles[grant->tile.value], Grant{grant->work});
   }
   tell_progress(false);
   if (!schedule_.idle() || rejoining_ > 0) {
     const bool begun = opened_ && schedule_.stage() == Schedule::Stage::exchanging && schedule_.all_begun();
-    if (begun && !std::exchange(told_begun_, true)) send(coordinator_, PartBegun{self_});
+    if (begun && !std::exchange(told_begun_, true)) tell(PartBegun{self_});
     return;
   }
   switch (schedule_.stage()) {
     case Schedule::Stage::exchanging:
       if (!opened_) return;
-      if (!std::exchange(told_begun_, true)) send(coordinator_, PartBegun{self_});
-      send(coordinator_, PartIdle{self_});
+      if (!std::exchange(told_begun_, true)) tell(PartBegun{self_});
+      tell(PartIdle{self_});
       return;
     case Schedule::Stage::settling:
-      if (!std::exchange(told_settled_, true)) send(coordinator_, PartSettled{self_, table_->epoch});
+      if (!std::exchange(told_settled_, true)) tell(PartSettled{self_, table_->epoch});
       return;
     case Schedule::Stage::collecting:
-      if (!std::exchange(told_collected_, true)) send(coordinator_, PartCollected{self_, table_->epoch});
+      if (!std::exchange(told_collected_, true)) tell(PartCollected{self_, table_->epoch});
       return;
     case Schedule::Stage::suspending:
     case Schedule::Stage::stopping:
@@ -311,9 +334,32 @@ void PartActor::dispatch() {
 }
 
 void PartActor::enter_collecting() {
-  if (failure_) return;
+  if (failure_ || schedule_.stage() == Schedule::Stage::collecting) return;
   schedule_.enter(Schedule::Stage::collecting);
-  for (const TileEntry& entry : part_->stored) send(coordinator_, TileDone{entry, 0});  // by an earlier process
+  for (const TileEntry& entry : part_->stored) tell_stored({entry, 0});  // by an earlier process
+}
+
+void PartActor::tell_stored(TileDone done) {
+  stored_.push_back(std::move(done));
+  tell(stored_.back());
+}
+
+// Messages of one that has been replaced, and does not know it yet.
+bool PartActor::obeyed() {
+  return coordinator_ && current_sender() == caf::actor_cast<caf::strong_actor_ptr>(coordinator_);
+}
+
+// Whatever has been said to the one before may not have been heard.
+void PartActor::obey(const FindPart& found) {
+  if (found.term <= term_ || ended_) return;
+  term_ = found.term;
+  if (coordinator_) demonitor(coordinator_.address());
+  coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
+  monitor(coordinator_);
+  told_begun_ = told_settled_ = told_collected_ = false;
+  tell(PartFound{term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_,
+                 part_->schedule.threads});
+  for (const TileDone& done : stored_) tell(done);
 }
 
 void PartActor::end() {
@@ -333,7 +379,7 @@ void PartActor::tell_progress(bool now) {
   progress_.updates_processed = totals_.processed;
   progress_.points_sent = sum_.points.sent;
   progress_.memory_bytes = schedule_.memory();
-  send(coordinator_, progress_);
+  tell(progress_);
   progress_.spans.clear();
 }
 

@@ -14,6 +14,7 @@
 // any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
 // any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
 // opened, exchanging, collecting | Release | PartReleased, with fresh tiles that are not its own any more
+// any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound
 // any        | Suspend       | nothing but sleep is granted; PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
 //                            | grant nothing more; PartEnded with the first failure once nothing is under way
@@ -42,7 +43,8 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator hears of progress.
   PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
-            CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval);
+            CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
+            std::chrono::milliseconds progress_interval);
   behavior_type make_behavior() override;
   void on_exit() override;
 
@@ -59,6 +61,14 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
   void enter_collecting();
+  // The coordinator, if there is one.
+  template <class Message>
+  void tell(Message message) {
+    if (coordinator_) send(coordinator_, std::move(message));
+  }
+  void tell_stored(TileDone done);
+  void obey(const FindPart& found);
+  bool obeyed();
   void deliver(Parcel& parcel);
   void take(TileReport& report);
   void take(TileStored& stored);
@@ -82,13 +92,15 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::shared_ptr<const Part> part_;
   std::shared_ptr<Office> office_;
   CoordinatorHandle coordinator_;
+  std::uint64_t term_ = 0;  // the coordinator's
   Schedule schedule_;
   std::vector<Figures> tiles_;
   std::vector<Hosted> hosted_;
+  std::vector<TileDone> stored_;  // what a coordinator that takes over must hear again
   std::shared_ptr<const Table> table_;
-  std::vector<Update> early_;     // of epochs whose table is still to come
-  std::uint32_t rejoining_ = 0;   // tiles that do not yet go by the table
-  Totals totals_;  // sums over tiles
+  std::vector<Update> early_;    // of epochs whose table is still to come
+  std::uint32_t rejoining_ = 0;  // tiles that do not yet go by the table
+  Totals totals_;                // sums over tiles
   PartEnded sum_;
   Prepared<PartEnded> last_word_;
   PartProgress progress_;

@@ -95,6 +95,26 @@ struct OpenPart {
   NodeId node;  // the number that the node has in this job
   std::string spec;
   caf::actor coordinator;
+  std::uint64_t term = 0;
+};
+
+// a coordinator that takes over -> node, which passes it on to its part of the job: obey me. Terms are claimed, each by
+// one coordinator; a part obeys that of the highest term it has heard of.
+struct FindPart {
+  JobId job;
+  std::uint64_t term = 0;
+  caf::actor node;  // that is asked
+  caf::actor coordinator;
+};
+// node, or its part -> that coordinator
+struct PartFound {
+  std::uint64_t term = 0;
+  caf::actor node;
+  caf::actor part;     // null: there is none; the rest then says nothing
+  NodeId self;         // the number that the node has in this job
+  bool begun = false;  // BeginPart has come
+  Table table;
+  std::uint32_t threads = 1;
 };
 
 // coordinator -> part. Each epoch has one table.
@@ -114,7 +134,9 @@ struct Settle {};
 struct Collect {};
 struct Finish {};  // all tiles of all parts are stored
 struct Suspend {};
-struct Abort {};
+struct Abort {
+  std::uint64_t term = 0;  // of the coordinator that says so
+};
 // Give up tiles that nobody has begun, until they hold so many points: another node is waiting for work. Answered by a
 // PartReleased.
 struct Release {
@@ -177,31 +199,37 @@ struct PartEnded {
 struct Cancel {};
 // whoever keeps count of nodes -> coordinator: it is lost, and never comes back; it is there, and free.
 struct NodeLost {
-  NodeId node;
+  caf::actor node;
 };
 struct NodeJoined {
   caf::actor node;
 };
 
+// part -> itself: nobody has taken over.
+struct GraceOver {
+  std::uint64_t term = 0;
+};
+
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
 struct Leave {};
 
-using TileHandle = caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>,
-                                    caf::reacts_to<Leave>>;
-using PartHandle =
-    caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
-                     caf::reacts_to<Release>, caf::reacts_to<TileRejoined>, caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
-                     caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<MailNotice>,
-                     caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>>;
+using TileHandle =
+    caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
+using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
+                                    caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
+                                    caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
+                                    caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>,
+                                    caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>,
+                                    caf::reacts_to<TileStored>, caf::reacts_to<GraceOver>>;
 // What stands between tiles in the harness: an update, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
-using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<Leave>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;
 using CoordinatorHandle =
-    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartBegun>, caf::reacts_to<PartIdle>,
-                     caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>, caf::reacts_to<PartCollected>,
-                     caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
-                     caf::reacts_to<PartProgress>,
-                     caf::reacts_to<TileDone>, caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
+    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
+                     caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,
+                     caf::reacts_to<PartCollected>, caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>,
+                     caf::reacts_to<NodeJoined>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
+                     caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera
 

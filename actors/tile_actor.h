@@ -29,8 +29,8 @@ namespace tessera {
 
 class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
-  TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part, std::shared_ptr<const Office> office,
-            std::shared_ptr<const Table> table);
+  TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
+            std::shared_ptr<const Office> office, std::shared_ptr<const Table> table);
   behavior_type make_behavior() override;
   void on_exit() override;
 

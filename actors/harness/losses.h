@@ -1,42 +1,45 @@
-// What befalls the nodes of a run: some are killed, some stop for a while and go on after they have been given up, some
-// are given up while they work, others join. Drawn in advance, by the step at which it happens.
+// What befalls the nodes of a run, drawn in advance, by the step at which it happens: some are killed, some stop for a
+// while and go on after they have been given up, some are given up while they work, others join; the coordinator stops,
+// another one takes over, and the first goes on after that.
 #pragma once
 
-#include <caf/all.hpp>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "actors/harness/harness.h"
-#include "actors/harness/seeded_scheduler.h"
-#include "actors/protocol.h"
+#include "src/base/ids.h"
 
 namespace tessera {
 
+// Whom it befalls. Nodes are numbered in the order in which they come.
+class Misfortune {
+ public:
+  virtual ~Misfortune() = default;
+  virtual void stop(NodeId node) = 0;
+  virtual void go_on(NodeId node) = 0;
+  virtual void give_up(NodeId node) = 0;
+  virtual void join(NodeId node) = 0;
+  virtual void stop_coordinator() = 0;
+  virtual void take_over() = 0;
+  virtual void coordinators_go_on() = 0;  // those that were stopped
+};
+
 class Losses {
  public:
-  using Trace = std::function<void(const std::string&)>;
-  // Makes another node, with this home.
-  using Spawn = std::function<NodeHandle(NodeId)>;
-
   // At least one node is never lost.
   Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64& rng);
 
-  // What is due.
-  void at(std::uint64_t step, SeededScheduler& scheduler, const CoordinatorHandle& coordinator, const Spawn& spawn,
-          const Trace& trace);
+  // What is due at this step.
+  void befall(std::uint64_t step, Misfortune& whom);
   // When nothing else can happen: the step of what comes next. None: all is over.
   std::optional<std::uint64_t> next_step() const;
-  // Everybody runs again.
-  void thaw(SeededScheduler& scheduler, std::uint32_t nodes) const;
-  std::uint32_t nodes() const { return nodes_; }
+  // Whether there was, or will be, anything.
   bool any() const { return any_; }
 
  private:
-  enum class What : std::uint8_t { freeze, thaw, lost, join };
+  enum class What : std::uint8_t { stop, go_on, give_up, join, stop_coordinator, take_over, coordinators_go_on };
   struct Event {
     std::uint64_t step;
     What what;
@@ -45,7 +48,6 @@ class Losses {
   void add(Event event);
 
   std::vector<Event> events_;  // by step
-  std::uint32_t nodes_;        // that there have been
   bool any_ = false;
 };
 

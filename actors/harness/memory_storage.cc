@@ -148,6 +148,12 @@ std::uint64_t MemoryStorage::take_reads() {
   return most;
 }
 
+std::vector<TileEntry> MemoryStorage::stored() const {
+  std::vector<TileEntry> entries;
+  for (const auto& [tile, mesh] : meshes_) entries.emplace_back().tile = tile;
+  return entries;
+}
+
 bool MemoryStorage::holds_mail() const {
   for (const auto& [place, held] : scratch_) {
     if (place.what == ScratchKind::mail) return true;

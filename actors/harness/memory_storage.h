@@ -50,6 +50,7 @@ class MemoryStorage {
   bool settled = false;  // the marker of the run
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }
+  std::vector<TileEntry> stored() const;
   // Whether any mail is left.
   bool holds_mail() const;
   std::uint64_t spills() const { return spills_; }

@@ -51,14 +51,6 @@ bool SeededScheduler::runs(const caf::resumable* job) const {
   return !actor || !actor->home() || !frozen_.contains(*actor->home());
 }
 
-void SeededScheduler::freeze(NodeId home, bool frozen) {
-  if (frozen) {
-    frozen_.insert(home);
-  } else {
-    frozen_.erase(home);
-  }
-}
-
 void SeededScheduler::run_all() {
   while (!ready_.empty()) resume(0);
 }

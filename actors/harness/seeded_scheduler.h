@@ -18,7 +18,9 @@ class SeededScheduler final : public caf::scheduler::test_coordinator {
   // Has a random ready actor handle one message. False when none is ready.
   bool step(std::mt19937_64& rng);
   // Whether the actors of a home are left out: it has stopped, or is no more.
-  void freeze(NodeId home, bool frozen);
+  void freeze(NodeId home) { frozen_.insert(home); }
+  void thaw(NodeId home) { frozen_.erase(home); }
+  void thaw() { frozen_.clear(); }
   // Goes on until nothing is ready.
   void run_all();
 

@@ -106,9 +106,7 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
     part->points.push_back(here ? setting_.tiles[t].size() : 0);
     if (part->points.back() == 0) continue;
     if (storage_.meshes().contains(TileId{t})) {
-      TileEntry entry;
-      entry.tile = TileId{t};
-      part->stored.push_back(entry);
+      part->stored.emplace_back().tile = TileId{t};
     } else {
       BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, setting_.context.many_nodes));
       part->settled = part->settled && alone;

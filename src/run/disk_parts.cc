@@ -124,7 +124,8 @@ Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file
   std::filesystem::remove(marker, failed);
   if (failed) return error(Errc::io, marker.string() + ": cannot remove it: " + failed.message());
   const auto files = scratch_folder(run.folder, ScratchKind::settled);
-  if (const auto left = remove_tree(files)) return error(Errc::io, files.string() + ": cannot remove it: " + left.message());
+  if (const auto left = remove_tree(files))
+    return error(Errc::io, files.string() + ": cannot remove it: " + left.message());
   return success();
 }
 

@@ -26,6 +26,7 @@ struct RunOptions {
   Keep keep = Keep::by_budget;
   bool neighbors = true;       // store them
   bool resumable = true;       // leave images when the job is interrupted
+  std::uint32_t grace_s = 0;   // seconds that tiles go on without a coordinator, for another to take over
   std::string lock_file = {};  // of the result folder: once it is another's, nothing is written any more (check_held())
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
@@ -48,7 +49,7 @@ struct Part {
   ScheduleOptions schedule;
   std::vector<std::uint64_t> tile_points;  // by tile, of the whole run
   std::vector<std::uint64_t> points;       // the same of those here: 0 where there is none, or another node's
-  std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
+  std::vector<TileEntry> stored;           // of these tiles, those that an earlier process has stored
   HeapTrim heap_trim;
   bool settled = false;  // all was quiet once, and each tile not stored has left what it is built from
 };

@@ -15,6 +15,7 @@ TEST(PartSpec, CrossesAWireUnchanged) {
   spec.keep = Keep::reduced;
   spec.neighbors = false;
   spec.resumable = false;
+  spec.grace_s = 300;
   spec.lock_file = "out/.lock/me";
   spec.table = {5, {{0}, {2}, {1}}, {0, 1, 7}};
   const auto back = spec_from_bytes(to_bytes(spec));
