@@ -1,19 +1,25 @@
 // The coordinator of one job: opens a part on every node, knows when all is quiet (two successive equal waves,
-// src/quiescence/detector.h), and ends the job.
+// src/quiescence/detector.h), places the tiles of lost nodes anew, and ends the job.
 //
 // state      | message          | effect                                                      | next
+// finding    | PartFound        | when all nodes have answered: a new table, and on from where the parts are | any
 // opening    | PartOpened       | when all have: BeginPart to all                             | exchanging;
 //            |                  |                                                             | collecting if settled
 // exchanging | PartIdle         | begin a wave: Probe to every part                           | exchanging
 // exchanging | PartTally        | when two waves agree: Settle to all                         | settling
 // settling   | PartSettled      | when all have: mark the run settled, Collect to all         | collecting
 // collecting | TileDone         | pass it on to the owner                                     | collecting
-// any        | PartProgress     | progress to the owner                                       |
-// any        | Cancel           | Suspend to all parts                                        | ending
-// any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
+// collecting | PartCollected    | when all have: Finish to all                                | collecting
+// any        | NodeJoined       | open a part there; when it is open, Release to all others   |
+// any        | PartReleased     | a new epoch: the tiles released begin on the part that is waiting for work |
+// exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others (docs/design.md, section 3) |
+// exchanging collecting | NodeLost         | a new epoch: those of its tiles that are not stored are the others' |
+// collecting any        | NodeLost, the last one | the job fails                                         | ending any
+// | a part is gone without a word | as NodeLost                                    | any        | PartProgress     |
+// progress to the owner                                       | any        | Cancel           | Suspend to all parts |
+// ending any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
 //            |                  | ended                                                       |
 // collecting | PartEnded        | with damage: the run is not settled any more, too           | ending
-// any        | a part or a node is gone | as PartEnded with a failure                         | ending, ended
 // any        | an exception     | Abort to all parts                                          | ending
 #pragma once
 
@@ -35,10 +41,19 @@ namespace tessera {
 struct CoordinatorOptions {
   JobId job;
   PartSpec spec;
+  std::vector<std::uint64_t> points;  // by tile
+  std::vector<TileId> order;          // of the tiles that hold points: neighbours near each other
+  // Claimed: of all coordinators of a job the one with the highest is obeyed. Takes over what an earlier one has begun.
+  std::uint64_t term = 0;
+  bool take_over = false;
   // Writes down that the run is settled, or that it is not any more.
   std::function<Status(bool)> mark_settled;
+  // Whether it is written down, and the tiles in the store: asked by one that takes over.
+  std::function<Result<bool>()> is_settled;
+  std::function<Result<std::vector<TileEntry>>()> stored;
   // When set, called at the moment quiescence is believed: the harness checks there that it is true.
-  std::function<void()> on_quiet;
+  std::function<void(const Table&)> on_quiet;
+  std::optional<NodeId> home;  // see Hooks
 };
 
 class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
@@ -50,11 +65,15 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void on_exit() override;
 
  private:
-  enum class State : std::uint8_t { opening, exchanging, settling, collecting, ending };
+  enum class State : std::uint8_t { finding, opening, exchanging, settling, collecting, finishing, ending };
   struct PartOf {
     NodeHandle node;
     PartHandle part;  // null before it is opened, and when it has ended
-    bool opened = false, settled = false, begun = false, ended = false;
+    std::uint32_t threads = 1;
+    bool opened = false, begun = false, lost = false, ended = false;
+    bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
+    bool collected = false;  // as it says of this epoch
+    bool there() const { return !ended && opened; }
     PartProgress progress;
     Prepared<OpenPart> open;
     Prepared<Abort> abort;
@@ -66,6 +85,26 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void attempt(Step step) noexcept;
   void opened(const PartOpened& message);
   void begin();
+  void begin_if_opened();
+  void find(const NodeHandle& node);
+  void found(PartFound& message);
+  void take_over();
+  void open_anew(std::vector<NodeHandle> nodes);
+  void go_on();
+  void begin(NodeId node);
+  void take(const TileDone& done);
+  void prepare(NodeId node);
+  void join(const NodeHandle& node);
+  void welcome(NodeId node);
+  void take(PartReleased& released);
+  void lose(const NodeHandle& node, Failure failure);
+  void lose(NodeId node, Failure failure);
+  void place_orphans();
+  void change_table(const std::vector<Placement>& changes);
+  std::vector<Host> hosts() const;
+  std::set<NodeId> nodes() const;
+  std::vector<caf::actor> part_handles() const;
+  void finish_if_collected();
   void act(QuiescenceDetector::Verdict verdict);
   void collect();
   void show_progress(PartProgress& message);
@@ -77,6 +116,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void finish_if_over() noexcept;
   template <class Message>
   void tell_parts(const Message& message);
+  // Of those that are not lost.
   template <class Done>
   bool all(Done done) const;
 
@@ -85,7 +125,14 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::vector<PartOf> parts_;  // by node
   QuiescenceDetector detector_;
   State state_ = State::opening;
-  std::set<NodeId> settled_;
+  std::vector<NodeHandle> asked_;  // for their parts, and have not answered
+  std::vector<PartFound> answers_;
+  Table table_;
+  std::vector<bool> stored_;      // by tile
+  std::vector<NodeId> waiting_;   // have joined, and wait for tiles
+  std::set<NodeId> releasing_;    // have been asked for tiles, and have not answered
+  std::vector<TileId> released_;  // what they gave up
+  std::vector<TileId> lost_;      // of lost nodes, not placed yet
   std::optional<Failure> failure_;
   PartEnded sum_;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

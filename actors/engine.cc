@@ -144,7 +144,11 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
 
   CoordinatorOptions job;
   job.job = JobId{++jobs};
-  job.spec = {options, run.folder.string(), out.string(), {}, {}};
+  job.spec = {options, run.folder.string(), out.string(), {}};
+  job.points = run.tile_points;
+  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
+    if (run.tile_points[t] > 0) job.order.push_back(TileId{t});
+  }
   job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
 
   Caller caller(progress);

@@ -1,5 +1,6 @@
 #include "actors/node_actor.h"
 
+#include <algorithm>
 #include <new>
 #include <string>
 #include <utility>
@@ -10,15 +11,19 @@
 namespace tessera {
 
 NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source)
-    : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {}
+    : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {
+  live_at(options_.hooks.home);
+}
 
 NodeActor::behavior_type NodeActor::make_behavior() {
   // Whoever did not get the answer watches its own peers.
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     options_.hooks.tell([&] { return "node: a message came back: " + caf::to_string(reason); });
   });
+  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
   return {
       [this](const OpenPart& wanted) { answer(wanted); },
+      [this](const FindPart& wanted) { find(wanted); },
       [this](const Leave&) { quit(); },
   };
 }
@@ -69,12 +74,40 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   });
   PartOpened opened;
   opened.settled = part->settled;
+  opened.threads = part->schedule.threads;
+  Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
       spawn<PartActor>(wanted.node, std::move(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
-                       options_.hooks, options_.progress_interval);
+                       wanted.term, options_.hooks, options_.progress_interval);
   opened.part = caf::actor_cast<caf::actor>(handle);
+  known.part = opened.part.address();
+  monitor(known.part);
   return opened;
+}
+
+void NodeActor::find(const FindPart& wanted) {
+  const auto found = parts_.find(wanted.job);
+  const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
+  if (!part) return answer_none(wanted);
+  found->second.wanted = wanted;
+  send(caf::actor_cast<PartHandle>(part), wanted);
+}
+
+void NodeActor::answer_none(const FindPart& wanted) {
+  PartFound none;
+  none.term = wanted.term;
+  none.node = caf::actor_cast<caf::actor>(this);
+  send(caf::actor_cast<CoordinatorHandle>(wanted.coordinator), std::move(none));
+}
+
+// If it has not answered whoever took over, there is nobody now who will.
+void NodeActor::gone(const caf::down_msg& down) {
+  const auto found =
+      std::find_if(parts_.begin(), parts_.end(), [&](const auto& entry) { return entry.second.part == down.source; });
+  if (found == parts_.end()) return;
+  if (found->second.wanted) answer_none(*found->second.wanted);
+  parts_.erase(found);
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 //
 // message  | effect                                            | answer to the coordinator
 // OpenPart | read what the part needs to know, start its actor | PartOpened, always
+// FindPart | pass it on to the part of that job, if there is one | PartFound: by the part, or that there is none
 // Leave    | end                                               | -
 //
 // What a part may use is free again when the part's actor and its tiles have let go of it.
@@ -10,7 +11,9 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include "actors/office.h"
 #include "actors/prepared.h"
@@ -37,12 +40,20 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   void prepare_answer() noexcept;
   PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
+  void find(const FindPart& wanted);
+  void gone(const caf::down_msg& down);
+  void answer_none(const FindPart& wanted);
 
   NodeOptions options_;
   std::shared_ptr<PartSource> source_;
   std::shared_ptr<std::atomic<std::uint64_t>> used_ =
       std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
-  Prepared<PartOpened> answer_;                        // the next one
+  struct Opened {
+    caf::actor_addr part;
+    std::optional<FindPart> wanted;  // the last that was passed on: it may not have arrived
+  };
+  std::map<JobId, Opened> parts_;
+  Prepared<PartOpened> answer_;  // the next one
 };
 
 }  // namespace tessera

@@ -1,10 +1,12 @@
 // Where updates go: to a tile of this node at once, to another node's part in a parcel. One per part, made before its
-// tiles, the same ever after. The test network, when there is one, gets everything first.
+// tiles; all of it but the routes is the same ever after. The test network, when there is one, gets everything first.
 #pragma once
 
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@ namespace tessera {
 struct Hooks {
   std::function<void(const std::string&)> trace;  // hears of every step
   NetworkHandle network;                          // delays and reorders updates; delivers them to parts
+  std::optional<NodeId> home = {};                // of all actors of a node
 
   template <class Text>
   void tell(Text text) const {
@@ -24,28 +27,50 @@ struct Hooks {
   }
 };
 
-struct Office {
-  NodeId self;
-  PartSpec spec;
-  Hooks hooks;
-  PartHandle part;                // whom the tiles report to
+// Where whoever is asked for can be reached, in one epoch.
+struct Routes {
+  std::shared_ptr<const Table> table;
   std::vector<TileHandle> tiles;  // by tile; null where there is none here
-  std::vector<PartHandle> parts;  // by node
+  std::vector<PartHandle> parts;  // by node; null where there is none
+};
+
+class Office {
+ public:
+  NodeId self;
+  RunOptions options;
+  Hooks hooks;
+  PartHandle part;  // whom the tiles report to
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();
 
+  std::shared_ptr<const Routes> routes() const {
+    const std::lock_guard lock(mutex_);
+    return routes_;
+  }
+  void set_routes(std::shared_ptr<const Routes> routes) {
+    const std::lock_guard lock(mutex_);
+    routes_.swap(routes);
+  }
+
+  // To whoever is at home there by the newest table: if that is not the incarnation that is meant, it drops the update.
   template <class Self>
   void post(Self* sender, Update update) const {
     const TileId to = update.to.tile;
+    const auto known = routes();
+    const PartHandle& home = known->parts[known->table->node_of(to).value];
     if (hooks.network) {
-      sender->send(hooks.network, caf::actor_cast<caf::actor>(parts[spec.node_of(to).value]), std::move(update));
-    } else if (tiles[to.value]) {
-      sender->send(tiles[to.value], std::move(update));
-    } else {
+      sender->send(hooks.network, caf::actor_cast<caf::actor>(home), std::move(update));
+    } else if (known->tiles[to.value]) {
+      sender->send(known->tiles[to.value], std::move(update));
+    } else if (home) {
       Parcel parcel;
       parcel.updates.push_back(std::move(update));
-      sender->send(parts[spec.node_of(to).value], std::move(parcel));
+      sender->send(home, std::move(parcel));
     }
   }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Routes> routes_;
 };
 
 }  // namespace tessera

@@ -8,8 +8,13 @@
 // exchanging | Probe         | answer with the sums of all tiles; idle only if no grant is out and no mail is known
 // exchanging | Settle        | grant settle to every tile in memory; PartSettled when all have
 // opened, settling | Collect | grant collect to every tile that is not stored
-// collecting | TileStored    | TileDone to the coordinator, grant the next; PartEnded when every tile is stored
-// any        | Parcel        | hand its updates to the tiles
+// collecting | TileStored    | TileDone to the coordinator, grant the next; PartCollected when every tile is stored
+// collecting | Finish        | PartEnded
+// any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
+// any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
+// any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
+// opened, exchanging, collecting | Release | PartReleased, with fresh tiles that are not its own any more
+// any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound
 // any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;
 //            |               | PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
@@ -17,8 +22,8 @@
 //                            | nothing is under way
 // any        | an exception  | PartEnded with it; the tiles stop what they are at, and leave
 //
-// A tile's counters change only while it works under a grant, and every grant ends in a report. So when no grant is out
-// the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
+// A tile's counters change only while it works under a grant, or goes by a new table, and both end in a report. So when
+// neither is under way the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
 #pragma once
 
 #include <chrono>
@@ -40,21 +45,36 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator hears of progress.
   PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
-            CoordinatorHandle coordinator, Hooks hooks, std::chrono::milliseconds progress_interval);
+            CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
+            std::chrono::milliseconds progress_interval);
   behavior_type make_behavior() override;
   void on_exit() override;
 
  private:
   struct Hosted {
     TileId tile;
+    TileHandle handle;
     Prepared<Leave> leave;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
-  void open(const BeginPart& begin);
+  void open(BeginPart& begin);
+  void change_table(ChangeTable& change);
+  void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
+  void release(const Release& wanted);
+  void enter_collecting();
+  // The coordinator, if there is one.
+  template <class Message>
+  void tell(Message message) {
+    if (coordinator_) send(coordinator_, std::move(message));
+  }
+  void tell_stored(TileDone done);
+  void obey(const FindPart& found);
+  bool obeyed();
   void deliver(Parcel& parcel);
   void take(TileReport& report);
   void take(TileStored& stored);
+  void take(const TileRejoined& rejoined);
   void lost_coordinator(const caf::down_msg& down);
   void abandon(TileId tile, Failure failure);
   void stop(Failure failure);
@@ -62,7 +82,8 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void dispatch();
   void end();
   void tell_progress(bool now);
-  bool knows(TileId tile) const { return tile.value < part_->points.size() && part_->points[tile.value] > 0; }
+  void note(TileId tile, Totals totals);
+  bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   struct Figures {  // of one tile
     Totals totals;
@@ -74,17 +95,22 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::shared_ptr<const Part> part_;
   std::shared_ptr<Office> office_;
   CoordinatorHandle coordinator_;
+  std::uint64_t term_ = 0;  // the coordinator's
   Schedule schedule_;
   std::vector<Figures> tiles_;
   std::vector<Hosted> hosted_;
-  Totals totals_;  // sums over tiles
+  std::vector<TileDone> stored_;  // what a coordinator that takes over must hear again
+  std::shared_ptr<const Table> table_;
+  std::vector<Update> early_;    // of epochs whose table is still to come
+  std::uint32_t rejoining_ = 0;  // tiles that do not yet go by the table
+  Totals totals_;                // sums over tiles
   PartEnded sum_;
   Prepared<PartEnded> last_word_;
   PartProgress progress_;
   std::chrono::milliseconds progress_interval_;
   std::chrono::steady_clock::time_point progress_told_{};
   std::optional<Failure> failure_;
-  bool opened_ = false, told_begun_ = false, told_settled_ = false, ended_ = false;
+  bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false;
 };
 
 }  // namespace tessera

@@ -11,6 +11,8 @@
 #include "src/base/figures.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
+#include "src/run/assignment.h"
+#include "src/run/table.h"
 #include "src/run/update.h"
 #include "src/run/work.h"
 #include "src/store/tile_store.h"
@@ -77,26 +79,69 @@ struct Parcel {
   std::vector<Update> updates;
 };
 
+// part -> tile: there is a new table (src/run/assignment.h); answered by a TileRejoined, at once.
+struct Rejoin {};
+// tile -> part: it goes by this table.
+struct TileRejoined {
+  TileId tile;
+  std::uint64_t epoch = 0;
+  std::uint64_t sent = 0, processed = 0;  // updates, per living peers
+  MailNotice waiting;
+};
+
 // coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
 struct OpenPart {
   JobId job;
   NodeId node;  // the number that the node has in this job
   std::string spec;
   caf::actor coordinator;
+  std::uint64_t term = 0;
 };
 
-// coordinator -> part
+// a coordinator that takes over -> node, which passes it on to its part of the job: obey me. Terms are claimed, each by
+// one coordinator; a part obeys that of the highest term it has heard of.
+struct FindPart {
+  JobId job;
+  std::uint64_t term = 0;
+  caf::actor node;  // that is asked
+  caf::actor coordinator;
+};
+// node, or its part -> that coordinator
+struct PartFound {
+  std::uint64_t term = 0;
+  caf::actor node;
+  caf::actor part;     // null: there is none; the rest then says nothing
+  NodeId self;         // the number that the node has in this job
+  bool begun = false;  // BeginPart has come
+  Table table;
+  std::uint32_t threads = 1;
+};
+
+// coordinator -> part. Each epoch has one table.
 struct BeginPart {
+  std::vector<caf::actor> parts;  // by node; null where there is none
+  Table table;
+  bool settled = false;  // of all parts: collect at once
+};
+struct ChangeTable {
+  Table table;
   std::vector<caf::actor> parts;  // by node
-  bool settled = false;           // of all parts: collect at once
 };
 struct Probe {
   std::uint64_t wave = 0;
 };
 struct Settle {};
 struct Collect {};
+struct Finish {};  // all tiles of all parts are stored
 struct Suspend {};
-struct Abort {};
+struct Abort {
+  std::uint64_t term = 0;  // of the coordinator that says so
+};
+// Give up tiles that nobody has begun, until they hold so many points: another node is waiting for work. Answered by a
+// PartReleased.
+struct Release {
+  std::uint64_t points = 0;
+};
 
 // node -> coordinator
 struct PartOpened {
@@ -104,6 +149,7 @@ struct PartOpened {
   Failure failure;
   caf::actor part;
   bool settled = false;  // needs no exchange
+  std::uint32_t threads = 1;
 };
 // part -> coordinator
 struct PartBegun {  // all its tiles have begun
@@ -114,12 +160,21 @@ struct PartIdle {
 };
 struct PartTally {
   NodeId node;
-  std::uint64_t wave = 0;
+  std::uint64_t epoch = 0, wave = 0;
   bool idle = false;
   std::uint64_t sent = 0, processed = 0;
 };
 struct PartSettled {
   NodeId node;
+  std::uint64_t epoch = 0;
+};
+struct PartCollected {  // all its tiles are stored
+  NodeId node;
+  std::uint64_t epoch = 0;
+};
+struct PartReleased {
+  NodeId node;
+  std::vector<TileId> tiles;  // not its own any more
 };
 struct PartProgress {
   NodeId node;
@@ -142,22 +197,39 @@ struct PartEnded {
 
 // whoever runs the job -> coordinator
 struct Cancel {};
+// whoever keeps count of nodes -> coordinator: it is lost, and never comes back; it is there, and free.
+struct NodeLost {
+  caf::actor node;
+};
+struct NodeJoined {
+  caf::actor node;
+};
+
+// part -> itself: nobody has taken over.
+struct GraceOver {
+  std::uint64_t term = 0;
+};
 
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
 struct Leave {};
 
-using TileHandle = caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Leave>>;
-using PartHandle =
-    caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
-                     caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<MailNotice>,
-                     caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>>;
+using TileHandle =
+    caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
+using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
+                                    caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
+                                    caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
+                                    caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>,
+                                    caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>,
+                                    caf::reacts_to<TileStored>, caf::reacts_to<GraceOver>>;
 // What stands between tiles in the harness: an update, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
-using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<Leave>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;
 using CoordinatorHandle =
-    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartBegun>, caf::reacts_to<PartIdle>,
-                     caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>, caf::reacts_to<PartProgress>,
-                     caf::reacts_to<TileDone>, caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
+    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
+                     caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,
+                     caf::reacts_to<PartCollected>, caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>,
+                     caf::reacts_to<NodeJoined>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
+                     caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera
 

@@ -9,6 +9,9 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <optional>
+
+#include "src/base/ids.h"
 
 namespace tessera {
 
@@ -24,12 +27,19 @@ class Schedulable {
   Schedulable(caf::resumable* job, Pool pool) : job_(job), pool_(pool) {}
   virtual ~Schedulable() = default;
 
+  // The process that it would live in, where several share one: a scheduler can stop those of one home.
+  std::optional<NodeId> home() const { return home_; }
+
+ protected:
+  void live_at(std::optional<NodeId> home) { home_ = home; }
+
  private:
   friend class ReadyQueue;
   friend class TwoPools;
   caf::resumable* job_;
   Pool pool_;
   Schedulable* next_ = nullptr;
+  std::optional<NodeId> home_;
 };
 
 // First come, first served.

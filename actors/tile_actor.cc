@@ -49,13 +49,15 @@ class StoredNotice {
 }  // namespace
 
 TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-                     std::shared_ptr<const Office> office)
+                     std::shared_ptr<const Office> office, std::shared_ptr<const Table> table)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
       office_(std::move(office)),
       state_(self, part_->context) {
+  live_at(office_->hooks.home);
   last_word_.message().tile = self.tile;
+  state_.rejoin(std::move(table));
 }
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
@@ -95,6 +97,7 @@ TileActor::behavior_type TileActor::make_behavior() {
         send(office_->part, waiting());
       },
       [this](const Grant& grant) { work(grant.work); },
+      [this](const Rejoin&) { rejoin(); },
       [this](const Leave&) {
         left_ = true;
         quit();
@@ -116,10 +119,7 @@ void TileActor::work(Work work) {
   const std::uint64_t before = state_.memory();
   try {
     if (Status done = perform(work); !done) report.failure = failure_of(std::move(done).error());
-    for (Update& update : state_.take_outgoing()) {
-      office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
-      office_->post(this, std::move(update));
-    }
+    post_outgoing();
   } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
@@ -141,6 +141,22 @@ void TileActor::work(Work work) {
   hops_told_ = report.waiting.hops;
   send(office_->part, std::move(report));
   if (mesh_) store();
+}
+
+void TileActor::post_outgoing() {
+  for (Update& update : state_.take_outgoing()) {
+    office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
+    office_->post(this, std::move(update));
+  }
+}
+
+// What others must be told again waits for the next splay: whoever is asleep stays so until there is room.
+void TileActor::rejoin() {
+  const auto table = office_->routes()->table;
+  state_.rejoin(table);
+  post_outgoing();
+  const Totals totals = state_.totals();
+  send(office_->part, TileRejoined{self_.tile, table->epoch, totals.sent, totals.processed, waiting()});
 }
 
 void TileActor::store() {

@@ -8,6 +8,7 @@
 // settle  | write down what makes the tile independent of the others    | TileReport
 // collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
 // drop    | free the state                                              | TileReport
+// Rejoin  | go by the new table                                         | TileRejoined
 // Leave   | end                                                         | -
 // Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
 //
@@ -29,7 +30,7 @@ namespace tessera {
 class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
   TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-            std::shared_ptr<const Office> office);
+            std::shared_ptr<const Office> office, std::shared_ptr<const Table> table);
   behavior_type make_behavior() override;
   void on_exit() override;
 
@@ -37,6 +38,8 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   void failed(const std::exception_ptr& exception) noexcept override;
   void fail(Failure failure) noexcept;
   void work(Work work);
+  void rejoin();
+  void post_outgoing();
   Status perform(Work work);
   void store();
   MailNotice waiting() const;

@@ -12,15 +12,26 @@
 
 namespace tessera {
 
+// What may go wrong in a run.
+struct HarnessFaults {
+  bool storage = false;      // it fails once, or memory runs out
+  bool kill = false;         // nodes are killed
+  bool pause = false;        // nodes are given up though they live: some stop for a while before, and go on after
+  bool join = false;         // nodes come later
+  bool coordinator = false;  // the coordinator is killed, and another one takes over
+
+  bool nodes() const { return kill || pause || join; }
+};
+
 struct HarnessOptions {
   std::string kind = "uniform";  // src/reference/clouds.h
   int dimension = 3;
   std::size_t points = 40;
   std::uint32_t tiles = 7;
   PartitionKind partition = PartitionKind::kdtree;
-  std::uint32_t nodes = 0;                        // 0: drawn, 1 to 3
-  std::optional<std::uint64_t> mail_points_max;   // that a tile keeps in memory; else drawn
-  bool faults = false;                            // the storage fails once, or memory runs out
+  std::uint32_t nodes = 0;                       // 0: drawn, 1 to 3
+  std::optional<std::uint64_t> mail_points_max;  // that a tile keeps in memory; else drawn
+  HarnessFaults faults;
   MemoryFaults* memory_faults = nullptr;          // memory runs out when it says so; null: never
   bool restarts = false;                          // the processes end, once or twice, and the run is resumed
   std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
@@ -33,6 +44,7 @@ struct HarnessReport {
   std::uint64_t updates = 0, waves = 0, sleeps = 0, spills = 0;
   std::uint64_t failures = 0;  // runs that a fault ended, with an error
   std::uint64_t restarts = 0, settled_restarts = 0;
+  std::uint64_t epochs = 0;  // that losses and joining have begun
   std::uint64_t mended = 0;  // runs that were begun again for damage found late
   // The first seed whose run was wrong, and how: cells that differ, quiescence believed too early, or no end.
   std::optional<std::uint64_t> failed_seed;

@@ -17,56 +17,86 @@ Status MemoryStorage::maybe_fail(StorageFault::Call call) {
   return error(Errc::io, "the harness's storage fails");
 }
 
-Result<LoadedTile> MemoryStorage::load_points(TileId tile) {
-  const Turn ours(memory_faults, false);
-  BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::load));
-  ++reads_[{tile, {}}];
-  return order_points(points_[tile.value], dimension_);
+class MemoryStorage::AtNode final : public TileStorage {
+ public:
+  AtNode(MemoryStorage& all, NodeId node) : all_(all), node_(node) {}
+
+  Result<LoadedTile> load_points(TileId tile) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::load));
+    ++all_.reads_[{tile, {}}];
+    return order_points(all_.points_[tile.value], all_.dimension_);
+  }
+
+  Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write));
+    all_.scratch_[place_of(node_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
+    return success();
+  }
+
+  Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::append));
+    all_.scratch_[place_of(node_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
+    ++all_.spills_;
+    return success();
+  }
+
+  Result<Pieces> read(TileId tile, ScratchKind what) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
+    const auto found = all_.scratch_.find(place_of(node_, tile, what));
+    if (found == all_.scratch_.end()) return Pieces{};
+    ++all_.reads_[{tile, what}];
+    if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
+    return found->second.pieces;
+  }
+
+  Result<bool> has(TileId tile, ScratchKind what) override {
+    return all_.scratch_.contains(place_of(node_, tile, what));
+  }
+
+  Status remove(TileId tile, ScratchKind what) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::remove));
+    all_.scratch_.erase(place_of(node_, tile, what));
+    return success();
+  }
+
+  Status clear(ScratchKind what) override {
+    const Turn ours(all_.memory_faults, false);
+    const auto node = place_of(node_, {}, what).node;
+    std::erase_if(all_.scratch_,
+                  [&](const auto& entry) { return entry.first.node == node && entry.first.what == what; });
+    return success();
+  }
+
+  void store(TileId tile, TileMesh mesh, Stored done) override {
+    const Turn ours(all_.memory_faults, false);
+    Pending pending{node_, tile, std::move(mesh), std::move(done)};
+    if (!all_.late_stores) return all_.store_now(std::move(pending));
+    all_.pending_.push_back(std::move(pending));
+  }
+
+ private:
+  MemoryStorage& all_;
+  NodeId node_;
+};
+
+TileStorage& MemoryStorage::at(NodeId node) {
+  auto& view = views_[node];
+  if (!view) view = std::make_unique<AtNode>(*this, node);
+  return *view;
 }
 
-Status MemoryStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
-  const Turn ours(memory_faults, false);
-  BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::write));
-  scratch_[{tile, what}] = {{{bytes.begin(), bytes.end()}}, false};
-  return success();
+MemoryStorage::Place MemoryStorage::place_of(NodeId node, TileId tile, ScratchKind what) {
+  if (what == ScratchKind::settled) return {{}, tile, what};
+  return {node, tile, what};
 }
 
-Status MemoryStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
-  const Turn ours(memory_faults, false);
-  BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::append));
-  scratch_[{tile, what}].pieces.emplace_back(bytes.begin(), bytes.end());
-  ++spills_;
-  return success();
-}
-
-Result<TileStorage::Pieces> MemoryStorage::read(TileId tile, ScratchKind what) {
-  const Turn ours(memory_faults, false);
-  BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::read));
-  const auto found = scratch_.find({tile, what});
-  if (found == scratch_.end()) return Pieces{};
-  ++reads_[{tile, what}];
-  if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
-  return found->second.pieces;
-}
-
-Status MemoryStorage::remove(TileId tile, ScratchKind what) {
-  const Turn ours(memory_faults, false);
-  BOOST_OUTCOME_TRYV(maybe_fail(StorageFault::Call::remove));
-  scratch_.erase({tile, what});
-  return success();
-}
-
-Status MemoryStorage::clear(ScratchKind what) {
-  const Turn ours(memory_faults, false);
-  std::erase_if(scratch_, [&](const auto& entry) { return entry.first.second == what; });
-  return success();
-}
-
-void MemoryStorage::store(TileId tile, TileMesh mesh, Stored done) {
-  const Turn ours(memory_faults, false);
-  Pending pending{tile, std::move(mesh), std::move(done)};
-  if (!late_stores) return store_now(std::move(pending));
-  pending_.push_back(std::move(pending));
+void MemoryStorage::forget_settled() {
+  std::erase_if(scratch_, [](const auto& entry) { return entry.first.what == ScratchKind::settled; });
 }
 
 void MemoryStorage::store_now(Pending pending) {
@@ -77,7 +107,7 @@ void MemoryStorage::store_now(Pending pending) {
     stored = maybe_fail(StorageFault::Call::store);
     if (stored) {
       meshes_[pending.tile] = std::move(pending.mesh);
-      stored = remove_beginnings(*this, pending.tile);
+      stored = remove_beginnings(at(pending.node), pending.tile);
     }
   } catch (const std::exception& e) {
     stored = error(Errc::internal, e.what());
@@ -118,9 +148,15 @@ std::uint64_t MemoryStorage::take_reads() {
   return most;
 }
 
+std::vector<TileEntry> MemoryStorage::stored() const {
+  std::vector<TileEntry> entries;
+  for (const auto& [tile, mesh] : meshes_) entries.emplace_back().tile = tile;
+  return entries;
+}
+
 bool MemoryStorage::holds_mail() const {
-  for (const auto& [key, held] : scratch_) {
-    if (key.second == ScratchKind::mail) return true;
+  for (const auto& [place, held] : scratch_) {
+    if (place.what == ScratchKind::mail) return true;
   }
   return false;
 }

@@ -2,8 +2,10 @@
 // to.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <random>
 #include <utility>
@@ -23,19 +25,17 @@ struct StorageFault {
   std::uint64_t countdown = 0;
 };
 
-class MemoryStorage final : public TileStorage {
+// What all nodes see, as a shared folder: points, what makes tiles independent, results; and the scratch of each node,
+// which no other reads.
+class MemoryStorage {
  public:
   MemoryStorage(int dimension, std::vector<std::vector<LocalPoint>> points)
       : dimension_(dimension), points_(std::move(points)) {}
 
-  Result<LoadedTile> load_points(TileId tile) override;
-  Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
-  Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
-  Result<Pieces> read(TileId tile, ScratchKind what) override;
-  Result<bool> has(TileId tile, ScratchKind what) override { return scratch_.contains({tile, what}); }
-  Status remove(TileId tile, ScratchKind what) override;
-  Status clear(ScratchKind what) override;
-  void store(TileId tile, TileMesh mesh, Stored done) override;
+  // As a node sees it. It outlives the parts that use it.
+  TileStorage& at(NodeId node);
+  // What makes tiles independent goes.
+  void forget_settled();
 
   // Meshes that wait to be stored, as long as nobody calls store_one(). False when there are none.
   bool late_stores = false;
@@ -50,6 +50,7 @@ class MemoryStorage final : public TileStorage {
   bool settled = false;  // the marker of the run
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }
+  std::vector<TileEntry> stored() const;
   // Whether any mail is left.
   bool holds_mail() const;
   std::uint64_t spills() const { return spills_; }
@@ -57,21 +58,31 @@ class MemoryStorage final : public TileStorage {
   std::uint64_t take_reads();
 
  private:
+  class AtNode;
+  struct Place {
+    std::optional<NodeId> node;  // none: all see it
+    TileId tile;
+    ScratchKind what = ScratchKind::state;
+    friend auto operator<=>(const Place&, const Place&) = default;
+  };
+  static Place place_of(NodeId node, TileId tile, ScratchKind what);
   struct Scratch {
-    Pieces pieces;
+    TileStorage::Pieces pieces;
     bool damaged = false;
   };
   struct Pending {
+    NodeId node;
     TileId tile;
     TileMesh mesh;
-    Stored done;
+    TileStorage::Stored done;
   };
   Status maybe_fail(StorageFault::Call call);
   void store_now(Pending pending);
 
   int dimension_;
   std::vector<std::vector<LocalPoint>> points_;
-  std::map<std::pair<TileId, ScratchKind>, Scratch> scratch_;
+  std::map<Place, Scratch> scratch_;
+  std::map<NodeId, std::unique_ptr<TileStorage>> views_;
   std::vector<Pending> pending_;
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;

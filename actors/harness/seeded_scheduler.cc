@@ -1,5 +1,8 @@
 #include "actors/harness/seeded_scheduler.h"
 
+#include <algorithm>
+
+#include "actors/scheduler.h"
 #include "src/base/check.h"
 
 namespace tessera {
@@ -26,9 +29,26 @@ void SeededScheduler::enqueue(caf::resumable* job) {
 }
 
 bool SeededScheduler::step(std::mt19937_64& rng) {
-  if (ready_.empty()) return false;
-  resume(rng() % ready_.size());
-  return true;
+  if (frozen_.empty()) {
+    if (ready_.empty()) return false;
+    resume(rng() % ready_.size());
+    return true;
+  }
+  const auto running = static_cast<std::size_t>(
+      std::count_if(ready_.begin(), ready_.end(), [&](const caf::resumable* job) { return runs(job); }));
+  if (running == 0) return false;
+  std::size_t left = rng() % running;
+  for (std::size_t i = 0;; ++i) {
+    if (runs(ready_[i]) && left-- == 0) {
+      resume(i);
+      return true;
+    }
+  }
+}
+
+bool SeededScheduler::runs(const caf::resumable* job) const {
+  const auto* actor = dynamic_cast<const Schedulable*>(job);
+  return !actor || !actor->home() || !frozen_.contains(*actor->home());
 }
 
 void SeededScheduler::run_all() {

@@ -4,7 +4,10 @@
 #include <caf/all.hpp>
 #include <caf/scheduler/test_coordinator.hpp>
 #include <random>
+#include <set>
 #include <vector>
+
+#include "src/base/ids.h"
 
 namespace tessera {
 
@@ -14,6 +17,10 @@ class SeededScheduler final : public caf::scheduler::test_coordinator {
 
   // Has a random ready actor handle one message. False when none is ready.
   bool step(std::mt19937_64& rng);
+  // Whether the actors of a home are left out: it has stopped, or is no more.
+  void freeze(NodeId home) { frozen_.insert(home); }
+  void thaw(NodeId home) { frozen_.erase(home); }
+  void thaw() { frozen_.clear(); }
   // Goes on until nothing is ready.
   void run_all();
 
@@ -23,8 +30,10 @@ class SeededScheduler final : public caf::scheduler::test_coordinator {
  private:
   class Worker;
   void resume(std::size_t chosen);
+  bool runs(const caf::resumable* job) const;
 
   std::vector<caf::resumable*> ready_;
+  std::set<NodeId> frozen_;
 };
 
 }  // namespace tessera

@@ -78,10 +78,11 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.schedule.memory_bytes = budgets[rng() % 3];
   s.nodes = options.nodes > 0 ? options.nodes : 1 + static_cast<std::uint32_t>(rng() % 3);
   for (std::size_t t = 0; t < s.tiles.size(); ++t) {
-    s.spec.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
-    s.spec.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
+    s.spec.table.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
+    s.spec.table.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
-  s.context.table = std::make_shared<const Table>(Table{0, s.spec.nodes, s.spec.incarnations});
+  s.context.table = std::make_shared<const Table>(s.spec.table);
+  s.context.many_nodes = s.schedule.settle_asleep = s.nodes > 1 || options.faults.nodes();
   // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
@@ -91,23 +92,24 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
   auto part = std::make_unique<Part>();
+  TileStorage& storage = storage_.at(self);
   part->context = setting_.context;
-  part->context.storage = &storage_;
+  part->context.table = std::make_shared<const Table>(spec.table);
+  part->context.storage = &storage;
   part->context.stop = part->stopping.get_token();
   part->context.watch = &watch_;
   part->schedule = setting_.schedule;
-  BOOST_OUTCOME_TRYV(storage_.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
+  BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
   part->settled = storage_.settled;
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
-    const bool here = spec.node_of(TileId{t}) == self;
+    const bool here = spec.table.node_of(TileId{t}) == self;
+    part->tile_points.push_back(setting_.tiles[t].size());
     part->points.push_back(here ? setting_.tiles[t].size() : 0);
     if (part->points.back() == 0) continue;
     if (storage_.meshes().contains(TileId{t})) {
-      TileEntry entry;
-      entry.tile = TileId{t};
-      part->stored.push_back(entry);
+      part->stored.emplace_back().tile = TileId{t};
     } else {
-      BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage_, TileId{t}));
+      BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, setting_.context.many_nodes));
       part->settled = part->settled && alone;
     }
   }

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,25 @@ Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& t
   return std::pair(static_cast<std::uint64_t>(first.value()), static_cast<std::uint64_t>(last.value()));
 }
 
+constexpr const char* fault_names = "storage, kill, pause, join, coordinator";
+
+// "kill,join"
+Result<HarnessFaults> parse_faults(const std::string& text) {
+  HarnessFaults faults;
+  std::istringstream in(text);
+  for (std::string name; std::getline(in, name, ',');) {
+    bool* const fault = name == "storage"       ? &faults.storage
+                        : name == "kill"        ? &faults.kill
+                        : name == "pause"       ? &faults.pause
+                        : name == "join"        ? &faults.join
+                        : name == "coordinator" ? &faults.coordinator
+                                                : nullptr;
+    if (!fault) return error(Errc::usage, "'" + name + "' is no fault; there are " + std::string(fault_names));
+    *fault = true;
+  }
+  return faults;
+}
+
 std::string kinds() {
   std::string names;
   for (const auto& kind : cloud_kinds()) names += (names.empty() ? "" : ", ") + kind;
@@ -63,8 +83,8 @@ Result<HarnessOptions> read_options(Settings& settings) {
   if (nodes) options.nodes = static_cast<std::uint32_t>(*nodes);
   BOOST_OUTCOME_TRY(mail, settings.get("mail", integer(0, points_max)));
   if (mail) options.mail_points_max = static_cast<std::uint64_t>(*mail);
-  BOOST_OUTCOME_TRY(faults, settings.on("faults"));
-  options.faults = faults;
+  BOOST_OUTCOME_TRY(faults, settings.get("faults", parse_faults));
+  options.faults = faults.value_or(HarnessFaults{});
   BOOST_OUTCOME_TRY(restarts, settings.on("restarts"));
   options.restarts = restarts;
   BOOST_OUTCOME_TRY(partition, settings.get("partition", parse_partition_kind));
@@ -98,6 +118,7 @@ Result<HarnessReport> run_seeds(const HarnessOptions& options) {
     sum.failures += report.failures;
     sum.restarts += report.restarts;
     sum.settled_restarts += report.settled_restarts;
+    sum.epochs += report.epochs;
     sum.failed_seed = report.failed_seed;
     sum.failure = std::move(report.failure);
   }
@@ -117,15 +138,16 @@ Status run_harness_command(Settings& settings) {
     const nlohmann::ordered_json object{
         {"event", "harness"},         {"seeds", report.seeds},       {"steps", report.steps},
         {"messages", report.updates}, {"waves", report.waves},       {"sleeps", report.sleeps},
-        {"spills", report.spills},    {"failures", report.failures}, {"restarts", report.restarts}};
+        {"spills", report.spills},    {"failures", report.failures}, {"restarts", report.restarts},
+        {"epochs", report.epochs}};
     std::printf("%s\n", object.dump().c_str());
   } else if (!output.quiet) {
     std::printf(
         "%s seeds passed: %s steps, %s messages with points, %s collections of counters, %s sleeps, "
-        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled)\n",
+        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined\n",
         grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.updates).c_str(),
         grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
-        grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str());
+        grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str(), grouped(report.epochs).c_str());
   }
   return success();
 }
@@ -148,7 +170,10 @@ Command add_harness(CLI::App& root) {
   add_value(command, "seed", "N", "run this one", 0, true);
   add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);
   add_value(command, "mail", "N", "points of mail a tile keeps in memory; default: drawn", 0, true);
-  add_switch(command, "faults", "storage or memory fails once in each run, which is then resumed", 0, true);
+  add_value(command, "faults", "LIST",
+            "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "
+            "their lease), join (nodes come later), coordinator (is killed)",
+            0, true);
   add_switch(command, "restarts", "the processes are killed or cancelled, and the run is resumed", 0, true);
   add_switch(command, "trace", "print every step", 0, true);
   add_output_switches(command);

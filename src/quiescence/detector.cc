@@ -12,6 +12,12 @@ QuiescenceDetector::Verdict QuiescenceDetector::begin() {
   return Verdict::probe;
 }
 
+void QuiescenceDetector::restart(std::set<NodeId> nodes) {
+  nodes_ = std::move(nodes);
+  in_wave_ = false;
+  previous_.reset();
+}
+
 QuiescenceDetector::Verdict QuiescenceDetector::notice() {
   if (!in_wave_) return begin();
   noticed_ = true;
@@ -19,10 +25,10 @@ QuiescenceDetector::Verdict QuiescenceDetector::notice() {
 }
 
 QuiescenceDetector::Verdict QuiescenceDetector::answer(std::uint64_t wave, NodeId node, bool idle, Totals totals) {
-  if (!in_wave_ || wave != wave_ || node.value >= nodes_ || !answered_.insert(node).second) return Verdict::wait;
+  if (!in_wave_ || wave != wave_ || !nodes_.contains(node) || !answered_.insert(node).second) return Verdict::wait;
   all_idle_ &= idle;
   sum_ += totals;
-  return answered_.size() == nodes_ ? judge() : Verdict::wait;
+  return answered_.size() == nodes_.size() ? judge() : Verdict::wait;
 }
 
 QuiescenceDetector::Verdict QuiescenceDetector::judge() {

@@ -21,7 +21,10 @@ class QuiescenceDetector {
     quiet,  // proven
   };
 
-  explicit QuiescenceDetector(std::uint32_t nodes) : nodes_(nodes) {}
+  explicit QuiescenceDetector(std::set<NodeId> nodes) : nodes_(std::move(nodes)) {}
+
+  // From now on these are asked; what was answered before tells nothing. Waves are counted on.
+  void restart(std::set<NodeId> nodes);
 
   // A node reports that it has become idle: a reason to look.
   Verdict notice();
@@ -35,7 +38,7 @@ class QuiescenceDetector {
   Verdict begin();
   Verdict judge();
 
-  std::uint32_t nodes_;
+  std::set<NodeId> nodes_;
   std::uint64_t wave_ = 0;
   bool in_wave_ = false;
   bool noticed_ = false;  // a notice came during a wave

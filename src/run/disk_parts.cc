@@ -11,6 +11,7 @@
 
 #include "src/base/memory_pool.h"
 #include "src/budget/budget.h"
+#include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 #include "src/files/whole_file.h"
@@ -43,7 +44,7 @@ Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storag
   for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
   for (std::uint32_t t = 0; t < part.points.size(); ++t) {
     if (part.points[t] == 0 || stored.contains(TileId{t})) continue;
-    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}));
+    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, part.context.many_nodes));
     if (!alone) return false;
   }
   return true;
@@ -72,12 +73,12 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
     BOOST_OUTCOME_TRY(opened, open_run(spec.run_folder));
     run = std::make_shared<const RoutedRun>(std::move(opened));
   }
-  if (!spec.nodes.empty() && spec.nodes.size() != run->tile_points.size()) {
+  if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
     return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
   }
   std::vector<std::uint64_t> points = run->tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
-    if (spec.node_of(TileId{t}) != self) points[t] = 0;
+    if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
   }
   const bool reduce = spec.keep == Keep::reduced ||
                       (spec.keep == Keep::by_budget &&
@@ -105,10 +106,11 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   context.boxes = final_boxes(run->partition);
   context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
-  context.table = std::make_shared<const Table>(Table{0, spec.nodes, spec.incarnations});
+  context.table = std::make_shared<const Table>(spec.table);
   context.storage = &part->storage;
   context.stop = part->stopping.get_token();
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
+  part->tile_points = run->tile_points;
   part->points = std::move(points);
   // Mail of an earlier process was for tiles that are no more.
   BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
@@ -128,6 +130,9 @@ Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file
   std::error_code failed;
   std::filesystem::remove(marker, failed);
   if (failed) return error(Errc::io, marker.string() + ": cannot remove it: " + failed.message());
+  const auto files = scratch_folder(run.folder, ScratchKind::settled);
+  if (const auto left = remove_tree(files))
+    return error(Errc::io, files.string() + ": cannot remove it: " + left.message());
   return success();
 }
 

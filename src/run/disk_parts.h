@@ -24,7 +24,8 @@ class DiskParts final : public PartSource {
   std::map<std::string, std::shared_ptr<const RoutedRun>> offered_;  // by folder
 };
 
-// Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not.
+// Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not, and then
+// what made them so goes.
 // `lock_file` as in RunOptions.
 Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled);
 

@@ -15,8 +15,10 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_neighbors(spec.neighbors);
   message.set_resumable(spec.resumable);
   message.set_lock_file(spec.lock_file);
-  for (const NodeId node : spec.nodes) message.add_nodes(node.value);
-  message.mutable_incarnations()->Assign(spec.incarnations.begin(), spec.incarnations.end());
+  message.set_grace_s(spec.grace_s);
+  for (const NodeId node : spec.table.nodes) message.add_nodes(node.value);
+  message.mutable_incarnations()->Assign(spec.table.incarnations.begin(), spec.table.incarnations.end());
+  message.set_epoch(spec.table.epoch);
   return message.SerializeAsString();
 }
 
@@ -38,8 +40,10 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.neighbors = message.neighbors();
   spec.resumable = message.resumable();
   spec.lock_file = message.lock_file();
-  for (const std::uint32_t node : message.nodes()) spec.nodes.push_back(NodeId{node});
-  spec.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
+  spec.grace_s = message.grace_s();
+  for (const std::uint32_t node : message.nodes()) spec.table.nodes.push_back(NodeId{node});
+  spec.table.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
+  spec.table.epoch = message.epoch();
   return spec;
 }
 

@@ -11,6 +11,7 @@
 #include "src/base/result.h"
 #include "src/run/heap_trim.h"
 #include "src/run/schedule.h"
+#include "src/run/table.h"
 #include "src/run/tile_state.h"
 
 namespace tessera {
@@ -26,6 +27,7 @@ struct RunOptions {
   Keep keep = Keep::by_budget;
   bool neighbors = true;       // store them
   bool resumable = true;       // leave images when the job is interrupted
+  std::uint32_t grace_s = 0;   // seconds that tiles go on without a coordinator, for another to take over
   std::string lock_file = {};  // of the result folder: once it is another's, nothing is written any more (check_held())
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
@@ -34,12 +36,9 @@ struct RunOptions {
 // Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
 struct PartSpec : RunOptions {
   std::string run_folder, out_folder;
-  // By tile: its node, and which incarnation of it lives there. Empty: all on node 0, incarnation 0.
-  std::vector<NodeId> nodes;
-  std::vector<std::uint32_t> incarnations;
+  Table table;  // as it is when the part is opened
 
   friend bool operator==(const PartSpec&, const PartSpec&) = default;
-  NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
 };
 std::string to_bytes(const PartSpec& spec);
 Result<PartSpec> spec_from_bytes(const std::string& bytes);
@@ -49,8 +48,9 @@ struct Part {
   virtual ~Part() = default;
   TileContext context;
   ScheduleOptions schedule;
-  std::vector<std::uint64_t> points;  // by tile: 0 where there is none, or where it is another node's
-  std::vector<TileEntry> stored;      // of these tiles, those that an earlier process has stored
+  std::vector<std::uint64_t> tile_points;  // by tile, of the whole run
+  std::vector<std::uint64_t> points;       // the same of those here: 0 where there is none, or another node's
+  std::vector<TileEntry> stored;           // of these tiles, those that an earlier process has stored
   HeapTrim heap_trim;
   std::stop_source stopping;  // of all work that leaves nothing behind when it is stopped; the context has its token
   bool settled = false;       // all was quiet once, and each tile not stored has left what it is built from

@@ -1,5 +1,6 @@
 #include "src/run/schedule.h"
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 
@@ -25,10 +26,41 @@ void Schedule::set_stored(TileId tile) {
 }
 
 void Schedule::enter(Stage stage) {
-  check(stage >= stage_, "stages follow one another");
+  const bool again = stage_ == Stage::settling && stage == Stage::exchanging;
+  check(stage >= stage_ || again, "stages follow one another");
   stage_ = stage;
   pending_.clear();
-  for (std::uint32_t t = 0; t < tiles_.size(); ++t) link(TileId{t});
+  for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
+    if (again) tiles_[t].settled = false;
+    link(TileId{t});
+  }
+}
+
+void Schedule::add(TileId id, std::uint64_t points) {
+  Tile& tile = tiles_[id.value];
+  check(tile.place == Place::none || tile.place == Place::gone, "a tile is here once");
+  check(stage_ != Stage::settling, "what has to begin is not settled");
+  tile = {};
+  tile.points = points;
+  tile.place = Place::fresh;
+  ++fresh_;
+  next_fresh_ = std::min(next_fresh_, id.value);
+  link(id);
+}
+
+std::vector<TileId> Schedule::release(std::uint64_t points) {
+  std::vector<TileId> released;
+  for (std::uint32_t t = static_cast<std::uint32_t>(tiles_.size()); t-- > 0 && points > 0;) {
+    Tile& tile = tiles_[t];
+    if (tile.place != Place::fresh || tile.working || tile.is_stored) continue;
+    points -= std::min(points, tile.points);
+    unlink(TileId{t});
+    set_memory(tile, 0);
+    tile.place = Place::none;
+    --fresh_;
+    released.push_back(TileId{t});
+  }
+  return released;
 }
 
 // In memory, those with the shortest chain come first; behind them those asleep with most mail, for waking costs time.
@@ -39,7 +71,9 @@ Schedule::Ready Schedule::place(TileId t) const {
 }
 
 bool Schedule::pending(const Tile& tile) const {
-  if (stage_ == Stage::settling) return tile.place == Place::awake && !tile.settled;
+  if (stage_ == Stage::settling) {
+    return !tile.settled && (tile.place == Place::awake || (options_.settle_asleep && tile.place == Place::asleep));
+  }
   if (stage_ != Stage::collecting) return false;
   if (tile.place == Place::awake) return true;  // at least dropped
   return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
@@ -97,6 +131,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
       ++sleeps_;
       break;
     case Work::settle:
+      tile.place = Place::awake;
       tile.settled = true;
       break;
     case Work::collect:
@@ -174,7 +209,9 @@ std::optional<Schedule::Grant> Schedule::next() {
   if (stage_ == Stage::settling) {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
-    return grant(t, Work::settle, tiles_[t.value].memory);
+    const Tile& tile = tiles_[t.value];
+    if (tile.place == Place::awake) return grant(t, Work::settle, tile.memory);
+    return grant_in_room(t, Work::settle, tile.memory + budget::waking_bytes(tile.held, options_.kernel));
   }
   if (stage_ == Stage::collecting) {
     // Those that wait for the disk keep no others from memory, unless they are small.

@@ -33,6 +33,7 @@ struct ScheduleOptions {
   // Held by all tiles together that leave images when the run is suspended: some tenths of a second.
   std::uint64_t suspend_bytes = std::uint64_t{256} << 20;
   KernelKind kernel = KernelKind::flat;
+  bool settle_asleep = false;  // images are no use to those who come after: settle the tiles asleep, too
 };
 
 class Schedule {
@@ -48,7 +49,12 @@ class Schedule {
 
   // A tile whose result is in the store already: it takes part in the exchange, and is not collected.
   void set_stored(TileId tile);
-  // REQUIRES: only forward, in the order of Stage.
+  // A tile that has come here: fresh. REQUIRES: there is none of its number here, and more are granted.
+  void add(TileId tile, std::uint64_t points);
+  // Fresh tiles that nobody works on, the last first, until they hold `points` in all or there are no more: they are
+  // not here any longer.
+  std::vector<TileId> release(std::uint64_t points);
+  // REQUIRES: only forward, in the order of Stage; or back from settling to exchanging.
   void enter(Stage stage);
   Stage stage() const { return stage_; }
 

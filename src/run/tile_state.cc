@@ -247,13 +247,18 @@ Result<FinalCells> TileState::take_finals() {
 // The star of a point among the tile's own points and their neighbours is its star among all points, and more points
 // change nothing: all foreign vertices are written, which include the neighbours.
 Status TileState::settle() {
-  if (phase_ != Phase::awake || imaged_) return success();
+  if (context_.many_nodes) {
+    BOOST_OUTCOME_TRYV(wake());
+  } else if (phase_ != Phase::awake || imaged_) {
+    return success();
+  }
   const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
   return context_.storage->write(self_.tile, ScratchKind::settled, std::as_bytes(std::span(foreign)));
 }
 
 Status TileState::build_settled() {
   BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::settled));
+  if (pieces.empty() && context_.many_nodes) return damaged("list of foreign vertices");
   if (pieces.empty()) {  // it slept when all was quiet
     BOOST_OUTCOME_TRY(restored, restore());
     if (!restored) return damaged("image");

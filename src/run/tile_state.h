@@ -43,7 +43,8 @@ struct TileContext {
   std::vector<Box> boxes;  // by tile; a tile with the empty box has no final cells, and announces nothing
   Surroundings around;
   std::shared_ptr<const Table> table = std::make_shared<const Table>();  // that the part was opened with
-  std::uint64_t mail_points_max = ~std::uint64_t{0};                     // that a tile keeps in memory
+  bool many_nodes = false;                            // images are no use to those who come after: everybody settles
+  std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
   TileStorage* storage = nullptr;
   std::stop_token stop = {};  // once requested, begin(), splay() and collect() soon throw Stopped
   ExchangeWatch* watch = nullptr;

@@ -9,9 +9,9 @@ Status remove_beginnings(TileStorage& storage, TileId tile) {
   return success();
 }
 
-Result<bool> can_be_built_alone(TileStorage& storage, TileId tile) {
+Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes) {
   BOOST_OUTCOME_TRY(settled, storage.has(tile, ScratchKind::settled));
-  if (settled) return true;
+  if (settled || many_nodes) return settled;
   return storage.has(tile, ScratchKind::state);  // it slept when all was quiet
 }
 

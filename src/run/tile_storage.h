@@ -47,6 +47,7 @@ class TileStorage {
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
 // Whether a settled run has left what a tile is built from by itself. Whether it is sound, reading it will tell: once.
-Result<bool> can_be_built_alone(TileStorage& storage, TileId tile);
+// An image tells it only where one node had the whole run.
+Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes);
 
 }  // namespace tessera

@@ -63,7 +63,7 @@ class Accidents : public ::testing::TestWithParam<Case> {};
 TEST_P(Accidents, EndInAnErrorAndWhatIsResumedIsTheGlobalDelaunayTriangulation) {
   const Case& c = GetParam();
   HarnessOptions options = options_of(c);
-  options.faults = options.restarts = true;
+  options.faults.storage = options.restarts = true;
   const HarnessReport report = run_harness(options);
   EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
   EXPECT_EQ(report.seeds, c.seeds);

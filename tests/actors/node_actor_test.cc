@@ -21,6 +21,7 @@ class NoPoints final : public PartSource, public TileStorage {
   Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override {
     auto part = std::make_unique<Part>();
     part->points.resize(tiles_, 1);
+    part->tile_points = part->points;
     part->schedule.threads = static_cast<std::uint32_t>(tiles_);
     part->context.storage = this;
     return part;
@@ -108,7 +109,7 @@ TEST_F(Node, HearsOfATileThatWasGivenUpWhileOthersWork) {
   const PartOpened part = open(1);
   TileReport report;
   report.span.tile = TileId{0};
-  tell(part, BeginPart{{part.part}, false}, TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}},
+  tell(part, BeginPart{{part.part}, {}, false}, TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}},
        std::move(report), TileStored{TileId{0}, {}, {}});
   source_->may_look.set_value();
   EXPECT_EQ(end_of(part).failure.text, "no room");

@@ -77,7 +77,8 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   job.spec.out_folder = folder.path().string();
   job.mark_settled = [](bool) -> Status { return success(); };
   std::size_t quiet = 0;
-  job.on_quiet = [&] { quiet = heap_bytes(); };
+  job.points = run.tile_points;
+  job.on_quiet = [&](const Table&) { quiet = heap_bytes(); };
   Config config;
   caf::actor_system system(config);
   const std::size_t before = heap_bytes();

@@ -166,6 +166,66 @@ TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
   EXPECT_TRUE(schedule.idle());
 }
 
+TEST(Schedule, TilesThatComeLaterBeginBeforeAnybodySplays) {
+  Schedule schedule(options(1, 1000), {0, 10, 0});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.done(TileId{1}, Work::begin, 100, {1, 5, 10});
+  schedule.add(TileId{0}, 10);
+  EXPECT_FALSE(schedule.all_begun());
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "splay 1");
+}
+
+TEST(Schedule, GivesUpTheLastOfTheTilesThatNobodyHasBegun) {
+  Schedule schedule(options(1, 1000), {10, 10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  EXPECT_EQ(schedule.release(15), (std::vector{TileId{3}, TileId{2}}));
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  EXPECT_TRUE(schedule.release(15).empty()) << "it has begun";
+  schedule.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_TRUE(schedule.idle());
+  schedule.add(TileId{3}, 10);  // it has come back
+  EXPECT_EQ(granted(schedule), "begin 3");
+}
+
+TEST(Schedule, WhatWasSettledIsSettledAgainAfterTilesHaveBegunAgain) {
+  Schedule schedule(options(2, 1000), {10, 0});
+  granted(schedule);
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  schedule.enter(Stage::settling);
+  EXPECT_EQ(granted(schedule), "settle 0");
+  schedule.done(TileId{0}, Work::settle, 100, {});
+  schedule.enter(Stage::exchanging);
+  schedule.add(TileId{1}, 10);
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_TRUE(schedule.idle());
+  schedule.enter(Stage::settling);
+  EXPECT_EQ(granted(schedule), "settle 0, settle 1");
+}
+
+TEST(Schedule, TilesAsleepAreWokenToBeSettledWhereImagesAreNoUse) {
+  auto how = options(1, 150);
+  how.settle_asleep = true;
+  Schedule schedule(how, {10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "sleep 0");
+  schedule.done(TileId{0}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.done(TileId{1}, Work::begin, 100, {});
+  schedule.enter(Stage::settling);
+  EXPECT_EQ(granted(schedule), "settle 1") << "first what is in memory";
+  schedule.done(TileId{1}, Work::settle, 100, {});
+  EXPECT_EQ(granted(schedule), "sleep 1");
+  schedule.done(TileId{1}, Work::sleep, 0, {});
+  EXPECT_EQ(granted(schedule), "settle 0");
+  schedule.done(TileId{0}, Work::settle, 100, {});
+  EXPECT_TRUE(schedule.idle());
+}
+
 // 20,000 tiles with mail: were each grant to look at all of them, this would take minutes.
 TEST(Schedule, ManyTilesCostLittle) {
   constexpr std::uint32_t tiles = 20'000;

@@ -1,0 +1,209 @@
+#include "actors/harness/life.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <utility>
+
+#include "actors/node_actor.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t steps_max = 20'000'000;
+constexpr std::uint32_t grace_s = 1000;  // never over while a run lasts
+
+// Coordinators live in processes of their own.
+NodeId home_of_coordinator(std::size_t number) { return NodeId{1'000'000 + static_cast<std::uint32_t>(number)}; }
+
+}  // namespace
+
+Life::Config::Config() {
+  add_message_types<caf::id_block::tessera>();
+  module_factories.push_back(
+      [](caf::actor_system& system) -> caf::actor_system::module* { return new SeededScheduler(system); });
+}
+
+Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng)
+    : options_(options),
+      setting_(setting),
+      storage_(storage),
+      rng_(rng),
+      truth_(options.memory_faults),
+      network_state_{0, options.memory_faults},
+      system_(config_),
+      scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
+      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)),
+      source_(std::make_shared<MemoryParts>(setting_, storage_, truth_)) {}
+
+Outcome Life::live(End end, std::uint64_t end_at) {
+  for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node();
+  Losses losses(options_.faults, setting_.nodes, rng_);
+  scheduler_.run_all();  // from here on nodes and network wait for messages
+  storage_.take_reads();
+  add_coordinator();
+  while (outcome_.failure.empty() && outcome_.steps < steps_max) {
+    if (end != End::never && outcome_.steps == end_at) {
+      tell(end == End::kill ? "killed" : "cancelled");
+      if (end == End::kill) break;
+      caf::anon_send(coordinators_.back(), Cancel{});
+    }
+    if (!ended()) losses.befall(outcome_.steps, *this);
+    // A store may end at any moment, or when nothing else is left to happen.
+    if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
+    if (!step() && !storage_.store_one(rng_)) {
+      const auto next = losses.next_step();
+      if (ended() || !next) break;
+      outcome_.steps = std::max(outcome_.steps, *next);
+      continue;
+    }
+    ++outcome_.steps;
+    if (!losses.any() && !truth_.agrees()) outcome_.failure = "the counters of the tiles do not tell what is under way";
+  }
+  outcome_.ended = ended();
+  end_all();
+  outcome_.updates = truth_.sent();
+  if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
+    outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
+  }
+  const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
+  if (settled && !losses.any() && storage_.take_reads() > 1) {
+    outcome_.failure = "a run that was settled reads what it is built from more than once";
+  }
+  return std::move(outcome_);
+}
+
+void Life::add_node() {
+  const Turn ours(options_.memory_faults, false);
+  NodeOptions node;
+  node.memory_bytes = ~std::uint64_t{0};
+  node.progress_interval = std::chrono::hours(24);
+  node.hooks = {options_.trace, network_, NodeId{static_cast<std::uint32_t>(nodes_.size())}};
+  nodes_.push_back(system_.spawn<NodeActor>(std::move(node), source_));
+}
+
+CoordinatorOptions Life::coordinator_options() {
+  CoordinatorOptions job;
+  const std::size_t number = coordinators_.size();
+  job.spec = setting_.spec;
+  job.spec.grace_s = options_.faults.coordinator ? grace_s : 0;
+  job.term = number;
+  job.take_over = number > 0;
+  job.home = home_of_coordinator(number);
+  for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
+    job.points.push_back(setting_.tiles[t].size());
+    if (!setting_.tiles[t].empty()) job.order.push_back(TileId{t});
+  }
+  job.mark_settled = [this, number](bool settled) -> Status {
+    if (number + 1 < coordinators_.size()) return error(Errc::io, "another coordinator has taken over");
+    storage_.settled = settled;
+    if (!settled) storage_.forget_settled();
+    return success();
+  };
+  job.is_settled = [this]() -> Result<bool> { return storage_.settled; };
+  job.stored = [this]() -> Result<std::vector<TileEntry>> { return storage_.stored(); };
+  job.on_quiet = [this, number](const Table& table) {
+    if (number + 1 == coordinators_.size()) believed_quiet(table);
+  };
+  return job;
+}
+
+void Life::add_coordinator() {
+  const Turn ours(options_.memory_faults, false);
+  std::vector<NodeHandle> nodes;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!given_up_.contains(n)) nodes.push_back(nodes_[n]);
+  }
+  owners_.push_back(std::make_unique<Owner>());
+  auto job = coordinator_options();
+  coordinators_.push_back(system_.spawn<Coordinator>(std::move(job), *owners_.back(), std::move(nodes)));
+}
+
+void Life::believed_quiet(const Table& table) {
+  const Turn ours(options_.memory_faults, false);
+  tell("coordinator: quiet");
+  outcome_.epochs = table.epoch;
+  const auto under_way = truth_.under_way(table);
+  if (under_way != 0) {
+    outcome_.failure = "quiescence believed with " + std::to_string(under_way) + " updates not processed";
+  }
+}
+
+bool Life::step() {
+  const Turn theirs(options_.memory_faults, true);
+  try {
+    return scheduler_.step(rng_);
+  } catch (const std::exception& e) {
+    const Turn ours(options_.memory_faults, false);
+    outcome_.failure = std::string("an exception would have ended the process: ") + e.what();
+    system_.await_actors_before_shutdown(false);  // the one that threw is neither dead nor alive
+    return true;
+  }
+}
+
+void Life::end_all() {
+  scheduler_.thaw();
+  for (const NodeHandle& node : nodes_) caf::anon_send_exit(node, caf::exit_reason::kill);
+  caf::anon_send_exit(network_, caf::exit_reason::kill);
+  for (const CoordinatorHandle& coordinator : coordinators_) {
+    caf::anon_send_exit(coordinator, caf::exit_reason::kill);
+  }
+  nodes_.clear();
+  coordinators_.clear();
+  do {
+    scheduler_.run_all();
+  } while (storage_.lose_pending());
+  // Parts that wait for another coordinator.
+  scheduler_.advance_time(std::chrono::seconds(grace_s));
+  scheduler_.run_all();
+  // What is left on the scratch of nodes that were lost is nobody's.
+  for (const std::size_t n : given_up_) {
+    if (!storage_.at(NodeId{static_cast<std::uint32_t>(n)}).clear(ScratchKind::mail)) std::abort();
+  }
+}
+
+const std::optional<RunEnded>& Life::ended() const { return owners_.back()->end(); }
+
+void Life::tell(const std::string& what) const {
+  if (options_.trace) options_.trace(what);
+}
+
+void Life::stop(NodeId node) {
+  tell("node " + to_string(node) + " stops");
+  scheduler_.freeze(node);
+}
+
+void Life::go_on(NodeId node) {
+  tell("node " + to_string(node) + " goes on");
+  scheduler_.thaw(node);
+}
+
+void Life::give_up(NodeId node) {
+  tell("node " + to_string(node) + " is given up");
+  given_up_.insert(node.value);
+  caf::anon_send(coordinators_.back(), NodeLost{caf::actor_cast<caf::actor>(nodes_.at(node.value))});
+}
+
+void Life::join(NodeId node) {
+  tell("node " + to_string(node) + " joins");
+  add_node();
+  caf::anon_send(coordinators_.back(), NodeJoined{caf::actor_cast<caf::actor>(nodes_.at(node.value))});
+}
+
+void Life::stop_coordinator() {
+  tell("the coordinator stops");
+  scheduler_.freeze(home_of_coordinator(coordinators_.size() - 1));
+}
+
+void Life::take_over() {
+  tell("another coordinator takes over");
+  add_coordinator();
+}
+
+void Life::coordinators_go_on() {
+  tell("the coordinators that had stopped go on");
+  for (std::size_t n = 0; n < coordinators_.size(); ++n) scheduler_.thaw(home_of_coordinator(n));
+}
+
+}  // namespace tessera

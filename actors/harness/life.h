@@ -1,0 +1,91 @@
+// All processes of a run from their start to their end, and what befalls them meanwhile.
+#pragma once
+
+#include <caf/all.hpp>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "actors/coordinator.h"
+#include "actors/harness/losses.h"
+#include "actors/harness/memory_storage.h"
+#include "actors/harness/network.h"
+#include "actors/harness/seeded_scheduler.h"
+#include "actors/harness/setting.h"
+#include "actors/harness/truth.h"
+#include "actors/run_owner.h"
+
+namespace tessera {
+
+struct Outcome {
+  std::string failure;  // of the harness: what must not be
+  std::optional<RunEnded> ended;
+  std::uint64_t steps = 0, updates = 0, epochs = 0;
+};
+
+// What ends a life early.
+enum class End : std::uint8_t { never, cancel, kill };
+
+class Life final : private Misfortune {
+ public:
+  // All outlive it.
+  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng);
+  // Once.
+  Outcome live(End end, std::uint64_t end_at);
+
+ private:
+  class Owner final : public RunOwner {
+   public:
+    void progressed(const RunProgress&) override {}
+    void stored(const TileDone&) override {}
+    void ended(RunEnded end) noexcept override { end_ = std::move(end); }
+    const std::optional<RunEnded>& end() const { return end_; }
+
+   private:
+    std::optional<RunEnded> end_;
+  };
+  class Config : public caf::actor_system_config {
+   public:
+    Config();
+  };
+
+  void stop(NodeId node) override;
+  void go_on(NodeId node) override;
+  void give_up(NodeId node) override;
+  void join(NodeId node) override;
+  void stop_coordinator() override;
+  void take_over() override;
+  void coordinators_go_on() override;
+
+  void add_node();
+  void add_coordinator();
+  CoordinatorOptions coordinator_options();
+  void believed_quiet(const Table& table);
+  bool step();
+  void end_all();
+  const std::optional<RunEnded>& ended() const;
+  void tell(const std::string& what) const;
+
+  const HarnessOptions& options_;
+  const Setting& setting_;
+  MemoryStorage& storage_;
+  std::mt19937_64& rng_;
+  Truth truth_;
+  NetworkState network_state_;
+  Outcome outcome_;
+  std::vector<std::unique_ptr<Owner>> owners_;  // beside the coordinators
+  Config config_;
+  caf::actor_system system_;
+  SeededScheduler& scheduler_;
+  NetworkHandle network_;
+  std::shared_ptr<MemoryParts> source_;
+  std::vector<NodeHandle> nodes_;
+  std::set<std::size_t> given_up_;
+  std::vector<CoordinatorHandle> coordinators_;  // the last is in office
+};
+
+}  // namespace tessera

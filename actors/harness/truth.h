@@ -1,0 +1,64 @@
+// The truth about updates, beside what the tiles count.
+#pragma once
+
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <utility>
+
+#include "actors/harness/memory_faults.h"
+#include "src/run/table.h"
+#include "src/run/tile_state.h"
+
+namespace tessera {
+
+class Truth final : public ExchangeWatch {
+ public:
+  explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
+
+  void sent(Peer from, Peer to, Totals now) override {
+    const Turn ours(memory_faults_, false);
+    ++sent_;
+    ++under_way_;
+    ++by_pair_[{from, to}];
+    note(from, now);
+  }
+  void processed(Peer from, Peer to, Totals now) override {
+    const Turn ours(memory_faults_, false);
+    --under_way_;
+    --by_pair_[{from, to}];
+    note(to, now);
+  }
+  void rejoined(Peer self, Totals now) override {
+    const Turn ours(memory_faults_, false);
+    note(self, now);
+  }
+
+  // Updates that have been sent and not processed, between tiles that live by this table.
+  std::int64_t under_way(const Table& table) const {
+    std::int64_t sum = 0;
+    for (const auto& [pair, updates] : by_pair_) {
+      if (table.alive(pair.first) && table.alive(pair.second)) sum += std::abs(updates);
+    }
+    return sum;
+  }
+  std::uint64_t sent() const { return sent_; }
+  // Whether the counters of all tiles differ by what is under way. As long as no tile has begun again.
+  bool agrees() const { return counted_ == under_way_; }
+
+ private:
+  void note(Peer self, Totals now) {
+    Totals& before = totals_[self];
+    counted_ +=
+        static_cast<std::int64_t>(now.sent - before.sent) - static_cast<std::int64_t>(now.processed - before.processed);
+    before = now;
+  }
+
+  MemoryFaults* memory_faults_;
+  std::map<Peer, Totals> totals_;
+  std::map<std::pair<Peer, Peer>, std::int64_t> by_pair_;
+  std::int64_t under_way_ = 0, counted_ = 0;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,53 @@
+#include "src/run/assignment.h"
+
+#include <numeric>
+
+#include "src/base/check.h"
+
+namespace tessera {
+
+std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std::uint64_t> points,
+                              std::span<const Host> hosts) {
+  check(!hosts.empty(), "somebody takes the tiles");
+  double all_points = 0, all_threads = 0;
+  for (const TileId t : tiles) all_points += static_cast<double>(points[t.value]);
+  for (const Host& host : hosts) all_threads += host.threads;
+  std::vector<NodeId> nodes;
+  nodes.reserve(tiles.size());
+  std::size_t host = 0;
+  double begun = 0, until = all_points * hosts[0].threads / all_threads;
+  for (const TileId t : tiles) {
+    const auto own = static_cast<double>(points[t.value]);
+    // A tile belongs where its middle is.
+    while (host + 1 < hosts.size() && begun + own / 2 > until) {
+      ++host;
+      until += all_points * hosts[host].threads / all_threads;
+    }
+    begun += own;
+    nodes.push_back(hosts[host].node);
+  }
+  return nodes;
+}
+
+std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
+                                   std::span<const std::uint64_t> points, std::span<const Host> hosts) {
+  const std::vector<NodeId> nodes = share_out(tiles, points, hosts);
+  std::vector<Placement> placements;
+  placements.reserve(tiles.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    placements.push_back({tiles[i], nodes[i], table.peer_of(tiles[i]).incarnation + 1});
+  }
+  return placements;
+}
+
+Table next_table(const Table& table, std::uint64_t epoch, std::span<const Placement> changes) {
+  Table next = table;
+  next.epoch = epoch;
+  for (const Placement& change : changes) {
+    next.nodes.at(change.tile.value) = change.node;
+    next.incarnations.at(change.tile.value) = change.incarnation;
+  }
+  return next;
+}
+
+}  // namespace tessera

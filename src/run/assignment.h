@@ -1,0 +1,40 @@
+// Which node works on which tile. Pure functions: whoever computes them finds the same.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/run/table.h"
+
+namespace tessera {
+
+// A node that takes tiles, and for how much of the work it counts: its threads.
+struct Host {
+  NodeId node;
+  std::uint32_t threads = 1;
+};
+
+// A tile's new home. Of a tile that begins again the incarnation is another one.
+struct Placement {
+  TileId tile;
+  NodeId node;
+  std::uint32_t incarnation = 0;
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
+// Cuts `tiles`, in the order given, into contiguous runs, one a host, by points and threads. In the order of a
+// space-filling curve most neighbours are at home. Returns a node for each. REQUIRES: there is a host.
+std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std::uint64_t> points,
+                              std::span<const Host> hosts);
+
+// The table of the next epoch: `tiles` begin again as other incarnations, each somewhere on `hosts`.
+// `points`: by tile, of all.
+std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
+                                   std::span<const std::uint64_t> points, std::span<const Host> hosts);
+
+// REQUIRES: the table has these tiles.
+Table next_table(const Table& table, std::uint64_t epoch, std::span<const Placement> changes);
+
+}  // namespace tessera
