@@ -92,7 +92,7 @@ class Exchange {
 
   Status run() {
     MemoryStorage storage(o_.dimension, std::move(points_));
-    context_.storage = &storage;
+    context_.storage = &storage.at(NodeId{0});
     for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
       tiles_.push_back(std::make_unique<TileState>(Peer{TileId{t}, 0}, context_));
     }

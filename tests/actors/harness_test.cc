@@ -81,6 +81,28 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Accidents,
                                            Case{"clusters", 3, 40, 6, PartitionKind::random, 100}),
                          name_of_case);
 
+class Losses : public ::testing::TestWithParam<Case> {};
+
+// Nodes are killed, given up while they live, and come later, the coordinator is replaced, at any step and several
+// times; some of those that were given up go on, and say what they have to say.
+TEST_P(Losses, CostNoCell) {
+  const Case& c = GetParam();
+  HarnessOptions options = options_of(c);
+  options.nodes = 3;
+  options.faults.kill = options.faults.pause = options.faults.join = options.faults.coordinator = true;
+  const HarnessReport report = run_harness(options);
+  EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+  EXPECT_EQ(report.seeds, c.seeds);
+  EXPECT_GT(report.epochs, c.seeds);
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, Losses,
+                         ::testing::Values(Case{"lattice", 3, 40, 7, PartitionKind::kdtree, 200},
+                                           Case{"lattice", 2, 40, 7, PartitionKind::random, 300},
+                                           Case{"planes", 2, 18, 7, PartitionKind::random, 300},
+                                           Case{"clusters", 3, 40, 6, PartitionKind::random, 100},
+                                           Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 100}),
+                         name_of_case);
+
 TEST(Harness, TheSameSeedIsTheSameScheduleStepByStep) {
   HarnessOptions options;
   options.kind = "lattice";

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
 #include <vector>
 
 namespace tessera {
@@ -10,8 +11,31 @@ namespace {
 
 using Verdict = QuiescenceDetector::Verdict;
 
+// Nodes 0, 1, ...
+std::set<NodeId> first(std::uint32_t nodes) {
+  std::set<NodeId> all;
+  for (std::uint32_t n = 0; n < nodes; ++n) all.insert(NodeId{n});
+  return all;
+}
+
+TEST(Detector, AsksTheNodesThatThereAreAndForgetsWhatOthersSaid) {
+  QuiescenceDetector d(first(3));
+  EXPECT_EQ(d.notice(), Verdict::probe);
+  for (const NodeId node : first(3)) d.answer(1, node, true, {1, 1});
+  EXPECT_EQ(d.wave(), 2u) << "could be quiet: a second wave";
+  d.restart({NodeId{0}, NodeId{7}});
+  EXPECT_EQ(d.answer(2, NodeId{0}, true, {1, 1}), Verdict::wait) << "nobody has been asked since";
+  EXPECT_EQ(d.notice(), Verdict::probe);
+  EXPECT_EQ(d.wave(), 3u);
+  EXPECT_EQ(d.answer(3, NodeId{0}, true, {3, 3}), Verdict::wait);
+  EXPECT_EQ(d.answer(3, NodeId{1}, true, {0, 0}), Verdict::wait) << "it is not there any more";
+  EXPECT_EQ(d.answer(3, NodeId{7}, true, {0, 0}), Verdict::probe) << "the wave before the restart does not count";
+  EXPECT_EQ(d.answer(4, NodeId{7}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(4, NodeId{0}, true, {3, 3}), Verdict::quiet);
+}
+
 TEST(Detector, BelievesOnlyTwoEqualWaves) {
-  QuiescenceDetector d(2);
+  QuiescenceDetector d(first(2));
   EXPECT_EQ(d.notice(), Verdict::probe);
   EXPECT_EQ(d.answer(1, {0}, true, {3, 1}), Verdict::wait);
   EXPECT_EQ(d.answer(1, {1}, true, {1, 3}), Verdict::probe);
@@ -20,7 +44,7 @@ TEST(Detector, BelievesOnlyTwoEqualWaves) {
 }
 
 TEST(Detector, SumsThatAgreeOnlyWithinAWaveAreNotEnough) {
-  QuiescenceDetector d(1);
+  QuiescenceDetector d(first(1));
   d.notice();
   EXPECT_EQ(d.answer(1, {0}, true, {3, 3}), Verdict::probe);
   EXPECT_EQ(d.answer(2, {0}, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
@@ -28,7 +52,7 @@ TEST(Detector, SumsThatAgreeOnlyWithinAWaveAreNotEnough) {
 }
 
 TEST(Detector, ABusyNodeOrAMessageOnItsWayEndsTheWave) {
-  QuiescenceDetector d(2);
+  QuiescenceDetector d(first(2));
   d.notice();
   d.answer(1, {0}, false, {1, 1});
   EXPECT_EQ(d.answer(1, {1}, true, {0, 0}), Verdict::wait);
@@ -38,14 +62,14 @@ TEST(Detector, ABusyNodeOrAMessageOnItsWayEndsTheWave) {
 }
 
 TEST(Detector, ANoticeDuringAWaveStartsAnotherOne) {
-  QuiescenceDetector d(1);
+  QuiescenceDetector d(first(1));
   d.notice();
   EXPECT_EQ(d.notice(), Verdict::wait);
   EXPECT_EQ(d.answer(1, {0}, false, {1, 0}), Verdict::probe);
 }
 
 TEST(Detector, AnswersToOldWavesAndSecondAnswersAreIgnored) {
-  QuiescenceDetector d(2);
+  QuiescenceDetector d(first(2));
   d.notice();
   EXPECT_EQ(d.answer(0, {0}, true, {0, 0}), Verdict::wait);
   EXPECT_EQ(d.answer(1, {0}, true, {0, 0}), Verdict::wait);
@@ -70,7 +94,7 @@ TEST(Detector, QuietIsTrueForRandomHistories) {
     std::uint64_t budget = rng() % 60;  // messages still to be caused
     node[0].work = 1;
     node[0].totals.sent = 1;  // the job itself
-    QuiescenceDetector d(nodes);
+    QuiescenceDetector d(first(nodes));
     bool quiet = false;
     for (int steps = 0; !quiet && steps < 100000; ++steps) {
       Verdict verdict = Verdict::wait;
