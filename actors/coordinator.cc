@@ -64,18 +64,6 @@ void Coordinator::attempt(Step step) noexcept {
   }
 }
 
-template <class Message>
-void Coordinator::tell_parts(const Message& message) {
-  for (const PartOf& p : parts_) {
-    if (p.part) send(p.part, message);
-  }
-}
-
-template <class Done>
-bool Coordinator::all(Done done) const {
-  return std::all_of(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.lost || done(p); });
-}
-
 Coordinator::behavior_type Coordinator::make_behavior() {
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { attempt([&] { lost_actor(down); }); });
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
@@ -167,94 +155,6 @@ void Coordinator::opened(const PartOpened& message) {
   welcome(message.node);
 }
 
-void Coordinator::find(const NodeHandle& node) {
-  monitor(node);
-  send(node,
-       FindPart{options_.job, options_.term, caf::actor_cast<caf::actor>(node), caf::actor_cast<caf::actor>(this)});
-}
-
-void Coordinator::found(PartFound& message) {
-  if (state_ != State::finding || message.term != options_.term) return;
-  const auto asked = std::find(asked_.begin(), asked_.end(), caf::actor_cast<NodeHandle>(message.node));
-  if (asked == asked_.end()) return;
-  asked_.erase(asked);
-  answers_.push_back(std::move(message));
-  if (asked_.empty()) take_over();
-}
-
-// The newest table that any part goes by is the last that counted: what came after it was heard by nobody.
-void Coordinator::take_over() {
-  std::vector<NodeHandle> without;
-  std::uint32_t numbers = 0;
-  for (const PartFound& found : answers_) {
-    if (!found.part) {
-      without.push_back(caf::actor_cast<NodeHandle>(found.node));
-      continue;
-    }
-    if (found.table.epoch >= table_.epoch) table_ = found.table;
-    numbers = std::max(numbers, found.self.value + 1);
-  }
-  if (numbers == 0) return open_anew(std::move(without));
-  for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
-  parts_.resize(numbers);
-  for (PartOf& p : parts_) p.lost = p.ended = p.opened = true;
-  for (const PartFound& found : answers_) {
-    if (!found.part) continue;
-    PartOf& p = parts_[found.self.value];
-    p.lost = p.ended = false;
-    p.node = caf::actor_cast<NodeHandle>(found.node);
-    p.part = caf::actor_cast<PartHandle>(found.part);
-    p.threads = found.threads;
-    p.begun = found.begun;
-    p.abort.message().term = options_.term;
-    monitor(p.part);
-  }
-  go_on();
-  for (const NodeHandle& node : without) join(node);
-}
-
-// Nobody has anything of it: what is on scratch, or settled, each will find.
-void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
-  state_ = State::opening;
-  std::vector<Host> hosts;
-  for (NodeHandle& node : nodes) {
-    hosts.push_back({NodeId{static_cast<std::uint32_t>(parts_.size())}, 1});
-    parts_.emplace_back().node = std::move(node);
-  }
-  if (hosts.empty()) return fail(failure_of(error(Errc::internal, "there is no node")));
-  table_ = {table_.epoch, std::vector<NodeId>(options_.points.size()),
-            std::vector<std::uint32_t>(options_.points.size())};
-  const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
-  for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
-  for (const Host& host : hosts) prepare(host.node);
-  for (PartOf& p : parts_) p.open.say(p.node);
-}
-
-void Coordinator::go_on() {
-  const auto settled = options_.is_settled();
-  if (!settled) return fail(failure_of(settled.error()));
-  started_ = std::chrono::steady_clock::now();
-  state_ = State::exchanging;
-  if (settled.value()) {
-    state_ = State::collecting;
-    begun_ = quiet_ = started_;
-    const auto stored = options_.stored();  // by nodes that cannot say so any more, too
-    if (!stored) return fail(failure_of(stored.error()));
-    for (const TileEntry& entry : stored.value()) take({entry, 0});
-  }
-  std::vector<TileId> tiles;
-  for (const TileId t : options_.order) {
-    if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
-  }
-  std::vector<bool> begun;
-  for (const PartOf& p : parts_) begun.push_back(p.begun);
-  change_table(place_again(table_, tiles, options_.points, hosts()));
-  for (std::size_t n = 0; n < parts_.size(); ++n) {
-    if (!begun[n] && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
-  }
-  if (settled.value()) tell_parts(Collect{});
-}
-
 // REQUIRES: the part is open, and has not been told.
 void Coordinator::begin(NodeId node) {
   BeginPart message;
@@ -288,118 +188,6 @@ void Coordinator::begin() {
     if (parts_.at(table_.node_of(t).value).lost) lost_.push_back(t);
   }
   if (!lost_.empty()) place_orphans();
-}
-
-std::vector<caf::actor> Coordinator::part_handles() const {
-  std::vector<caf::actor> handles;
-  for (const PartOf& p : parts_) handles.push_back(caf::actor_cast<caf::actor>(p.part));
-  return handles;
-}
-
-std::vector<Host> Coordinator::hosts() const {
-  std::vector<Host> hosts;
-  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].there()) hosts.push_back({NodeId{n}, parts_[n].threads});
-  }
-  return hosts;
-}
-
-std::set<NodeId> Coordinator::nodes() const {
-  std::set<NodeId> nodes;
-  for (const Host& host : hosts()) nodes.insert(host.node);
-  return nodes;
-}
-
-// A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
-// been heard.
-void Coordinator::change_table(const std::vector<Placement>& changes) {
-  table_ = next_table(table_, table_.epoch + 1, changes);
-  ChangeTable message{table_, part_handles()};
-  for (PartOf& p : parts_) p.settled = p.collected = false;
-  detector_.restart(nodes());
-  if (state_ == State::settling) {
-    state_ = State::exchanging;
-    quiet_.reset();
-  }
-  tell_parts(message);
-}
-
-void Coordinator::join(const NodeHandle& node) {
-  if (state_ == State::finishing || state_ == State::ending) return;
-  if (state_ == State::finding) {
-    asked_.push_back(node);
-    return find(node);
-  }
-  parts_.emplace_back().node = node;
-  prepare(NodeId{static_cast<std::uint32_t>(parts_.size() - 1)});
-  parts_.back().open.say(node);
-}
-
-// A part that has come later. It has no tiles yet, and so nothing to settle.
-void Coordinator::welcome(NodeId node) {
-  begin(node);
-  detector_.restart(nodes());
-  parts_.at(node.value).settled = state_ == State::settling;
-  waiting_.push_back(node);
-  if (state_ == State::settling) return;
-  std::vector<std::uint64_t> held(parts_.size());
-  for (const TileId t : options_.order) held[table_.node_of(t).value] += options_.points[t.value];
-  const std::vector<Host> there = hosts();
-  for (const Host& host : there) {
-    if (host.node == node) continue;
-    releasing_.insert(host.node);
-    send(parts_[host.node.value].part, Release{held[host.node.value] / there.size()});
-  }
-  place_orphans();
-}
-
-void Coordinator::take(PartReleased& released) {
-  if (releasing_.erase(released.node) == 0) return;  // lost meanwhile, and its tiles with it
-  released_.insert(released_.end(), released.tiles.begin(), released.tiles.end());
-  place_orphans();
-}
-
-void Coordinator::lose(const NodeHandle& node, Failure failure) {
-  if (std::erase(asked_, node) > 0 && asked_.empty()) return take_over();
-  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure));
-  }
-}
-
-void Coordinator::lose(NodeId node, Failure failure) {
-  PartOf& p = parts_.at(node.value);
-  if (p.ended) return;
-  p.lost = p.ended = true;
-  if (p.part) demonitor(p.part.address());
-  p.part = nullptr;
-  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
-  if (all([](const PartOf&) { return false; })) return fail(std::move(failure));  // there is no other
-  if (state_ == State::opening) return begin_if_opened();
-  for (const TileId t : options_.order) {
-    if (table_.node_of(t) == node && !stored_[t.value]) lost_.push_back(t);
-  }
-  releasing_.erase(node);
-  place_orphans();
-}
-
-// All at once, when it is known which there are. Until then nothing is believed quiet, or finished.
-void Coordinator::place_orphans() {
-  const std::vector<Host> all = hosts();
-  if (!releasing_.empty() || all.empty()) return;  // a part that is being opened will take them
-  std::vector<Host> late;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(late), [&](const Host& host) {
-    return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
-  });
-  waiting_.clear();
-  auto changes = place_again(table_, std::exchange(lost_, {}), options_.points, all);
-  const auto moved = place_again(table_, std::exchange(released_, {}), options_.points, late.empty() ? all : late);
-  changes.insert(changes.end(), moved.begin(), moved.end());
-  if (!changes.empty()) return change_table(changes);
-  if (state_ == State::exchanging) {
-    detector_.restart(nodes());
-    act(detector_.notice());
-  }
-  finish_if_collected();
 }
 
 void Coordinator::act(QuiescenceDetector::Verdict verdict) {
@@ -492,20 +280,6 @@ void Coordinator::ended(PartEnded& message) {
   sum_.collect_us += message.collect_us;
   if (message.failure) return fail(std::move(message.failure));
   finish_if_over();
-}
-
-void Coordinator::lost_actor(const caf::down_msg& down) {
-  const auto asked =
-      std::find_if(asked_.begin(), asked_.end(), [&](const NodeHandle& node) { return node.address() == down.source; });
-  if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason));
-  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    const PartOf& p = parts_[n];
-    const bool node = p.node && down.source == p.node.address();
-    const bool part = p.part && down.source == p.part.address();
-    if ((!node && !part) || p.ended) continue;
-    if (node && p.opened) continue;  // its part lives on, or will be missed by itself
-    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason));
-  }
 }
 
 void Coordinator::finish_if_over() noexcept {

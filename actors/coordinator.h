@@ -23,6 +23,7 @@
 // any        | an exception     | Abort to all parts                                          | ending
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <optional>
@@ -115,10 +116,16 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void lost_actor(const caf::down_msg& down);
   void finish_if_over() noexcept;
   template <class Message>
-  void tell_parts(const Message& message);
+  void tell_parts(const Message& message) {
+    for (const PartOf& p : parts_) {
+      if (p.part) send(p.part, message);
+    }
+  }
   // Of those that are not lost.
   template <class Done>
-  bool all(Done done) const;
+  bool all(Done done) const {
+    return std::all_of(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.lost || done(p); });
+  }
 
   CoordinatorOptions options_;
   RunOwner& owner_;

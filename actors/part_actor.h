@@ -30,6 +30,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "actors/office.h"
@@ -40,6 +41,8 @@
 #include "src/run/schedule.h"
 
 namespace tessera {
+
+inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 
 class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:

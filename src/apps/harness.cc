@@ -135,11 +135,11 @@ Status run_harness_command(Settings& settings) {
                                          "; replay it with --seed " + std::to_string(*report.failed_seed) + " --trace");
   }
   if (output.json) {
-    const nlohmann::ordered_json object{
-        {"event", "harness"},         {"seeds", report.seeds},       {"steps", report.steps},
-        {"messages", report.updates}, {"waves", report.waves},       {"sleeps", report.sleeps},
-        {"spills", report.spills},    {"failures", report.failures}, {"restarts", report.restarts},
-        {"epochs", report.epochs}};
+    const nlohmann::ordered_json object{{"event", "harness"},          {"seeds", report.seeds},
+                                        {"steps", report.steps},       {"messages", report.updates},
+                                        {"waves", report.waves},       {"sleeps", report.sleeps},
+                                        {"spills", report.spills},     {"failures", report.failures},
+                                        {"restarts", report.restarts}, {"epochs", report.epochs}};
     std::printf("%s\n", object.dump().c_str());
   } else if (!output.quiet) {
     std::printf(
@@ -147,7 +147,8 @@ Status run_harness_command(Settings& settings) {
         "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined\n",
         grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.updates).c_str(),
         grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
-        grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str(), grouped(report.epochs).c_str());
+        grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str(),
+        grouped(report.epochs).c_str());
   }
   return success();
 }
@@ -170,10 +171,11 @@ Command add_harness(CLI::App& root) {
   add_value(command, "seed", "N", "run this one", 0, true);
   add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);
   add_value(command, "mail", "N", "points of mail a tile keeps in memory; default: drawn", 0, true);
-  add_value(command, "faults", "LIST",
-            "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "
-            "their lease), join (nodes come later), coordinator (is killed)",
-            0, true);
+  add_value(
+      command, "faults", "LIST",
+      "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "
+      "their lease), join (nodes come later), coordinator (is killed)",
+      0, true);
   add_switch(command, "restarts", "the processes are killed or cancelled, and the run is resumed", 0, true);
   add_switch(command, "trace", "print every step", 0, true);
   add_output_switches(command);

@@ -12,6 +12,7 @@
 #include "src/apps/remote_inputs.h"
 #include "src/apps/server_options.h"
 #include "src/apps/watching.h"
+#include "src/base/option.h"
 #include "src/client/written.h"
 #include "src/job/describe.h"
 
@@ -123,7 +124,9 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   const auto fetched = fetch_export(server, done.value(), target, settings.text("max-edge"), output, interrupt.token());
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), file.string(), interrupt.token());
-  if (!removed) std::fprintf(stderr, "note: the export stays at the daemon, too: %s\n", removed.error().where.c_str());
+  if (!removed)
+    std::fprintf(stderr, "note: the export stays at the daemon, too: %s\n",
+                 in_plain_words(removed.error().where).c_str());
   return success();
 }
 

@@ -33,7 +33,8 @@ struct Exported {
   std::string note = {};    // a sentence about what the format could not keep here; often empty
 };
 
-// What the command prints and a job's outcome holds: one line of JSON without its end. `output`: what it is called there.
+// What the command prints and a job's outcome holds: one line of JSON without its end. `output`: what it is called
+// there.
 std::string to_json(const Exported& exported, const std::string& output);
 
 // Writes the result folder `out` to `target`. A target with an ending is one file, in which every vertex has one

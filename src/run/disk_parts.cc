@@ -87,9 +87,9 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
   // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
-  auto part =
-      std::make_unique<DiskPart>(run, spec.out_folder, StoreOptions{spec.neighbors, run->schema, spec.lock_file, self, {}},
-                                 spec.threads, reduce ? 0 : spec.memory_bytes / 4);
+  auto part = std::make_unique<DiskPart>(run, spec.out_folder,
+                                         StoreOptions{spec.neighbors, run->schema, spec.lock_file, self, {}},
+                                         spec.threads, reduce ? 0 : spec.memory_bytes / 4);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
   const auto tiles =

@@ -26,7 +26,8 @@ struct VerifyReport {
   std::vector<std::string> passed;  // one line a check
 };
 
-// What the command prints and a job's outcome holds: one line of JSON without its end. `result`: what it is called there.
+// What the command prints and a job's outcome holds: one line of JSON without its end. `result`: what it is called
+// there.
 std::string to_json(const VerifyReport& report, const std::string& result);
 
 // Error not_delaunay tells the first violation (tile, cell, vertices); corrupt a damaged file; both name the place.

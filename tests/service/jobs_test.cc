@@ -183,6 +183,7 @@ TEST_F(Jobs, AResultIsReplacedOnlyWhenAskedForAndWhenTheNewOneIsWhole) {
   EXPECT_EQ(service->remove_triangulation("block", bob).error().status(), 403);
   ASSERT_TRUE(service->remove_triangulation("block", alice));
   EXPECT_EQ(service->triangulation("block").error().status(), 404);
+  service.reset();  // what was replaced is removed after its job has ended
   EXPECT_TRUE(std::filesystem::is_empty(data() / "results"));
 }
 

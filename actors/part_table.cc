@@ -1,0 +1,130 @@
+// Which tiles a part has, by which table, and whom it obeys.
+#include <algorithm>
+#include <utility>
+
+#include "actors/failing.h"
+#include "actors/part_actor.h"
+#include "actors/tile_actor.h"
+
+namespace tessera {
+
+void PartActor::open(BeginPart& begin) {
+  office_->part = caf::actor_cast<PartHandle>(this);
+  const std::size_t tiles = part_->tile_points.size();
+  tiles_.resize(tiles);
+  if (!begin.table.nodes.empty()) table_ = std::make_shared<const Table>(std::move(begin.table));
+  go_by(table_, begin.parts);
+  opened_ = true;
+  if (begin.settled) return enter_collecting();
+}
+
+// Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
+void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts) {
+  auto routes = std::make_shared<Routes>();
+  routes->table = table;
+  routes->tiles.resize(part_->tile_points.size());
+  for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<PartHandle>(part));
+  for (const Hosted& hosted : hosted_) routes->tiles[hosted.tile.value] = hosted.handle;
+  for (std::uint32_t t = 0; t < part_->tile_points.size(); ++t) {
+    if (part_->tile_points[t] == 0 || table->node_of(TileId{t}) != self_ || routes->tiles[t]) continue;
+    hosted_.push_back({TileId{t}, {}, {}});  // first: what is there must be told to leave
+    hosted_.back().handle =
+        spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
+    routes->tiles[t] = hosted_.back().handle;
+    if (opened_) schedule_.add(TileId{t}, part_->tile_points[t]);
+  }
+  office_->set_routes(std::move(routes));
+  table_ = std::move(table);
+}
+
+void PartActor::change_table(ChangeTable& change) {
+  if (failure_ || !opened_ || change.table.epoch <= table_->epoch) return;
+  office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
+  const bool sound = change.table.nodes.size() == tiles_.size() && change.table.incarnations.size() == tiles_.size() &&
+                     std::all_of(change.table.nodes.begin(), change.table.nodes.end(),
+                                 [&](NodeId node) { return node.value < change.parts.size(); });
+  if (!sound) return stop(failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job")));
+  if (schedule_.stage() == Schedule::Stage::settling) schedule_.enter(Schedule::Stage::exchanging);
+  told_settled_ = told_collected_ = false;
+  const std::size_t before = hosted_.size();
+  go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);
+  if (schedule_.stage() == Schedule::Stage::exchanging) {
+    rejoining_ = static_cast<std::uint32_t>(before);
+    for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
+  }
+  Parcel waiting;
+  waiting.updates = std::exchange(early_, {});
+  deliver(waiting);
+}
+
+void PartActor::take(const TileRejoined& rejoined) {
+  note(rejoined.tile, {rejoined.sent, rejoined.processed});
+  const MailNotice& mail = rejoined.waiting;
+  schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
+  if (rejoined.epoch == table_->epoch && rejoining_ > 0) --rejoining_;
+}
+
+// Their mail goes with them: what they were told they are told again, as other incarnations.
+void PartActor::release(const Release& wanted) {
+  PartReleased released{self_, {}};
+  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling;
+  if (can) released.tiles = schedule_.release(wanted.points);
+  for (const TileId tile : released.tiles) {
+    const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
+    hosted->leave.say(hosted->handle);
+    hosted_.erase(hosted);
+    note(tile, {});
+  }
+  tell(std::move(released));
+}
+
+// What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
+void PartActor::deliver(Parcel& parcel) {
+  if (failure_) return;  // mail of a job that is over
+  const auto routes = office_->routes();
+  for (Update& update : parcel.updates) {
+    if (!routes || update.epoch > table_->epoch) {
+      early_.push_back(std::move(update));
+      continue;
+    }
+    const TileId to = update.to.tile;
+    const std::size_t tiles = part_->tile_points.size();
+    const bool sound = to.value < tiles && update.from.tile.value < tiles;
+    if (sound && !table_->alive(update.to)) continue;  // sent by an older table
+    if (!sound || !routes->tiles[to.value]) {
+      stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
+                                                ", which it does not have")));
+      dispatch();
+      return;
+    }
+    send(routes->tiles[to.value], std::move(update));
+  }
+}
+
+// Messages of one that has been replaced, and does not know it yet.
+bool PartActor::obeyed() {
+  return coordinator_ && current_sender() == caf::actor_cast<caf::strong_actor_ptr>(coordinator_);
+}
+
+// Whatever has been said to the one before may not have been heard.
+void PartActor::obey(const FindPart& found) {
+  if (found.term <= term_ || ended_) return;
+  term_ = found.term;
+  if (coordinator_) demonitor(coordinator_.address());
+  coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
+  monitor(coordinator_);
+  told_begun_ = told_settled_ = told_collected_ = false;
+  tell(PartFound{term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_,
+                 part_->schedule.threads});
+  for (const TileDone& done : stored_) tell(done);
+}
+
+// The tiles go on: what they say meanwhile is said again to whoever takes over.
+void PartActor::lost_coordinator(const caf::down_msg& down) {
+  if (!coordinator_ || down.source != coordinator_.address()) return;
+  coordinator_ = nullptr;
+  if (office_->options.grace_s == 0 || failure_) return stop(lost("the coordinator", down.reason));
+  delayed_send(this, std::chrono::seconds(office_->options.grace_s), GraceOver{term_});
+}
+
+}  // namespace tessera
