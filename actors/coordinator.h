@@ -2,22 +2,23 @@
 // src/quiescence/detector.h), places the tiles of lost nodes anew, and ends the job.
 //
 // state      | message          | effect                                                      | next
-// finding    | PartFound        | when all nodes have answered: a new table, and on from where the parts are | any
+// finding    | PartFound        | when all nodes have answered: a new table                   | where the parts are
 // opening    | PartOpened       | when all have: BeginPart to all                             | exchanging;
 //            |                  |                                                             | collecting if settled
 // exchanging | PartIdle         | begin a wave: Probe to every part                           | exchanging
 // exchanging | PartTally        | when two waves agree: Settle to all                         | settling
 // settling   | PartSettled      | when all have: mark the run settled, Collect to all         | collecting
 // collecting | TileDone         | pass it on to the owner                                     | collecting
-// collecting | PartCollected    | when all have: Finish to all                                | collecting
+// collecting | PartCollected    | when all have: Finish to all                                | finishing
 // any        | NodeJoined       | open a part there; when it is open, Release to all others   |
-// any        | PartReleased     | a new epoch: the tiles released begin on the part that is waiting for work |
-// exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others (docs/design.md, section 3) |
-// exchanging collecting | NodeLost         | a new epoch: those of its tiles that are not stored are the others' |
-// collecting any        | NodeLost, the last one | the job fails                                         | ending any
-// | a part is gone without a word | as NodeLost                                    | any        | PartProgress     |
-// progress to the owner                                       | any        | Cancel           | Suspend to all parts |
-// ending any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
+// any        | PartReleased     | a new epoch: what is released begins where work is wanted   |
+// exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
+// collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
+// any        | NodeLost, the last one | the job fails                                         | ending
+// any        | a part is gone without a word | as NodeLost                                    |
+// any        | PartProgress     | progress to the owner                                       |
+// any        | Cancel           | Suspend to all parts                                        | ending
+// any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
 //            |                  | ended                                                       |
 // collecting | PartEnded        | with damage: the run is not settled any more, too           | ending
 // any        | an exception     | Abort to all parts                                          | ending

@@ -87,11 +87,9 @@ void Coordinator::go_on() {
   for (const TileId t : options_.order) {
     if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
   }
-  std::vector<bool> begun;
-  for (const PartOf& p : parts_) begun.push_back(p.begun);
   change_table(place_again(table_, tiles, options_.points, hosts()));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
-    if (!begun[n] && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
+    if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
   }
   if (settled.value()) tell_parts(Collect{});
 }

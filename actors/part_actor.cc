@@ -7,6 +7,12 @@
 #include "actors/tile_actor.h"
 
 namespace tessera {
+namespace {
+
+// Of many small tiles there are many in a moment: they are told before they take more memory than the tiles.
+constexpr std::size_t spans_max = 1000;
+
+}  // namespace
 
 PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
                      CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
@@ -256,7 +262,8 @@ void PartActor::end() {
 
 void PartActor::tell_progress(bool now) {
   const auto time = std::chrono::steady_clock::now();
-  if (!coordinator_ || (!now && time - progress_told_ < progress_interval_)) return;
+  const bool due = now || progress_.spans.size() >= spans_max || time - progress_told_ >= progress_interval_;
+  if (!coordinator_ || !due) return;
   progress_told_ = time;
   progress_.tiles_asleep = schedule_.asleep();
   progress_.updates_sent = totals_.sent;
@@ -264,7 +271,7 @@ void PartActor::tell_progress(bool now) {
   progress_.points_sent = sum_.points.sent;
   progress_.memory_bytes = schedule_.memory();
   tell(progress_);
-  progress_.spans.clear();
+  std::vector<WorkSpan>().swap(progress_.spans);
 }
 
 }  // namespace tessera
