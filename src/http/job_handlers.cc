@@ -160,23 +160,30 @@ Answer events(const Call& call, Shared& shared, const std::string& id) {
       return problem(400, "Last-Event-ID: is not a number of an event", 2);
   }
   auto queue = std::make_shared<EventQueue>(shared.texts, id, EventQueue::Limits{});
-  if (!id.empty()) {
+  std::string told;  // the state
+  const auto tell_now = [&]() -> std::optional<proto::Problem> {
     Reply<proto::StatusInfo> status = call.context.backend.job(id);
-    if (!status) return problem(status.error());
-    if (last == 0) {
-      // What there is to tell now; a watcher would else wait for the next change, or for ever.
-      call.context.links.add(call.request, status.value());
-      auto now = std::make_shared<proto::Event>();
-      now->set_job_id(id);
-      now->set_kind("status");
-      *now->mutable_status() = status.value();
-      queue->add(now);
-    }
-  }
+    if (!status) return status.error();
+    if (last != 0 || status.value().status() == told) return std::nullopt;
+    told = status.value().status();
+    call.context.links.add(call.request, status.value());
+    auto now = std::make_shared<proto::Event>();
+    now->set_job_id(id);
+    now->set_kind("status");
+    *now->mutable_status() = std::move(status).value();
+    queue->add(now);
+    return std::nullopt;
+  };
+  // What there is to tell now; a watcher would else wait for the next change, or for ever.
+  if (!id.empty())
+    if (const auto refused = tell_now()) return problem(*refused);
   // The queue outlives the subscription that it holds.
   Reply<std::unique_ptr<Backend::Subscription>> subscription = call.context.backend.subscribe(
       id, last, [to = queue.get()](const std::shared_ptr<const proto::Event>& event) { to->add(event); });
   if (!subscription) return problem(subscription.error());
+  // Again: nobody was told of a change between the two, and it may have been the last.
+  if (!id.empty())
+    if (const auto refused = tell_now()) return problem(*refused);
   queue->keep(std::move(subscription.value()));
   Answer answer;
   answer.headers = {{"Content-Type", "text/event-stream"}, {"X-Accel-Buffering", "no"}, {"Cache-Control", "no-store"}};

@@ -181,6 +181,7 @@ Reply<std::string> FakeBackend::outcome(std::string_view) { return std::string(R
 
 Reply<std::unique_ptr<Backend::Subscription>> FakeBackend::subscribe(std::string_view id, std::uint64_t last,
                                                                      OnEvent on_event) {
+  if (before_subscribe) before_subscribe();
   auto watcher = std::make_unique<Watcher>(*this, std::string(id), std::move(on_event));
   const std::scoped_lock lock(mutex_);
   if (last > 0)

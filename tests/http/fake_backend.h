@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -31,6 +32,8 @@ class FakeBackend final : public Backend {
   void wait_for_held(int count);
   // Watchers of all jobs hear `count` events.
   void tell(int count);
+  // Called by subscribe() before it does anything.
+  std::function<void()> before_subscribe;
 
   Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller, std::string_view idempotency_key) override;
   Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;

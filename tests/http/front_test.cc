@@ -70,6 +70,19 @@ TEST_F(FrontOf, DocumentHasEveryRoute) {
   }
 }
 
+TEST_F(FrontOf, AWatcherHearsOfTheEndOfAJobThatEndsWhileItIsBeginningToWatch) {
+  const auto body = R"({"inputs":{"triangulation":"block"}})";
+  ASSERT_EQ(ask("POST", "/v1/processes/verify/execution", body).status, 201);
+  backend_.before_subscribe = [&] { backend_.set_state("j1", "successful"); };
+  const Answer answer = ask("GET", "/v1/jobs/j1/events");
+  ASSERT_EQ(answer.status, 200);
+  bool over = false;
+  const std::string text = answer.events->take(over);
+  EXPECT_NE(text.find("accepted"), std::string::npos) << text;
+  EXPECT_NE(text.find("successful"), std::string::npos) << text;
+  EXPECT_TRUE(over);
+}
+
 TEST_F(FrontOf, OptionsAndWrongMethodsSayWhatIsAllowed) {
   for (const char* method : {"OPTIONS", "PATCH"}) {
     const Answer answer = ask(method, "/v1/jobs/j1");
