@@ -25,7 +25,7 @@ class ClientsTest(DaemonTest):
         env = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         env |= {"TESSERA_SERVER": self.daemon.url, "TESSERA_TOKEN": token or self.daemon.token}
         done = subprocess.run([TESSERA, *map(str, args)], cwd=self.folder, text=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.PIPE, timeout=300, env=env)
+                              stderr=subprocess.PIPE, env=env)
         self.assertEqual(done.returncode, status, done.stderr)
         if status == 0:
             return done.stdout
@@ -95,9 +95,9 @@ class Command(ClientsTest):
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(watching.stdout.close)
         self.addCleanup(watching.stderr.close)
-        stream = self.daemon.events("/v1/events", 0)
-        while (next(stream)[2] or {}).get("status", {}).get("status") != "running":
-            pass
+        for _, _, data in self.daemon.events("/v1/events", 1):  # from the first on
+            if (data or {}).get("status", {}).get("status") == "running":
+                break
         self.daemon.end(signal.SIGKILL)
         said = ""
         while "is waited for" not in said:
@@ -105,7 +105,7 @@ class Command(ClientsTest):
             self.assertNotEqual(line, "", said)
             said += line
         self.daemon = self.start("--uploads", listen=f"127.0.0.1:{port}")
-        told, errors = watching.communicate(timeout=300)
+        told, errors = watching.communicate()
         self.assertEqual(watching.returncode, 0, said + errors)
         self.assertIn("tetrahedra", told)
 

@@ -34,11 +34,12 @@ class Faults(DaemonTest):
         self.assertEqual(status, 201, job)
         return job["jobID"]
 
-    def until(self, daemon, job, *states):
-        """The job's status once it is one of those."""
+    def until(self, daemon, job, *states, phase=None):
+        """The job's status once it is one of those, and in that phase."""
         for _, _, data in daemon.events(f"/v1/jobs/{job}/events"):
-            if data and data.get("status", {}).get("status") in states:
-                return data["status"]
+            status = (data or {}).get("status", {})
+            if status.get("status") in states and phase in (None, status.get("phase")):
+                return status
         self.fail(f"job {job} was never {states}: {daemon.request('GET', f'/v1/jobs/{job}')[2]}")
 
     def successful(self, daemon, job):
@@ -72,8 +73,10 @@ class Faults(DaemonTest):
         before = self.submit(daemon, "small", "before")
         self.successful(daemon, before)
         job = self.submit(daemon, "large", "block")
-        self.until(daemon, job, "running")
+        self.until(daemon, job, "running", phase="triangulating")
+        daemon.process.send_signal(signal.SIGSTOP)  # filling it takes a while
         self.fill(disk)
+        daemon.process.send_signal(signal.SIGCONT)
         last = daemon.wait(job)
         self.assertEqual(last["status"], "failed", last)
         self.assertEqual((last["problem"]["status"], last["problem"]["cause"]), (507, 4), last)
@@ -115,7 +118,7 @@ class Faults(DaemonTest):
         daemon = self.start()
         job = self.submit(daemon, "large", "block")
         self.until(daemon, job, "running")
-        asked = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=60)
+        asked = http.client.HTTPConnection("127.0.0.1", daemon.port)
         self.addCleanup(asked.close)
         asked.connect()
         daemon.process.send_signal(signal.SIGSTOP)
@@ -164,12 +167,13 @@ class Faults(DaemonTest):
         daemon = self.start()
         deadly = self.submit(daemon, "large", "deadly")
         neighbour = self.submit(daemon, "small", "neighbour")
-        for _ in range(3):
-            self.until(daemon, deadly, "running")
-            daemon.end(signal.SIGKILL)  # as the system does to who has taken all memory
-            daemon = self.start()
+        while (last := daemon.request("GET", f"/v1/jobs/{deadly}")[2])["status"] != "failed":
+            if last["status"] == "successful":  # it has ended before it could be killed
+                deadly = self.submit(daemon, "large", "deadly", overwrite=True)
+            if self.until(daemon, deadly, "running", "successful")["status"] == "running":
+                daemon.end(signal.SIGKILL)  # as the system does to who has taken all memory
+                daemon = self.start()
         self.successful(daemon, neighbour)
-        last = daemon.request("GET", f"/v1/jobs/{deadly}")[2]
         self.assertEqual((last["status"], last["starts"], last["resumable"]), ("failed", 3, True), last)
         self.assertIn("the daemon died 3 times", last["problem"]["detail"])
         self.assertIn("the daemon died 3 times", daemon.messages())

@@ -2,6 +2,7 @@
 #include <map>
 #include <set>
 
+#include "src/files/names.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -118,11 +119,15 @@ TEST_F(Jobs, QueuedRunningAndEndedJobsGoOnAfterARestartInTheirOrder) {
   const auto second = submit(triangulate("small.xyz", "second"));
   const auto third = submit(triangulate("small.xyz", "third"));
   working(running);
-  restart();
+  service.reset();
+  std::ifstream record(job_record_file(job_folder(data(), running)));
+  const std::string left(std::istreambuf_iterator<char>(record), {});
+  const bool goes_on = left.find("\"state\":\"accepted\"") != std::string::npos;  // or it has ended in time
+  open();
   EXPECT_EQ(status(first).status(), "successful");
   EXPECT_EQ(status(first).starts(), 1);
   for (const auto& id : {running, second, third}) EXPECT_EQ(ended(id).status(), "successful");
-  EXPECT_EQ(status(running).starts(), 2);
+  EXPECT_EQ(status(running).starts(), goes_on ? 2 : 1);
   EXPECT_LE(status(running).started(), status(second).started());
   EXPECT_LE(status(second).started(), status(third).started());
   EXPECT_EQ(service->triangulations(10, "").value().number_matched(), 4);
@@ -131,18 +136,24 @@ TEST_F(Jobs, QueuedRunningAndEndedJobsGoOnAfterARestartInTheirOrder) {
 TEST_F(Jobs, ADismissedJobStopsAndCanGoOn) {
   make_cloud("large.ply", 400'000);
   open();
-  const auto id = submit(triangulate("large.ply", "block"));
-  wait(id, [](const auto& now) { return now.phase() == "triangulating" || now.status() != "running"; });
-  EXPECT_EQ(service->dismiss(id, bob).error().status(), 403);
-  const auto dismissed = service->dismiss(id, alice);
-  ASSERT_TRUE(dismissed) << dismissed.error().detail();
-  EXPECT_EQ(dismissed.value().status(), "dismissed");
-  EXPECT_TRUE(dismissed.value().resumable());
+  std::string id, name;
+  proto::StatusInfo dismissed;
+  do {
+    name += "block";
+    id = submit(triangulate("large.ply", name));
+    wait(id, [](const auto& now) { return now.phase() == "triangulating" || now.status() == "successful"; });
+    EXPECT_EQ(service->dismiss(id, bob).error().status(), 403);
+    const auto answer = service->dismiss(id, alice);
+    ASSERT_TRUE(answer) << answer.error().detail();
+    dismissed = answer.value();
+  } while (dismissed.status() == "successful");  // it had ended, and is forgotten
+  EXPECT_EQ(dismissed.status(), "dismissed");
+  EXPECT_TRUE(dismissed.resumable());
   EXPECT_EQ(service->outcome(id).error().status(), 410);
-  EXPECT_FALSE(service->triangulation("block"));
+  EXPECT_FALSE(service->triangulation(name));
   ASSERT_TRUE(service->resume(id, alice));
   EXPECT_EQ(ended(id).status(), "successful");
-  EXPECT_EQ(service->triangulation("block").value().vertices(), 400'000);
+  EXPECT_EQ(service->triangulation(name).value().vertices(), 400'000);
   EXPECT_EQ(service->resume(id, alice).error().status(), 409);
 }
 
@@ -150,9 +161,15 @@ TEST_F(Jobs, AWaitingJobThatIsDismissedNeverRunsAndOneThatEndedIsForgottenForGoo
   make_cloud("large.ply", 200'000);
   make_cloud("small.xyz", 500);
   open();
-  const auto running = submit(triangulate("large.ply"));
-  const auto waiting = submit(triangulate("small.xyz", "waiting"));
-  ASSERT_TRUE(service->dismiss(waiting, alice));
+  std::string running, waiting;
+  int rounds = 0;
+  while (true) {
+    running = submit(triangulate("large.ply"));
+    waiting = submit(triangulate("small.xyz", "waiting" + std::to_string(rounds++)));
+    const auto dismissed = service->dismiss(waiting, alice);
+    ASSERT_TRUE(dismissed) << dismissed.error().detail();
+    if (dismissed.value().starts() == 0) break;  // or it has begun, or ended and is forgotten
+  }
   EXPECT_EQ(ended(running).status(), "successful");
   EXPECT_EQ(status(waiting).starts(), 0);
   ASSERT_TRUE(service->dismiss(waiting, alice));
