@@ -108,6 +108,22 @@ def page(daemon, limit):
     print(f"the newest {limit} jobs: {statistics.median(times) * 1e3:.1f} ms, {size} bytes")
 
 
+def all_pages(daemon, limit=100):
+    """Of the whole list, by its links."""
+    connection = http.client.HTTPConnection("127.0.0.1", daemon.port)
+    head = {"Authorization": f"Bearer {daemon.token}"}
+    times, count, after = [], 0, ""
+    while after is not None:
+        begin = time.monotonic()
+        connection.request("GET", f"/v1/jobs?limit={limit}{after}", headers=head)
+        body = connection.getresponse().read()
+        times.append(time.monotonic() - begin)
+        listed = json.loads(body)
+        count += len(listed["jobs"])
+        after = f"&after={listed['jobs'][-1]['jobID']}" if any(x["rel"] == "next" for x in listed["links"]) else None
+    print(f"all {count} jobs in {len(times)} pages: median {statistics.median(times) * 1e3:.1f} ms, most {max(times) * 1e3:.1f} ms")
+
+
 def submissions(daemon, args):
     count = args.count or 3000
     blocker = execute(daemon, **options(args, "blocker"))  # all others wait
@@ -136,6 +152,7 @@ def submissions(daemon, args):
     print(f"{count} submissions from {args.connections} connections: {seconds:.1f} s, {count / seconds:.0f} a second")
     for limit in (100, 1000):
         page(daemon, limit)
+        all_pages(daemon, limit)
     daemon.request("DELETE", f"/v1/jobs/{blocker}")
 
 

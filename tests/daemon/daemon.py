@@ -79,10 +79,13 @@ class Daemon:
         connection.close()
 
     def wait(self, job):
-        """Until it has ended, by its events: its last status."""
-        for _ in self.events(f"/v1/jobs/{job}/events"):
-            pass
-        return self.request("GET", f"/v1/jobs/{job}")[2]
+        """Until it has ended, by its events: its last status. A stream may end before, of a watcher that is too slow."""
+        while True:
+            for _ in self.events(f"/v1/jobs/{job}/events"):
+                pass
+            status = self.request("GET", f"/v1/jobs/{job}")[2]
+            if status["status"] in ENDED:
+                return status
 
     def end(self, how=signal.SIGTERM):
         if self.process.poll() is None:
