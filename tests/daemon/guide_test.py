@@ -6,7 +6,7 @@ import re
 import subprocess
 import unittest
 
-from daemon import TESSERA, DaemonTest
+from daemon import IGN, TESSERA, DaemonTest
 
 try:
     import tessera
@@ -41,6 +41,11 @@ class Guide(DaemonTest):
             if "/events" in line:
                 self.assertIn("successful", said)
         self.assertEqual(daemon.end(), 0, daemon.messages())
+
+    def test_the_lines_are_right_for_what_is_started_with_one_command(self):
+        root = pathlib.Path(os.environ["SERVICE_GUIDE"]).parents[1]
+        (inputs,) = re.findall(r"src/daemon/tesserad .*--inputs (\S+)", (root / "tessera.sh").read_text())
+        self.assertEqual((root / inputs).resolve(), IGN.resolve())  # which the other tests serve
 
     def section(self, title):
         return re.search(f"^## {title}\n(.*?)^## ", GUIDE, re.S | re.M)[1]
