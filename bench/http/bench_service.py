@@ -57,8 +57,15 @@ def options(args, output):
     return {"inputs": ["cloud.las"], "output": output, "overwrite": True} | ({"tiles": args.tiles} if args.tiles else {})
 
 
+def running(daemon, job):
+    """Waits until it runs: what is dismissed before never says that it was interrupted."""
+    for _, _, data in daemon.events(f"/v1/jobs/{job}/events"):
+        if (data or {}).get("status", {}).get("status") != "accepted":
+            return
+
+
 def stopped_after(daemon, job):
-    """Seconds until nothing of the job works any more: its log says so."""
+    """Seconds until nothing of the job works any more: its log says so. REQUIRES: it ran when it was dismissed."""
     begin = time.monotonic()
     while True:
         log = daemon.request("GET", f"/v1/jobs/{job}/log")[2].decode()
@@ -177,6 +184,7 @@ def job_costs(daemon, args, watchers):
         connections.append(connection)
     sink = subprocess.Popen([sys.executable, __file__, "--drain", *(str(c.sock.fileno()) for c in connections)],
                             pass_fds=[c.sock.fileno() for c in connections], stdout=subprocess.PIPE, text=True)
+    running(daemon, first)
     daemon.request("DELETE", f"/v1/jobs/{first}")
     stopped_after(daemon, first)
     before, begin = processor_seconds(daemon), time.monotonic()
@@ -213,7 +221,7 @@ def watch(daemon, args):
         alone.append(job_costs(daemon, args, 0))
         watched.append(job_costs(daemon, args, args.watchers))
         print(f"alone {alone[-1][0]:.2f} s of processor time, {alone[-1][1]:.2f} s; "
-              f"watched {watched[-1][0]:.2f} s, {watched[-1][1]:.2f} s, {watched[-1][2] / 1e6:.1f} MB told")
+              f"watched {watched[-1][0]:.2f} s, {watched[-1][1]:.2f} s, {watched[-1][2] / 1e6:.1f} MB told", flush=True)
     for name, at in (("processor time", 0), ("wall time", 1)):
         one, other = (statistics.median(run[at] for run in runs) for runs in (alone, watched))
         print(f"{name}: {one:.2f} s alone, {other:.2f} s with {args.watchers} watchers: {(other / one - 1) * 100:+.2f} %")
