@@ -32,10 +32,11 @@ std::string values_of(const Command& command, const CLI::Option& option) {
 std::string branches(const Command& command) {
   const auto name = command.app->get_name();
   std::string options, arguments, values, any;
+  int positionals = 0;
   for (const auto* option : command.app->get_options()) {
     if (option->get_group().empty()) continue;
     if (option->get_positional()) {
-      arguments = values_of(command, *option);
+      if (positionals++ == 0) arguments = values_of(command, *option);
       continue;
     }
     std::vector<std::string> flags;
@@ -54,8 +55,12 @@ std::string branches(const Command& command) {
     }
   }
   if (!any.empty()) values += "    " + any + ") ;;\n";
-  return values + "    " + name + "\\ *) case $current in -*) offered='" + options + "' ;; *) offered='" + arguments +
-         "' ;; esac ;;\n";
+  const auto branch = [&](const std::string& after, const std::string& words) {
+    return "    " + name + "\\ " + after + ") case $current in -*) offered='" + options + "' ;; *) offered='" + words +
+           "' ;; esac ;;\n";
+  };
+  // Of several arguments only the first has its place: right after the command.
+  return values + (positionals > 1 ? branch(name, arguments) + branch("*", "") : branch("*", arguments));
 }
 
 }  // namespace

@@ -40,9 +40,9 @@ bool FileHandle::close() {
 
 Result<FileHandle> open_handle(const fs::path& path, int flags) { return open_handle(path, flags, path); }
 
-Result<FileHandle> open_handle(const fs::path& path, int flags, const fs::path& final_name) {
+Result<FileHandle> open_handle(const fs::path& path, int flags, const fs::path& final_name, mode_t rights) {
   while (true) {
-    FileHandle file(::open(path.c_str(), flags | O_CLOEXEC, 0666));
+    FileHandle file(::open(path.c_str(), flags | O_CLOEXEC, rights));
     if (file.get() >= 0) return file;
     if (errno != EINTR) return io_error(final_name, (flags & O_CREAT) != 0 ? "cannot create" : "cannot open", errno);
   }

@@ -1,6 +1,8 @@
 // An open file descriptor, and reading and writing that no signal and no short write cuts short.
 #pragma once
 
+#include <sys/types.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -35,8 +37,9 @@ class FileHandle {
 
 // `flags` as of open(2), O_CLOEXEC added; a new file gets the rights that the umask leaves. Error io.
 Result<FileHandle> open_handle(const std::filesystem::path& path, int flags);
-// The same; the error speaks of the file that `path` is a temporary name of.
-Result<FileHandle> open_handle(const std::filesystem::path& path, int flags, const std::filesystem::path& final_name);
+// The same; the error speaks of the file that `path` is a temporary name of. `rights`: before the umask.
+Result<FileHandle> open_handle(const std::filesystem::path& path, int flags, const std::filesystem::path& final_name,
+                               mode_t rights = 0666);
 // A new file in `folder` to write and read back, without a name: gone when closed, however the process ends. Error io.
 Result<FileHandle> nameless_file(const std::filesystem::path& folder);
 // In bytes. Error io when it is no regular file. `path` is for the message, here and below.

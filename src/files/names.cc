@@ -24,6 +24,9 @@ constexpr const char* settled_ending = ".bin";
 constexpr const char* new_run = ".run.new";
 constexpr const char* unfinished = ".unfinished-";
 constexpr const char* removed = ".removed-";
+constexpr const char* authority = "ca";
+constexpr const char* certificate_ending = ".pem";
+constexpr const char* key_ending = ".key";
 
 // No other process has it: numbers of processes alone are used again, and by every container.
 std::string token_of_process() {
@@ -130,6 +133,13 @@ fs::path part_file(const fs::path& final_name) {
 fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
 fs::path removed_folder(const fs::path& folder, const std::string& token) { return folder / (removed + token); }
 
+fs::path authority_file(const fs::path& certs) { return node_certificate_file(certs, authority); }
+fs::path authority_key_file(const fs::path& certs) { return node_key_file(certs, authority); }
+fs::path node_certificate_file(const fs::path& certs, const std::string& node) {
+  return certs / (node + certificate_ending);
+}
+fs::path node_key_file(const fs::path& certs, const std::string& node) { return certs / (node + key_ending); }
+
 fs::path temporary_name(const fs::path& final_name) {
   fs::path name = final_name;
   name += temporary_ending;
@@ -182,6 +192,11 @@ bool is_job_name(const fs::path& file) {
 }
 
 bool is_removed_name(const fs::path& file) { return file.filename().string().starts_with(removed); }
+
+std::string node_of_certificate(const fs::path& file) {
+  if (file.extension() != certificate_ending || file.stem() == authority) return "";
+  return file.stem().string();
+}
 
 std::string job_of_unfinished(const fs::path& file) {
   const std::string name = file.filename().string(), begin = unfinished;

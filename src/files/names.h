@@ -30,6 +30,11 @@
 //   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
 //   .../.unfinished-ID             what job ID makes, until it is whole
 //   .../.removed-...               what is being removed
+//
+// and in a folder of certificates (src/certs):
+//
+//   CERTS/ca.pem, CERTS/ca.key     the authority of a cluster, its key
+//   CERTS/NAME.pem, CERTS/NAME.key a node of it
 #pragma once
 
 #include <cstdint>
@@ -101,6 +106,12 @@ std::filesystem::path unfinished_folder(const std::filesystem::path& folder, con
 // What is renamed to this is nobody's any more; `token`: no two have the same.
 std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
 
+// Folders of certificates.
+std::filesystem::path authority_file(const std::filesystem::path& certs);
+std::filesystem::path authority_key_file(const std::filesystem::path& certs);
+std::filesystem::path node_certificate_file(const std::filesystem::path& certs, const std::string& node);
+std::filesystem::path node_key_file(const std::filesystem::path& certs, const std::string& node);
+
 // What a file is called until it is whole. Of one name at a time, unless every process has its own, on any machine.
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);
 std::filesystem::path temporary_name_of_process(const std::filesystem::path& final_name);
@@ -122,6 +133,8 @@ bool is_new_run_name(const std::filesystem::path& file);
 // What stands directly in the folder of a job, files on their way included.
 bool is_job_name(const std::filesystem::path& file);
 bool is_removed_name(const std::filesystem::path& file);
+// The node of a node_certificate_file(); empty for other names, the authority's too.
+std::string node_of_certificate(const std::filesystem::path& file);
 // The job of an unfinished_folder(); empty for other names.
 std::string job_of_unfinished(const std::filesystem::path& file);
 

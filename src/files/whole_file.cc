@@ -1,6 +1,7 @@
 #include "src/files/whole_file.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -87,16 +88,30 @@ Status sync_files(std::span<const fs::path> files) {
   return done;
 }
 
-Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes) {
+namespace {
+
+Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes, int flags, mode_t rights) {
   TemporaryFile temporary(temporary_name(final_name));
   {
-    BOOST_OUTCOME_TRY(file, open_handle(temporary.path(), O_WRONLY | O_CREAT | O_TRUNC, final_name));
+    BOOST_OUTCOME_TRY(file, open_handle(temporary.path(), O_WRONLY | O_CREAT | flags, final_name, rights));
     BOOST_OUTCOME_TRYV(write_on(file.get(), bytes, final_name));
     if (!file.close()) return io_error(final_name, "cannot write", errno);
   }
   BOOST_OUTCOME_TRYV(publish(temporary.path(), final_name));
   temporary.keep();
   return sync_folder(final_name.parent_path());
+}
+
+}  // namespace
+
+Status write_whole(const fs::path& final_name, std::span<const std::byte> bytes) {
+  return write_whole(final_name, bytes, O_TRUNC, 0666);
+}
+
+Status write_private(const fs::path& final_name, std::span<const std::byte> bytes) {
+  // What is left of a process that was killed may be open elsewhere, or have other rights.
+  BOOST_OUTCOME_TRYV(remove_file(temporary_name(final_name)));
+  return write_whole(final_name, bytes, O_EXCL, S_IRUSR | S_IWUSR);
 }
 
 Status write_whole(const fs::path& final_name, std::string_view text) {

@@ -28,6 +28,8 @@ Status sync_files(std::span<const std::filesystem::path> files);
 // Writes the whole file, publishes it and syncs its folder.
 Status write_whole(const std::filesystem::path& final_name, std::span<const std::byte> bytes);
 Status write_whole(const std::filesystem::path& final_name, std::string_view text);
+// The same; no one but its owner can read it, from its first moment.
+Status write_private(const std::filesystem::path& final_name, std::span<const std::byte> bytes);
 // Error io also when it is no regular file.
 Result<std::vector<std::byte>> read_whole(const std::filesystem::path& path);
 

@@ -4,7 +4,7 @@ import unittest
 from cli import IO, OK, USAGE, CliTest
 
 DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch", "upload"]  # ask one
-COMMANDS = ["triangulate", "verify", "info", "export", *DAEMON, "generate", "harness"]
+COMMANDS = ["triangulate", "verify", "info", "export", "certs", *DAEMON, "generate", "harness"]
 
 
 class Help(CliTest):

@@ -36,6 +36,18 @@ TEST_F(Files, AWholeFileReplacesTheOldOneAndLeavesNoTemporaryName) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder()), fs::directory_iterator()), 1);
 }
 
+TEST_F(Files, APrivateFileIsItsOwnersAloneWhateverWasLeftInItsPlace) {
+  const fs::path path = folder() / "key";
+  ASSERT_TRUE(write_whole(temporary_name(path), std::string_view("what a process that was killed has left")));
+  const auto mask = ::umask(0);
+  const Status written = write_private(path, to_bytes("secret"));
+  ::umask(mask);
+  ASSERT_TRUE(written);
+  EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  EXPECT_EQ(as_text(read_whole(path).value()), "secret");
+  EXPECT_FALSE(fs::exists(temporary_name(path)));
+}
+
 TEST_F(Files, AForkedChildLeavesItsParentsTemporaryOnesAlone) {
   const auto path = folder() / "file";
   std::optional<TemporaryFile> file(path);
