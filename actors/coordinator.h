@@ -50,6 +50,8 @@ struct CoordinatorOptions {
   bool take_over = false;
   // Writes down that the run is settled, or that it is not any more.
   std::function<Status(bool)> mark_settled;
+  // Whether another one has claimed a higher term: then this one has nothing to say any more, also if it fails.
+  std::function<bool()> replaced;
   // Whether it is written down, and the tiles in the store: asked by one that takes over.
   std::function<Result<bool>()> is_settled;
   std::function<Result<std::vector<TileEntry>>()> stored;
@@ -103,6 +105,10 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void lose(NodeId node, Failure failure);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
+  // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
+  bool has(NodeId node) const { return node.value < parts_.size() && !parts_[node.value].lost; }
+  std::vector<Placement> again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const;
+  void step_down() noexcept;
   std::vector<Host> hosts() const;
   std::set<NodeId> nodes() const;
   std::vector<caf::actor> part_handles() const;

@@ -8,6 +8,11 @@
 
 namespace tessera {
 
+std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
+  // Of one that was replaced and does not know it, epochs and incarnations are others.
+  return place_again(table_, tiles, options_.points, hosts, static_cast<std::uint32_t>(options_.term << 16));
+}
+
 void Coordinator::find(const NodeHandle& node) {
   monitor(node);
   send(node,
@@ -87,7 +92,7 @@ void Coordinator::go_on() {
   for (const TileId t : options_.order) {
     if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
   }
-  change_table(place_again(table_, tiles, options_.points, hosts()));
+  change_table(again(tiles, hosts()));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
   }
@@ -175,8 +180,8 @@ void Coordinator::place_orphans() {
     return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
   });
   waiting_.clear();
-  auto changes = place_again(table_, std::exchange(lost_, {}), options_.points, all);
-  const auto moved = place_again(table_, std::exchange(released_, {}), options_.points, late.empty() ? all : late);
+  auto changes = again(std::exchange(lost_, {}), all);
+  const auto moved = again(std::exchange(released_, {}), late.empty() ? all : late);
   changes.insert(changes.end(), moved.begin(), moved.end());
   if (!changes.empty()) return change_table(changes);
   if (state_ == State::exchanging) {
@@ -189,8 +194,8 @@ void Coordinator::place_orphans() {
 // A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
 // been heard.
 void Coordinator::change_table(const std::vector<Placement>& changes) {
-  table_ = next_table(table_, table_.epoch + 1, changes);
-  ChangeTable message{table_, part_handles()};
+  table_ = next_table(table_, std::max(table_.epoch + 1, options_.term << 32), changes);
+  ChangeTable message{table_, part_handles(), state_ == State::collecting};
   for (PartOf& p : parts_) p.settled = p.collected = false;
   detector_.restart(nodes());
   if (state_ == State::settling) {

@@ -44,7 +44,11 @@ void PartActor::change_table(ChangeTable& change) {
                      std::all_of(change.table.nodes.begin(), change.table.nodes.end(),
                                  [&](NodeId node) { return node.value < change.parts.size(); });
   if (!sound) return stop(failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job")));
-  if (schedule_.stage() == Schedule::Stage::settling) schedule_.enter(Schedule::Stage::exchanging);
+  if (change.settled) {
+    enter_collecting();
+  } else if (schedule_.stage() == Schedule::Stage::settling) {
+    schedule_.enter(Schedule::Stage::exchanging);
+  }
   told_settled_ = told_collected_ = false;
   const std::size_t before = hosted_.size();
   go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);

@@ -126,6 +126,7 @@ struct BeginPart {
 struct ChangeTable {
   Table table;
   std::vector<caf::actor> parts;  // by node
+  bool settled = false;           // what is new is collected at once
 };
 struct Probe {
   std::uint64_t wave = 0;

@@ -101,6 +101,7 @@ CoordinatorOptions Life::coordinator_options() {
     if (!settled) storage_.forget_settled();
     return success();
   };
+  job.replaced = [this, number] { return number + 1 < coordinators_.size(); };
   job.is_settled = [this]() -> Result<bool> { return storage_.settled; };
   job.stored = [this]() -> Result<std::vector<TileEntry>> { return storage_.stored(); };
   job.on_quiet = [this, number](const Table& table) {
