@@ -9,8 +9,7 @@
 namespace tessera {
 
 std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
-  // Of one that was replaced and does not know it, epochs and incarnations are others.
-  return place_again(table_, tiles, options_.points, hosts, static_cast<std::uint32_t>(options_.term << 16));
+  return place_again(table_, tiles, options_.points, hosts, first_incarnation());
 }
 
 void Coordinator::find(const NodeHandle& node) {
@@ -31,7 +30,7 @@ void Coordinator::found(PartFound& message) {
 // The newest table that any part goes by is the last that counted: what came after it was heard by nobody.
 void Coordinator::take_over() {
   std::vector<NodeHandle> without;
-  std::uint32_t numbers = 0;
+  std::uint32_t numbers = numbers_lost_;
   for (const PartFound& found : answers_) {
     if (!found.part) {
       without.push_back(caf::actor_cast<NodeHandle>(found.node));
@@ -40,10 +39,13 @@ void Coordinator::take_over() {
     if (found.table.epoch >= table_.epoch) table_ = found.table;
     numbers = std::max(numbers, found.self.value + 1);
   }
-  if (numbers == 0) return open_anew(std::move(without));
-  for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
+  const bool anew = without.size() == answers_.size();
+  if (!anew) {
+    for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
+  }
   parts_.resize(numbers);
   for (PartOf& p : parts_) p.lost = p.ended = p.opened = true;
+  if (anew) return open_anew(std::move(without));
   for (const PartFound& found : answers_) {
     if (!found.part) continue;
     PartOf& p = parts_[found.self.value];
@@ -68,8 +70,9 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
     parts_.emplace_back().node = std::move(node);
   }
   if (hosts.empty()) return fail(failure_of(error(Errc::internal, "there is no node")));
-  table_ = {table_.epoch, std::vector<NodeId>(options_.points.size()),
-            std::vector<std::uint32_t>(options_.points.size())};
+  // Others than those of parts that nobody was asked for, and that go on.
+  table_ = {first_epoch(), std::vector<NodeId>(options_.points.size()),
+            std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
   const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
   for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
   for (const Host& host : hosts) prepare(host.node);
@@ -88,9 +91,14 @@ void Coordinator::go_on() {
     if (!stored) return fail(failure_of(stored.error()));
     for (const TileEntry& entry : stored.value()) take({entry, 0});
   }
+  std::vector<bool> nowhere(options_.points.size());
+  for (const PartFound& found : answers_) {
+    for (const TileId t : found.released) nowhere.at(t.value) = table_.node_of(t) == found.self;
+  }
   std::vector<TileId> tiles;
   for (const TileId t : options_.order) {
-    if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
+    const bool lost = parts_.at(table_.node_of(t).value).lost || nowhere[t.value];
+    if (lost && !stored_[t.value]) tiles.push_back(t);
   }
   change_table(again(tiles, hosts()));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
@@ -129,16 +137,29 @@ void Coordinator::welcome(NodeId node) {
 }
 
 void Coordinator::take(PartReleased& released) {
-  if (releasing_.erase(released.node) == 0) return;  // lost meanwhile, and its tiles with it
+  const auto asked = releasing_.find(released.node);
+  if (asked == releasing_.end()) return;  // lost meanwhile, and its tiles with it
+  releasing_.erase(asked);
   released_.insert(released_.end(), released.tiles.begin(), released.tiles.end());
   place_orphans();
 }
 
 void Coordinator::lose(const NodeHandle& node, Failure failure) {
-  if (std::erase(asked_, node) > 0 && asked_.empty()) return take_over();
+  if (state_ == State::finding) return lose_found(node);
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
     if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure));
   }
+}
+
+// Whether it has answered or not. If it has, its part may still speak, so nobody else gets its number.
+void Coordinator::lose_found(const NodeHandle& node) {
+  const bool asked = std::erase(asked_, node) > 0;
+  std::erase_if(answers_, [&](const PartFound& found) {
+    if (caf::actor_cast<NodeHandle>(found.node) != node) return false;
+    if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
+    return true;
+  });
+  if (asked && asked_.empty()) take_over();
 }
 
 void Coordinator::lose(NodeId node, Failure failure) {
@@ -194,7 +215,7 @@ void Coordinator::place_orphans() {
 // A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
 // been heard.
 void Coordinator::change_table(const std::vector<Placement>& changes) {
-  table_ = next_table(table_, std::max(table_.epoch + 1, options_.term << 32), changes);
+  table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
   ChangeTable message{table_, part_handles(), state_ == State::collecting};
   for (PartOf& p : parts_) p.settled = p.collected = false;
   detector_.restart(nodes());

@@ -26,6 +26,7 @@
 // neither is under way the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -62,6 +63,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
 
   void failed(const std::exception_ptr& exception) noexcept override;
   void open(BeginPart& begin);
+  void schedule_by(const Table& table);
   void change_table(ChangeTable& change);
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
@@ -75,6 +77,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void obey(const FindPart& found);
   bool obeyed();
   void deliver(Parcel& parcel);
+  void deliver_early();
   void take(TileReport& report);
   void take(TileStored& stored);
   void take(const TileRejoined& rejoined);
@@ -86,12 +89,16 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void end();
   void tell_progress(bool now);
   void note(TileId tile, Totals totals);
+  bool hosts(TileId tile) const {
+    return std::any_of(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
+  }
   bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   struct Figures {  // of one tile
     Totals totals;
     ExchangeCounts points;
     std::uint64_t updates = 0, microseconds = 0;
+    std::uint64_t epoch = 0;  // that it has last said it goes by
   };
 
   NodeId self_;

@@ -13,9 +13,22 @@ void PartActor::open(BeginPart& begin) {
   const std::size_t tiles = part_->tile_points.size();
   tiles_.resize(tiles);
   if (!begin.table.nodes.empty()) table_ = std::make_shared<const Table>(std::move(begin.table));
+  schedule_by(*table_);
   go_by(table_, begin.parts);
   opened_ = true;
-  if (begin.settled) return enter_collecting();
+  if (begin.settled) enter_collecting();
+  deliver_early();
+}
+
+// Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
+// take over.
+void PartActor::schedule_by(const Table& table) {
+  std::vector<std::uint64_t> points = part_->tile_points;
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (table.node_of(TileId{t}) != self_) points[t] = 0;
+  }
+  schedule_ = Schedule(part_->schedule, points);
+  for (const TileEntry& entry : part_->stored) schedule_.set_stored(entry.tile);
 }
 
 // Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
@@ -56,16 +69,22 @@ void PartActor::change_table(ChangeTable& change) {
     rejoining_ = static_cast<std::uint32_t>(before);
     for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
   }
+  deliver_early();
+}
+
+void PartActor::deliver_early() {
   Parcel waiting;
   waiting.updates = std::exchange(early_, {});
   deliver(waiting);
 }
 
 void PartActor::take(const TileRejoined& rejoined) {
+  Figures& tile = tiles_[rejoined.tile.value];
   note(rejoined.tile, {rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
   schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
-  if (rejoined.epoch == table_->epoch && rejoining_ > 0) --rejoining_;
+  // Of two tables that follow each other a tile may say twice that it goes by the second.
+  if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
 }
 
 // Their mail goes with them: what they were told they are told again, as other incarnations.
@@ -118,8 +137,14 @@ void PartActor::obey(const FindPart& found) {
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
   told_begun_ = told_settled_ = told_collected_ = false;
-  tell(PartFound{term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_,
-                 part_->schedule.threads});
+  PartFound answer{
+      term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_, {}, part_->schedule.threads};
+  for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
+    if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
+      answer.released.push_back(TileId{t});
+    }
+  }
+  tell(std::move(answer));
   for (const TileDone& done : stored_) tell(done);
 }
 

@@ -114,6 +114,7 @@ struct PartFound {
   NodeId self;         // the number that the node has in this job
   bool begun = false;  // BeginPart has come
   Table table;
+  std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
   std::uint32_t threads = 1;
 };
 

@@ -34,8 +34,7 @@ Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage&
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
-      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)),
-      source_(std::make_shared<MemoryParts>(setting_, storage_, truth_)) {}
+      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)) {}
 
 Outcome Life::live(End end, std::uint64_t end_at) {
   for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node();
@@ -79,8 +78,10 @@ void Life::add_node() {
   NodeOptions node;
   node.memory_bytes = ~std::uint64_t{0};
   node.progress_interval = std::chrono::hours(24);
-  node.hooks = {options_.trace, network_, NodeId{static_cast<std::uint32_t>(nodes_.size())}};
-  nodes_.push_back(system_.spawn<NodeActor>(std::move(node), source_));
+  const NodeId home{static_cast<std::uint32_t>(nodes_.size())};
+  node.hooks = {options_.trace, network_, home};
+  nodes_.push_back(
+      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, truth_, home)));
 }
 
 CoordinatorOptions Life::coordinator_options() {
@@ -124,7 +125,7 @@ void Life::add_coordinator() {
 void Life::believed_quiet(const Table& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
-  outcome_.epochs = table.epoch;
+  outcome_.epochs = (table.epoch >> 32) + (table.epoch & 0xffff'ffff);  // terms, and those of the last one
   const auto under_way = truth_.under_way(table);
   // To or from tiles that are no more, some may be left on the way.
   if (under_way != 0 || (table.epoch == setting_.spec.table.epoch && network_state_.held > 0)) {
