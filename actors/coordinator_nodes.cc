@@ -82,6 +82,10 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
 void Coordinator::go_on() {
   const auto settled = options_.is_settled();
   if (!settled) return fail(failure_of(settled.error()));
+  // Else the one before it has done so, as in begin().
+  if (!settled.value() && std::none_of(parts_.begin(), parts_.end(), [](const PartOf& p) { return p.begun; })) {
+    if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
+  }
   started_ = std::chrono::steady_clock::now();
   state_ = State::exchanging;
   if (settled.value()) {

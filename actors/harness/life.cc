@@ -42,7 +42,7 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   scheduler_.run_all();  // from here on nodes and network wait for messages
   storage_.take_reads();
   add_coordinator();
-  while (outcome_.failure.empty() && outcome_.steps < steps_max) {
+  while (outcome_.failure.empty() && outcome_.steps < steps_max && !options_.stop.stop_requested()) {
     if (end != End::never && outcome_.steps == end_at) {
       tell(end == End::kill ? "killed" : "cancelled");
       if (end == End::kill) break;
