@@ -94,7 +94,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
         attempt([&] {
           if (message.epoch != table_.epoch || state_ != State::settling || !has(message.node)) return;
           parts_.at(message.node.value).settled = true;
-          if (all([](const PartOf& p) { return p.settled || !p.opened; })) collect();
+          collect_if_settled();
         });
       },
       [this](const PartCollected& message) {
@@ -205,7 +205,8 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
 }
 
 // From here on no tile needs another one: what they know is on scratch.
-void Coordinator::collect() {
+void Coordinator::collect_if_settled() {
+  if (state_ != State::settling || !all([](const PartOf& p) { return p.settled || !p.opened; })) return;
   if (Status marked = options_.mark_settled(true); !marked) return fail(failure_of(std::move(marked).error()));
   state_ = State::collecting;
   tell_parts(Collect{});

@@ -118,7 +118,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::vector<caf::actor> part_handles() const;
   void finish_if_collected();
   void act(QuiescenceDetector::Verdict verdict);
-  void collect();
+  void collect_if_settled();
   void show_progress(PartProgress& message);
   void ended(PartEnded& message);
   void fail(Failure failure);

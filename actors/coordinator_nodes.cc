@@ -213,6 +213,8 @@ void Coordinator::place_orphans() {
     detector_.restart(nodes());
     act(detector_.notice());
   }
+  // Whoever is lost without tiles may have been the last that was waited for.
+  collect_if_settled();
   finish_if_collected();
 }
 
