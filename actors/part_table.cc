@@ -89,16 +89,47 @@ void PartActor::take(const TileRejoined& rejoined) {
 
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
-  PartReleased released{self_, {}};
+  std::vector<TileId> released;
   const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling;
-  if (can) released.tiles = schedule_.release(wanted.points);
-  for (const TileId tile : released.tiles) {
+  if (can) released = schedule_.release(wanted.points);
+  for (const TileId tile : released) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
-    hosted->leave.say(hosted->handle);
+    send(hosted->handle, GiveUp{});
     hosted_.erase(hosted);
     note(tile, {});
+    given_up_.push_back(tile);
+    ++leaving_;
   }
-  tell(std::move(released));
+  ++releases_;
+  answer_if_left();
+}
+
+void PartActor::take(const TileLeft&) {
+  --leaving_;
+  answer_if_left();
+}
+
+// As long as a tile is about to leave, it may write to the scratch that would be that of its next incarnation.
+void PartActor::answer_if_left() {
+  if (leaving_ > 0) return;
+  for (; releases_ > 0; --releases_) tell(PartReleased{self_, std::exchange(given_up_, {})});
+  if (!finder_) return;
+  PartFound answer;
+  answer.term = term_;
+  answer.node = finder_->node;
+  answer.part = caf::actor_cast<caf::actor>(this);
+  answer.self = self_;
+  answer.begun = opened_;
+  answer.table = *table_;
+  answer.threads = part_->schedule.threads;
+  for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
+    if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
+      answer.released.push_back(TileId{t});
+    }
+  }
+  finder_.reset();
+  tell(std::move(answer));
+  for (const TileDone& done : stored_) tell(done);
 }
 
 // What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
@@ -137,15 +168,10 @@ void PartActor::obey(const FindPart& found) {
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
   told_begun_ = told_settled_ = told_collected_ = false;
-  PartFound answer{
-      term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_, {}, part_->schedule.threads};
-  for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
-    if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
-      answer.released.push_back(TileId{t});
-    }
-  }
-  tell(std::move(answer));
-  for (const TileDone& done : stored_) tell(done);
+  releases_ = 0;
+  given_up_.clear();
+  finder_ = found;
+  answer_if_left();
 }
 
 // The tiles go on: what they say meanwhile is said again to whoever takes over.

@@ -89,6 +89,13 @@ struct TileRejoined {
   MailNotice waiting;
 };
 
+// part -> tile, which is fresh: another node begins you. Answered by a TileLeft.
+struct GiveUp {};
+// tile -> part: nothing of it is left on scratch, and nothing will be.
+struct TileLeft {
+  TileId tile;
+};
+
 // coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
 struct OpenPart {
   JobId job;
@@ -215,14 +222,14 @@ struct GraceOver {
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
 struct Leave {};
 
-using TileHandle =
-    caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
+using TileHandle = caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>,
+                                    caf::reacts_to<GiveUp>, caf::reacts_to<Leave>>;
 using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
                                     caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
                                     caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
                                     caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>,
                                     caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>,
-                                    caf::reacts_to<TileStored>, caf::reacts_to<GraceOver>>;
+                                    caf::reacts_to<TileStored>, caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>>;
 // What stands between tiles in the harness: an update, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;

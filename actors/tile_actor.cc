@@ -98,6 +98,12 @@ TileActor::behavior_type TileActor::make_behavior() {
       },
       [this](const Grant& grant) { work(grant.work); },
       [this](const Rejoin&) { rejoin(); },
+      [this](const GiveUp&) {
+        if (Status cleared = state_.leave(); !cleared) return fail(failure_of(std::move(cleared).error()));
+        send(office_->part, TileLeft{self_.tile});
+        left_ = true;
+        quit();
+      },
       [this](const Leave&) {
         left_ = true;
         quit();

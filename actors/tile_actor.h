@@ -9,6 +9,7 @@
 // collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
 // drop    | free the state                                              | TileReport
 // Rejoin  | go by the new table                                         | TileRejoined
+// GiveUp  | remove the mail that waits on scratch, end          | TileLeft
 // Leave   | end                                                         | -
 // Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
 //

@@ -160,8 +160,10 @@ void Life::end_all() {
   // Parts that wait for another coordinator.
   scheduler_.advance_time(std::chrono::seconds(grace_s));
   scheduler_.run_all();
-  // What is left on the scratch of nodes that were lost is nobody's.
-  for (const std::size_t n : given_up_) {
+  // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
+  const bool resumed = !outcome_.ended || outcome_.ended->failure;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    if (!given_up_.contains(n) && (n < setting_.nodes || !resumed)) continue;
     if (!storage_.at(NodeId{static_cast<std::uint32_t>(n)}).clear(ScratchKind::mail)) std::abort();
   }
 }
