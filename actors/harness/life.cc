@@ -152,6 +152,7 @@ void Life::end_all() {
   for (const CoordinatorHandle& coordinator : coordinators_) {
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
   }
+  const std::size_t came = nodes_.size();
   nodes_.clear();
   coordinators_.clear();
   do {
@@ -162,7 +163,7 @@ void Life::end_all() {
   scheduler_.run_all();
   // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
   const bool resumed = !outcome_.ended || outcome_.ended->failure;
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+  for (std::size_t n = 0; n < came; ++n) {
     if (!given_up_.contains(n) && (n < setting_.nodes || !resumed)) continue;
     if (!storage_.at(NodeId{static_cast<std::uint32_t>(n)}).clear(ScratchKind::mail)) std::abort();
   }
