@@ -82,6 +82,9 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
 void Coordinator::go_on() {
   const auto settled = options_.is_settled();
   if (!settled) return fail(failure_of(settled.error()));
+  // Asked after the marker was read: if that was written under a later term, the term had been claimed before. It says
+  // nothing of the parts found here, which would store what is not settled.
+  if (options_.replaced && options_.replaced()) return step_down();
   // Else the one before it has done so, as in begin().
   if (!settled.value() && std::none_of(parts_.begin(), parts_.end(), [](const PartOf& p) { return p.begun; })) {
     if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));

@@ -97,16 +97,16 @@ CoordinatorOptions Life::coordinator_options() {
     if (!setting_.tiles[t].empty()) job.order.push_back(TileId{t});
   }
   job.mark_settled = [this, number](bool settled) -> Status {
-    if (number + 1 < coordinators_.size()) return error(Errc::io, "another coordinator has taken over");
+    if (number + 1 < owners_.size()) return error(Errc::io, "another coordinator has taken over");
     storage_.settled = settled;
     if (!settled) storage_.forget_settled();
     return success();
   };
-  job.replaced = [this, number] { return number + 1 < coordinators_.size(); };
+  job.replaced = [this, number] { return number + 1 < owners_.size(); };
   job.is_settled = [this]() -> Result<bool> { return storage_.settled; };
   job.stored = [this]() -> Result<std::vector<TileEntry>> { return storage_.stored(); };
   job.on_quiet = [this, number](const Table& table) {
-    if (number + 1 == coordinators_.size()) believed_quiet(table);
+    if (number + 1 == owners_.size()) believed_quiet(table);
   };
   return job;
 }
