@@ -13,7 +13,7 @@
 // any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
 // any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
 // any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
-// opened, exchanging, collecting | Release | GiveUp to fresh tiles; when all have left: PartReleased
+// opened, exchanging, collecting | Release | Leave to fresh tiles; when all have left: PartReleased
 // any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound, when no tile is
 //            |               | about to leave
 // any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;

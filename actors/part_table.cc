@@ -94,7 +94,7 @@ void PartActor::release(const Release& wanted) {
   if (can) released = schedule_.release(wanted.points);
   for (const TileId tile : released) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
-    send(hosted->handle, GiveUp{});
+    send(hosted->handle, Leave{true});
     hosted_.erase(hosted);
     note(tile, {});
     given_up_.push_back(tile);

@@ -89,8 +89,6 @@ struct TileRejoined {
   MailNotice waiting;
 };
 
-// part -> tile, which is fresh: another node begins you. Answered by a TileLeft.
-struct GiveUp {};
 // tile -> part: nothing of it is left on scratch, and nothing will be.
 struct TileLeft {
   TileId tile;
@@ -220,10 +218,13 @@ struct GraceOver {
 };
 
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
-struct Leave {};
+struct Leave {
+  // To a tile that is fresh, and begins on another node: remove what waits on scratch, too, and answer with a TileLeft.
+  bool given_up = false;
+};
 
-using TileHandle = caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>,
-                                    caf::reacts_to<GiveUp>, caf::reacts_to<Leave>>;
+using TileHandle =
+    caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
 using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
                                     caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
                                     caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
