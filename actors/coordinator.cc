@@ -74,8 +74,8 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const PartOpened& message) { attempt([&] { opened(message); }); },
       [this](PartFound& message) { attempt([&] { found(message); }); },
       [this](const PartBegun& message) {
-        if (state_ == State::finding) return;
-        parts_.at(message.node.value).begun = true;
+        if (!has(message.node)) return;
+        parts_[message.node.value].begun = true;
         if (!begun_ && all([](const PartOf& p) { return p.begun || !p.opened; }))
           begun_ = std::chrono::steady_clock::now();
       },
@@ -92,14 +92,14 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](const PartSettled& message) {
         attempt([&] {
-          if (message.epoch != table_.epoch || state_ != State::settling) return;
+          if (message.epoch != table_.epoch || state_ != State::settling || !has(message.node)) return;
           parts_.at(message.node.value).settled = true;
-          if (all([](const PartOf& p) { return p.settled || !p.opened; })) collect();
+          collect_if_settled();
         });
       },
       [this](const PartCollected& message) {
         attempt([&] {
-          if (message.epoch != table_.epoch || state_ != State::collecting) return;
+          if (message.epoch != table_.epoch || state_ != State::collecting || !has(message.node)) return;
           parts_.at(message.node.value).collected = true;
           finish_if_collected();
         });
@@ -205,7 +205,8 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
 }
 
 // From here on no tile needs another one: what they know is on scratch.
-void Coordinator::collect() {
+void Coordinator::collect_if_settled() {
+  if (state_ != State::settling || !all([](const PartOf& p) { return p.settled || !p.opened; })) return;
   if (Status marked = options_.mark_settled(true); !marked) return fail(failure_of(std::move(marked).error()));
   state_ = State::collecting;
   tell_parts(Collect{});
@@ -219,7 +220,7 @@ void Coordinator::finish_if_collected() {
 }
 
 void Coordinator::show_progress(PartProgress& message) {
-  if (state_ == State::finding || parts_.at(message.node.value).lost) return;
+  if (!has(message.node)) return;
   RunProgress progress;
   progress.sum.spans = std::move(message.spans);
   parts_.at(message.node.value).progress = std::move(message);
@@ -237,7 +238,16 @@ void Coordinator::show_progress(PartProgress& message) {
   owner_.progressed(progress);
 }
 
+void Coordinator::step_down() noexcept {
+  told_ = true;
+  RunEnded end;
+  end.failure = failure_of(error(Errc::interrupted, "another coordinator has taken over"));
+  owner_.ended(std::move(end));
+  quit();
+}
+
 void Coordinator::fail(Failure failure) {
+  if (options_.replaced && options_.replaced()) return step_down();
   if (state_ == State::collecting && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
     again_ = options_.mark_settled(false).has_value();  // if not, this failure is still the one to tell
   }
@@ -267,7 +277,8 @@ void Coordinator::ended(PartEnded& message) {
     }
     return;
   }
-  PartOf& p = parts_.at(message.node.value);
+  if (!has(message.node)) return;
+  PartOf& p = parts_[message.node.value];
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
   sum_.points += message.points;

@@ -50,6 +50,8 @@ struct CoordinatorOptions {
   bool take_over = false;
   // Writes down that the run is settled, or that it is not any more.
   std::function<Status(bool)> mark_settled;
+  // Whether another one has claimed a higher term: then this one has nothing to say any more, also if it fails.
+  std::function<bool()> replaced;
   // Whether it is written down, and the tiles in the store: asked by one that takes over.
   std::function<Result<bool>()> is_settled;
   std::function<Result<std::vector<TileEntry>>()> stored;
@@ -100,15 +102,23 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void welcome(NodeId node);
   void take(PartReleased& released);
   void lose(const NodeHandle& node, Failure failure);
+  void lose_found(const NodeHandle& node);
   void lose(NodeId node, Failure failure);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
+  // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
+  bool has(NodeId node) const { return node.value < parts_.size() && !parts_[node.value].lost; }
+  // Of one that was replaced, and does not know it, they are others.
+  std::uint64_t first_epoch() const { return options_.term << 32; }
+  std::uint32_t first_incarnation() const { return static_cast<std::uint32_t>(options_.term << 16); }
+  std::vector<Placement> again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const;
+  void step_down() noexcept;
   std::vector<Host> hosts() const;
   std::set<NodeId> nodes() const;
   std::vector<caf::actor> part_handles() const;
   void finish_if_collected();
   void act(QuiescenceDetector::Verdict verdict);
-  void collect();
+  void collect_if_settled();
   void show_progress(PartProgress& message);
   void ended(PartEnded& message);
   void fail(Failure failure);
@@ -135,12 +145,13 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   State state_ = State::opening;
   std::vector<NodeHandle> asked_;  // for their parts, and have not answered
   std::vector<PartFound> answers_;
+  std::uint32_t numbers_lost_ = 0;  // below it are those of parts whose nodes were lost after they had answered
   Table table_;
-  std::vector<bool> stored_;      // by tile
-  std::vector<NodeId> waiting_;   // have joined, and wait for tiles
-  std::set<NodeId> releasing_;    // have been asked for tiles, and have not answered
-  std::vector<TileId> released_;  // what they gave up
-  std::vector<TileId> lost_;      // of lost nodes, not placed yet
+  std::vector<bool> stored_;         // by tile
+  std::vector<NodeId> waiting_;      // have joined, and wait for tiles
+  std::multiset<NodeId> releasing_;  // have been asked for tiles, each time that a node came, and have not answered
+  std::vector<TileId> released_;     // what they gave up
+  std::vector<TileId> lost_;         // of lost nodes, not placed yet
   std::optional<Failure> failure_;
   PartEnded sum_;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

@@ -8,6 +8,10 @@
 
 namespace tessera {
 
+std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
+  return place_again(table_, tiles, options_.points, hosts, first_incarnation());
+}
+
 void Coordinator::find(const NodeHandle& node) {
   monitor(node);
   send(node,
@@ -26,7 +30,7 @@ void Coordinator::found(PartFound& message) {
 // The newest table that any part goes by is the last that counted: what came after it was heard by nobody.
 void Coordinator::take_over() {
   std::vector<NodeHandle> without;
-  std::uint32_t numbers = 0;
+  std::uint32_t numbers = numbers_lost_;
   for (const PartFound& found : answers_) {
     if (!found.part) {
       without.push_back(caf::actor_cast<NodeHandle>(found.node));
@@ -35,10 +39,13 @@ void Coordinator::take_over() {
     if (found.table.epoch >= table_.epoch) table_ = found.table;
     numbers = std::max(numbers, found.self.value + 1);
   }
-  if (numbers == 0) return open_anew(std::move(without));
-  for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
+  const bool anew = without.size() == answers_.size();
+  if (!anew) {
+    for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
+  }
   parts_.resize(numbers);
   for (PartOf& p : parts_) p.lost = p.ended = p.opened = true;
+  if (anew) return open_anew(std::move(without));
   for (const PartFound& found : answers_) {
     if (!found.part) continue;
     PartOf& p = parts_[found.self.value];
@@ -63,8 +70,9 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
     parts_.emplace_back().node = std::move(node);
   }
   if (hosts.empty()) return fail(failure_of(error(Errc::internal, "there is no node")));
-  table_ = {table_.epoch, std::vector<NodeId>(options_.points.size()),
-            std::vector<std::uint32_t>(options_.points.size())};
+  // Others than those of parts that nobody was asked for, and that go on.
+  table_ = {first_epoch(), std::vector<NodeId>(options_.points.size()),
+            std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
   const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
   for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
   for (const Host& host : hosts) prepare(host.node);
@@ -74,6 +82,13 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
 void Coordinator::go_on() {
   const auto settled = options_.is_settled();
   if (!settled) return fail(failure_of(settled.error()));
+  // Asked after the marker was read: if that was written under a later term, the term had been claimed before. It says
+  // nothing of the parts found here, which would store what is not settled.
+  if (options_.replaced && options_.replaced()) return step_down();
+  // Else the one before it has done so, as in begin().
+  if (!settled.value() && std::none_of(parts_.begin(), parts_.end(), [](const PartOf& p) { return p.begun; })) {
+    if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
+  }
   started_ = std::chrono::steady_clock::now();
   state_ = State::exchanging;
   if (settled.value()) {
@@ -83,11 +98,16 @@ void Coordinator::go_on() {
     if (!stored) return fail(failure_of(stored.error()));
     for (const TileEntry& entry : stored.value()) take({entry, 0});
   }
+  std::vector<bool> nowhere(options_.points.size());
+  for (const PartFound& found : answers_) {
+    for (const TileId t : found.released) nowhere.at(t.value) = table_.node_of(t) == found.self;
+  }
   std::vector<TileId> tiles;
   for (const TileId t : options_.order) {
-    if (parts_.at(table_.node_of(t).value).lost && !stored_[t.value]) tiles.push_back(t);
+    const bool lost = parts_.at(table_.node_of(t).value).lost || nowhere[t.value];
+    if (lost && !stored_[t.value]) tiles.push_back(t);
   }
-  change_table(place_again(table_, tiles, options_.points, hosts()));
+  change_table(again(tiles, hosts()));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
   }
@@ -124,16 +144,29 @@ void Coordinator::welcome(NodeId node) {
 }
 
 void Coordinator::take(PartReleased& released) {
-  if (releasing_.erase(released.node) == 0) return;  // lost meanwhile, and its tiles with it
+  const auto asked = releasing_.find(released.node);
+  if (asked == releasing_.end()) return;  // lost meanwhile, and its tiles with it
+  releasing_.erase(asked);
   released_.insert(released_.end(), released.tiles.begin(), released.tiles.end());
   place_orphans();
 }
 
 void Coordinator::lose(const NodeHandle& node, Failure failure) {
-  if (std::erase(asked_, node) > 0 && asked_.empty()) return take_over();
+  if (state_ == State::finding) return lose_found(node);
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
     if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure));
   }
+}
+
+// Whether it has answered or not. If it has, its part may still speak, so nobody else gets its number.
+void Coordinator::lose_found(const NodeHandle& node) {
+  const bool asked = std::erase(asked_, node) > 0;
+  std::erase_if(answers_, [&](const PartFound& found) {
+    if (caf::actor_cast<NodeHandle>(found.node) != node) return false;
+    if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
+    return true;
+  });
+  if (asked && asked_.empty()) take_over();
 }
 
 void Coordinator::lose(NodeId node, Failure failure) {
@@ -175,22 +208,24 @@ void Coordinator::place_orphans() {
     return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
   });
   waiting_.clear();
-  auto changes = place_again(table_, std::exchange(lost_, {}), options_.points, all);
-  const auto moved = place_again(table_, std::exchange(released_, {}), options_.points, late.empty() ? all : late);
+  auto changes = again(std::exchange(lost_, {}), all);
+  const auto moved = again(std::exchange(released_, {}), late.empty() ? all : late);
   changes.insert(changes.end(), moved.begin(), moved.end());
   if (!changes.empty()) return change_table(changes);
   if (state_ == State::exchanging) {
     detector_.restart(nodes());
     act(detector_.notice());
   }
+  // Whoever is lost without tiles may have been the last that was waited for.
+  collect_if_settled();
   finish_if_collected();
 }
 
 // A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
 // been heard.
 void Coordinator::change_table(const std::vector<Placement>& changes) {
-  table_ = next_table(table_, table_.epoch + 1, changes);
-  ChangeTable message{table_, part_handles()};
+  table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
+  ChangeTable message{table_, part_handles(), state_ == State::collecting};
   for (PartOf& p : parts_) p.settled = p.collected = false;
   detector_.restart(nodes());
   if (state_ == State::settling) {

@@ -60,6 +60,9 @@ PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec));
+  std::uint64_t& term = terms_[wanted.job];
+  if (wanted.term < term) return error(Errc::interrupted, "another coordinator has taken over");
+  term = wanted.term;
   const std::uint64_t memory = spec.memory_bytes, left = options_.memory_bytes - *used_;
   if (memory > left) {
     return error(Errc::memory, "job " + std::to_string(wanted.job.value) + " wants " + std::to_string(memory >> 20) +
@@ -87,6 +90,9 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
 }
 
 void NodeActor::find(const FindPart& wanted) {
+  std::uint64_t& term = terms_[wanted.job];
+  if (wanted.term < term) return answer_none(wanted);  // it will open anew, and hear why it cannot
+  term = wanted.term;
   const auto found = parts_.find(wanted.job);
   const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
   if (!part) return answer_none(wanted);

@@ -53,7 +53,8 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
     std::optional<FindPart> wanted;  // the last that was passed on: it may not have arrived
   };
   std::map<JobId, Opened> parts_;
-  Prepared<PartOpened> answer_;  // the next one
+  std::map<JobId, std::uint64_t> terms_;  // the highest heard of: what an earlier one wants is not done any more
+  Prepared<PartOpened> answer_;           // the next one
 };
 
 }  // namespace tessera

@@ -137,6 +137,7 @@ PartActor::behavior_type PartActor::make_behavior() {
         take(stored);
         dispatch();
       },
+      [this](const TileLeft& left) { take(left); },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
         stop(failure_of(error(Errc::interrupted, "no coordinator has taken over")));

@@ -13,8 +13,9 @@
 // any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
 // any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
 // any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
-// opened, exchanging, collecting | Release | PartReleased, with fresh tiles that are not its own any more
-// any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound
+// opened, exchanging, collecting | Release | Leave to fresh tiles; when all have left: PartReleased
+// any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound, when no tile is
+//            |               | about to leave
 // any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;
 //            |               | PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
@@ -26,6 +27,7 @@
 // neither is under way the part's copies are exact: its answer to a probe is a true snapshot of all its tiles.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -62,6 +64,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
 
   void failed(const std::exception_ptr& exception) noexcept override;
   void open(BeginPart& begin);
+  void schedule_by(const Table& table);
   void change_table(ChangeTable& change);
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
@@ -75,9 +78,12 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void obey(const FindPart& found);
   bool obeyed();
   void deliver(Parcel& parcel);
+  void deliver_early();
   void take(TileReport& report);
   void take(TileStored& stored);
   void take(const TileRejoined& rejoined);
+  void take(const TileLeft& left);
+  void answer_if_left();
   void lost_coordinator(const caf::down_msg& down);
   void abandon(TileId tile, Failure failure);
   void stop(Failure failure);
@@ -86,12 +92,16 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void end();
   void tell_progress(bool now);
   void note(TileId tile, Totals totals);
+  bool hosts(TileId tile) const {
+    return std::any_of(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
+  }
   bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   struct Figures {  // of one tile
     Totals totals;
     ExchangeCounts points;
     std::uint64_t updates = 0, microseconds = 0;
+    std::uint64_t epoch = 0;  // that it has last said it goes by
   };
 
   NodeId self_;
@@ -102,7 +112,11 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   Schedule schedule_;
   std::vector<Figures> tiles_;
   std::vector<Hosted> hosted_;
-  std::vector<TileDone> stored_;  // what a coordinator that takes over must hear again
+  std::uint32_t leaving_ = 0;       // tiles given up that are still there
+  std::vector<TileId> given_up_;    // and what the coordinator has not been told of
+  std::uint32_t releases_ = 0;      // that it waits for
+  std::optional<FindPart> finder_;  // one that waits for an answer
+  std::vector<TileDone> stored_;    // what a coordinator that takes over must hear again
   std::shared_ptr<const Table> table_;
   std::vector<Update> early_;    // of epochs whose table is still to come
   std::uint32_t rejoining_ = 0;  // tiles that do not yet go by the table

@@ -13,9 +13,22 @@ void PartActor::open(BeginPart& begin) {
   const std::size_t tiles = part_->tile_points.size();
   tiles_.resize(tiles);
   if (!begin.table.nodes.empty()) table_ = std::make_shared<const Table>(std::move(begin.table));
+  schedule_by(*table_);
   go_by(table_, begin.parts);
   opened_ = true;
-  if (begin.settled) return enter_collecting();
+  if (begin.settled) enter_collecting();
+  deliver_early();
+}
+
+// Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
+// take over.
+void PartActor::schedule_by(const Table& table) {
+  std::vector<std::uint64_t> points = part_->tile_points;
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (table.node_of(TileId{t}) != self_) points[t] = 0;
+  }
+  schedule_ = Schedule(part_->schedule, points);
+  for (const TileEntry& entry : part_->stored) schedule_.set_stored(entry.tile);
 }
 
 // Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
@@ -44,7 +57,11 @@ void PartActor::change_table(ChangeTable& change) {
                      std::all_of(change.table.nodes.begin(), change.table.nodes.end(),
                                  [&](NodeId node) { return node.value < change.parts.size(); });
   if (!sound) return stop(failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job")));
-  if (schedule_.stage() == Schedule::Stage::settling) schedule_.enter(Schedule::Stage::exchanging);
+  if (change.settled) {
+    enter_collecting();
+  } else if (schedule_.stage() == Schedule::Stage::settling) {
+    schedule_.enter(Schedule::Stage::exchanging);
+  }
   told_settled_ = told_collected_ = false;
   const std::size_t before = hosted_.size();
   go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);
@@ -52,30 +69,67 @@ void PartActor::change_table(ChangeTable& change) {
     rejoining_ = static_cast<std::uint32_t>(before);
     for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
   }
+  deliver_early();
+}
+
+void PartActor::deliver_early() {
   Parcel waiting;
   waiting.updates = std::exchange(early_, {});
   deliver(waiting);
 }
 
 void PartActor::take(const TileRejoined& rejoined) {
+  Figures& tile = tiles_[rejoined.tile.value];
   note(rejoined.tile, {rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
   schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
-  if (rejoined.epoch == table_->epoch && rejoining_ > 0) --rejoining_;
+  // Of two tables that follow each other a tile may say twice that it goes by the second.
+  if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
 }
 
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
-  PartReleased released{self_, {}};
+  std::vector<TileId> released;
   const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling;
-  if (can) released.tiles = schedule_.release(wanted.points);
-  for (const TileId tile : released.tiles) {
+  if (can) released = schedule_.release(wanted.points);
+  for (const TileId tile : released) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
-    hosted->leave.say(hosted->handle);
+    send(hosted->handle, Leave{true});
     hosted_.erase(hosted);
     note(tile, {});
+    given_up_.push_back(tile);
+    ++leaving_;
   }
-  tell(std::move(released));
+  ++releases_;
+  answer_if_left();
+}
+
+void PartActor::take(const TileLeft&) {
+  --leaving_;
+  answer_if_left();
+}
+
+// As long as a tile is about to leave, it may write to the scratch that would be that of its next incarnation.
+void PartActor::answer_if_left() {
+  if (leaving_ > 0) return;
+  for (; releases_ > 0; --releases_) tell(PartReleased{self_, std::exchange(given_up_, {})});
+  if (!finder_) return;
+  PartFound answer;
+  answer.term = term_;
+  answer.node = finder_->node;
+  answer.part = caf::actor_cast<caf::actor>(this);
+  answer.self = self_;
+  answer.begun = opened_;
+  answer.table = *table_;
+  answer.threads = part_->schedule.threads;
+  for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
+    if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
+      answer.released.push_back(TileId{t});
+    }
+  }
+  finder_.reset();
+  tell(std::move(answer));
+  for (const TileDone& done : stored_) tell(done);
 }
 
 // What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
@@ -114,9 +168,10 @@ void PartActor::obey(const FindPart& found) {
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
   told_begun_ = told_settled_ = told_collected_ = false;
-  tell(PartFound{term_, found.node, caf::actor_cast<caf::actor>(this), self_, opened_, *table_,
-                 part_->schedule.threads});
-  for (const TileDone& done : stored_) tell(done);
+  releases_ = 0;
+  given_up_.clear();
+  finder_ = found;
+  answer_if_left();
 }
 
 // The tiles go on: what they say meanwhile is said again to whoever takes over.

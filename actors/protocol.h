@@ -89,6 +89,11 @@ struct TileRejoined {
   MailNotice waiting;
 };
 
+// tile -> part: nothing of it is left on scratch, and nothing will be.
+struct TileLeft {
+  TileId tile;
+};
+
 // coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
 struct OpenPart {
   JobId job;
@@ -114,6 +119,7 @@ struct PartFound {
   NodeId self;         // the number that the node has in this job
   bool begun = false;  // BeginPart has come
   Table table;
+  std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
   std::uint32_t threads = 1;
 };
 
@@ -126,6 +132,7 @@ struct BeginPart {
 struct ChangeTable {
   Table table;
   std::vector<caf::actor> parts;  // by node
+  bool settled = false;           // what is new is collected at once
 };
 struct Probe {
   std::uint64_t wave = 0;
@@ -211,7 +218,10 @@ struct GraceOver {
 };
 
 // part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
-struct Leave {};
+struct Leave {
+  // To a tile that is fresh, and begins on another node: remove what waits on scratch, too, and answer with a TileLeft.
+  bool given_up = false;
+};
 
 using TileHandle =
     caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
@@ -220,7 +230,7 @@ using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<Ch
                                     caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
                                     caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>,
                                     caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>,
-                                    caf::reacts_to<TileStored>, caf::reacts_to<GraceOver>>;
+                                    caf::reacts_to<TileStored>, caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>>;
 // What stands between tiles in the harness: an update, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;

@@ -98,7 +98,11 @@ TileActor::behavior_type TileActor::make_behavior() {
       },
       [this](const Grant& grant) { work(grant.work); },
       [this](const Rejoin&) { rejoin(); },
-      [this](const Leave&) {
+      [this](const Leave& leave) {
+        if (leave.given_up) {
+          if (Status left = state_.leave(); !left) return fail(failure_of(std::move(left).error()));
+          send(office_->part, TileLeft{self_.tile});
+        }
         left_ = true;
         quit();
       },

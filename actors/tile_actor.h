@@ -9,7 +9,7 @@
 // collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
 // drop    | free the state                                              | TileReport
 // Rejoin  | go by the new table                                         | TileRejoined
-// Leave   | end                                                         | -
+// Leave   | end; when given up, remove the mail on scratch before       | -; TileLeft
 // Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
 //
 // Grants come from the part alone, which keeps at most as many under way as it has threads.

@@ -43,6 +43,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     report.steps += outcome.steps;
     report.updates += outcome.updates;
     report.epochs += outcome.epochs;
+    if (options.stop.stop_requested()) return;
     if (!outcome.failure.empty()) return fail(outcome.failure);
     if (outcome.ended) {
       report.waves += outcome.ended->waves;
@@ -81,6 +82,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
 HarnessReport run_harness(const HarnessOptions& options) {
   HarnessReport report;
   for (std::uint64_t seed = options.first_seed; seed <= options.last_seed && !report.failed_seed; ++seed) {
+    if (options.stop.stop_requested()) break;
     run_seed(options, seed, report);
   }
   return report;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <stop_token>
 #include <string>
 
 #include "actors/harness/memory_faults.h"
@@ -36,6 +37,7 @@ struct HarnessOptions {
   bool restarts = false;                          // the processes end, once or twice, and the run is resumed
   std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
   std::function<void(const std::string&)> trace;  // hears of every step
+  std::stop_token stop = {};                      // once requested, the run under way is left at its next step
 };
 
 struct HarnessReport {

@@ -34,8 +34,7 @@ Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage&
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
-      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)),
-      source_(std::make_shared<MemoryParts>(setting_, storage_, truth_)) {}
+      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)) {}
 
 Outcome Life::live(End end, std::uint64_t end_at) {
   for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node();
@@ -43,7 +42,7 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   scheduler_.run_all();  // from here on nodes and network wait for messages
   storage_.take_reads();
   add_coordinator();
-  while (outcome_.failure.empty() && outcome_.steps < steps_max) {
+  while (outcome_.failure.empty() && outcome_.steps < steps_max && !options_.stop.stop_requested()) {
     if (end != End::never && outcome_.steps == end_at) {
       tell(end == End::kill ? "killed" : "cancelled");
       if (end == End::kill) break;
@@ -79,8 +78,10 @@ void Life::add_node() {
   NodeOptions node;
   node.memory_bytes = ~std::uint64_t{0};
   node.progress_interval = std::chrono::hours(24);
-  node.hooks = {options_.trace, network_, NodeId{static_cast<std::uint32_t>(nodes_.size())}};
-  nodes_.push_back(system_.spawn<NodeActor>(std::move(node), source_));
+  const NodeId home{static_cast<std::uint32_t>(nodes_.size())};
+  node.hooks = {options_.trace, network_, home};
+  nodes_.push_back(
+      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, truth_, home)));
 }
 
 CoordinatorOptions Life::coordinator_options() {
@@ -96,15 +97,16 @@ CoordinatorOptions Life::coordinator_options() {
     if (!setting_.tiles[t].empty()) job.order.push_back(TileId{t});
   }
   job.mark_settled = [this, number](bool settled) -> Status {
-    if (number + 1 < coordinators_.size()) return error(Errc::io, "another coordinator has taken over");
+    if (number + 1 < owners_.size()) return error(Errc::io, "another coordinator has taken over");
     storage_.settled = settled;
     if (!settled) storage_.forget_settled();
     return success();
   };
+  job.replaced = [this, number] { return number + 1 < owners_.size(); };
   job.is_settled = [this]() -> Result<bool> { return storage_.settled; };
   job.stored = [this]() -> Result<std::vector<TileEntry>> { return storage_.stored(); };
   job.on_quiet = [this, number](const Table& table) {
-    if (number + 1 == coordinators_.size()) believed_quiet(table);
+    if (number + 1 == owners_.size()) believed_quiet(table);
   };
   return job;
 }
@@ -123,7 +125,7 @@ void Life::add_coordinator() {
 void Life::believed_quiet(const Table& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
-  outcome_.epochs = table.epoch;
+  outcome_.epochs = (table.epoch >> 32) + (table.epoch & 0xffff'ffff);  // terms, and those of the last one
   const auto under_way = truth_.under_way(table);
   // To or from tiles that are no more, some may be left on the way.
   if (under_way != 0 || (table.epoch == setting_.spec.table.epoch && network_state_.held > 0)) {
@@ -150,6 +152,7 @@ void Life::end_all() {
   for (const CoordinatorHandle& coordinator : coordinators_) {
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
   }
+  const std::size_t came = nodes_.size();
   nodes_.clear();
   coordinators_.clear();
   do {
@@ -158,8 +161,10 @@ void Life::end_all() {
   // Parts that wait for another coordinator.
   scheduler_.advance_time(std::chrono::seconds(grace_s));
   scheduler_.run_all();
-  // What is left on the scratch of nodes that were lost is nobody's.
-  for (const std::size_t n : given_up_) {
+  // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
+  const bool resumed = !outcome_.ended || outcome_.ended->failure;
+  for (std::size_t n = 0; n < came; ++n) {
+    if (!given_up_.contains(n) && (n < setting_.nodes || !resumed)) continue;
     if (!storage_.at(NodeId{static_cast<std::uint32_t>(n)}).clear(ScratchKind::mail)) std::abort();
   }
 }

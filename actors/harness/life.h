@@ -82,7 +82,6 @@ class Life final : private Misfortune {
   caf::actor_system system_;
   SeededScheduler& scheduler_;
   NetworkHandle network_;
-  std::shared_ptr<MemoryParts> source_;
   std::vector<NodeHandle> nodes_;
   std::set<std::size_t> given_up_;
   std::vector<CoordinatorHandle> coordinators_;  // the last is in office

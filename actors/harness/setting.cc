@@ -92,7 +92,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
   auto part = std::make_unique<Part>();
-  TileStorage& storage = storage_.at(self);
+  TileStorage& storage = storage_.at(home_);
   part->context = setting_.context;
   part->context.table = std::make_shared<const Table>(spec.table);
   part->context.storage = &storage;

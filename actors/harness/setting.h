@@ -28,15 +28,16 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 // Parts whose points and scratch are in memory.
 class MemoryParts final : public PartSource {
  public:
-  // Both outlive this.
-  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch& watch)
-      : setting_(setting), storage_(storage), watch_(watch) {}
+  // `home`: whose scratch it is, whatever number the node has in the job. All outlive this.
+  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch& watch, NodeId home)
+      : setting_(setting), storage_(storage), watch_(watch), home_(home) {}
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 
  private:
   const Setting& setting_;
   MemoryStorage& storage_;
   ExchangeWatch& watch_;
+  NodeId home_;
 };
 
 }  // namespace tessera

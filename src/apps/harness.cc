@@ -98,17 +98,17 @@ Result<HarnessOptions> read_options(Settings& settings) {
   return options;
 }
 
-// Seed by seed, so that Ctrl-C is heard between two.
 Result<HarnessReport> run_seeds(const HarnessOptions& options) {
   const Interrupt interrupt;
   HarnessReport sum;
   for (auto seed = options.first_seed; seed <= options.last_seed && !sum.failed_seed; ++seed) {
-    if (interrupt.token().stop_requested()) {
-      return error(Errc::interrupted, "interrupted before seed " + std::to_string(seed) + "; all before it passed");
-    }
     auto one = options;
     one.first_seed = one.last_seed = seed;
+    one.stop = interrupt.token();
     auto report = run_harness(one);
+    if (one.stop.stop_requested() && report.seeds == 0 && !report.failed_seed) {
+      return error(Errc::interrupted, "interrupted at seed " + std::to_string(seed) + "; all before it passed");
+    }
     sum.seeds += report.seeds;
     sum.steps += report.steps;
     sum.updates += report.updates;
@@ -144,7 +144,7 @@ Status run_harness_command(Settings& settings) {
   } else if (!output.quiet) {
     std::printf(
         "%s seeds passed: %s steps, %s messages with points, %s collections of counters, %s sleeps, "
-        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined\n",
+        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined, or a coordinator was replaced\n",
         grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.updates).c_str(),
         grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
         grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str(),

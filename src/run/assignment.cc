@@ -1,6 +1,6 @@
 #include "src/run/assignment.h"
 
-#include <numeric>
+#include <algorithm>
 
 #include "src/base/check.h"
 
@@ -30,12 +30,13 @@ std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std
 }
 
 std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
-                                   std::span<const std::uint64_t> points, std::span<const Host> hosts) {
+                                   std::span<const std::uint64_t> points, std::span<const Host> hosts,
+                                   std::uint32_t lowest) {
   const std::vector<NodeId> nodes = share_out(tiles, points, hosts);
   std::vector<Placement> placements;
   placements.reserve(tiles.size());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    placements.push_back({tiles[i], nodes[i], table.peer_of(tiles[i]).incarnation + 1});
+    placements.push_back({tiles[i], nodes[i], std::max(lowest, table.peer_of(tiles[i]).incarnation + 1)});
   }
   return placements;
 }

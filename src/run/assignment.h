@@ -29,10 +29,11 @@ struct Placement {
 std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std::uint64_t> points,
                               std::span<const Host> hosts);
 
-// The table of the next epoch: `tiles` begin again as other incarnations, each somewhere on `hosts`.
-// `points`: by tile, of all.
+// `tiles` begin again as other incarnations, each somewhere on `hosts`. `points`: by tile, of all. `lowest`: that an
+// incarnation may have: those of a coordinator that does not know yet that it has been replaced must be others.
 std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
-                                   std::span<const std::uint64_t> points, std::span<const Host> hosts);
+                                   std::span<const std::uint64_t> points, std::span<const Host> hosts,
+                                   std::uint32_t lowest = 0);
 
 // REQUIRES: the table has these tiles.
 Table next_table(const Table& table, std::uint64_t epoch, std::span<const Placement> changes);

@@ -30,6 +30,13 @@ Status Mail::spill(TileStorage& storage) {
   return storage.append(tile_, ScratchKind::mail, out.take());
 }
 
+Status Mail::clear(TileStorage& storage) {
+  const bool spilled = held_.size() < updates_;
+  std::vector<Update>().swap(held_);
+  held_points_ = updates_ = points_ = 0;
+  return spilled ? storage.remove(tile_, ScratchKind::mail) : success();
+}
+
 Result<std::vector<Update>> Mail::take(TileStorage& storage) {
   std::vector<Update> all;
   if (held_.size() < updates_) {

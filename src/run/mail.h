@@ -18,6 +18,8 @@ class Mail {
   // Everything that waits, the points on scratch first; nothing waits afterwards. Error corrupt when what was on
   // scratch is not what was put there.
   Result<std::vector<Update>> take(TileStorage& storage);
+  // Forgets all, on scratch, too.
+  Status clear(TileStorage& storage);
 
   std::uint64_t updates() const { return updates_; }
   std::uint64_t points() const { return points_; }  // on scratch, too

@@ -300,6 +300,12 @@ Result<TileMesh> TileState::collect() {
   return mesh;
 }
 
+Status TileState::leave() {
+  check(phase_ == Phase::fresh, "only a tile that has not begun leaves");
+  phase_ = Phase::gone;
+  return mail_.clear(*context_.storage);
+}
+
 void TileState::drop() {
   triangulation_.reset();
   points_ = {};

@@ -70,6 +70,8 @@ class TileState {
   Status settle();
   // What is to be stored. The tile has no triangulation any more.
   Result<TileMesh> collect();
+  // Removes what waits on scratch: as another incarnation the tile may come back to this node. REQUIRES: it is fresh.
+  Status leave();
   // Frees the memory of a tile that need not be collected.
   void drop();
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,46 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Losses,
                                            Case{"clusters", 3, 40, 6, PartitionKind::random, 100},
                                            Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 100}),
                          name_of_case);
+
+class TakingOver : public ::testing::TestWithParam<Case> {};
+
+// Coordinators are stopped at any step, before anything is opened, too; those that were replaced go on. Nothing else
+// happens to the first half of the seeds, and the nodes of the second are lost as well, or come.
+TEST_P(TakingOver, CostsNoCell) {
+  const Case& c = GetParam();
+  for (const bool alone : {true, false}) {
+    HarnessOptions options = options_of(c);
+    options.nodes = 4;
+    options.faults.coordinator = true;
+    options.faults.kill = options.faults.pause = options.faults.join = !alone;
+    const HarnessReport report = run_harness(options);
+    EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+    EXPECT_EQ(report.seeds, c.seeds);
+    EXPECT_GT(report.epochs, c.seeds / 2);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, TakingOver,
+                         ::testing::Values(Case{"uniform", 3, 36, 7, PartitionKind::kdtree, 70, 4140},
+                                           Case{"slab", 3, 36, 7, PartitionKind::random, 70, 5800},
+                                           Case{"corners", 2, 36, 7, PartitionKind::kdtree, 70, 33600},
+                                           Case{"planes", 2, 36, 7, PartitionKind::random, 70, 28600},
+                                           Case{"clusters", 2, 36, 7, PartitionKind::kdtree, 70, 4960}),
+                         name_of_case);
+
+TEST(Harness, AnInterruptIsHeardWithinASeed) {
+  HarnessOptions options;
+  options.first_seed = 1;
+  options.last_seed = 1'000'000;
+  std::stop_source stop;
+  options.stop = stop.get_token();
+  std::uint64_t steps = 0;
+  options.trace = [&](const std::string&) {
+    if (++steps == 20) stop.request_stop();
+  };
+  const HarnessReport report = run_harness(options);
+  EXPECT_FALSE(report.failed_seed);
+  EXPECT_EQ(report.seeds, 0u);
+}
 
 TEST(Harness, TheSameSeedIsTheSameScheduleStepByStep) {
   HarnessOptions options;
