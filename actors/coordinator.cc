@@ -142,6 +142,7 @@ void Coordinator::opened(const PartOpened& message) {
     p.ended = true;
     return needed ? fail(message.failure) : finish_if_over();
   }
+  ++nodes_;
   p.settled = message.settled;
   p.threads = message.threads;
   p.part = caf::actor_cast<PartHandle>(message.part);
@@ -224,6 +225,7 @@ void Coordinator::show_progress(PartProgress& message) {
   RunProgress progress;
   progress.sum.spans = std::move(message.spans);
   parts_.at(message.node.value).progress = std::move(message);
+  progress.nodes_lost = nodes_lost_;
   progress.stage = quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
   for (const PartOf& p : parts_) {
     progress.sum.tiles_begun += p.progress.tiles_begun;
@@ -286,6 +288,7 @@ void Coordinator::ended(PartEnded& message) {
   sum_.hops = std::max(sum_.hops, message.hops);
   sum_.most_received = std::max(sum_.most_received, message.most_received);
   sum_.sleeps += message.sleeps;
+  sum_.gates += message.gates;
   sum_.begin_us += message.begin_us;
   sum_.splay_us += message.splay_us;
   sum_.collect_us += message.collect_us;
@@ -302,6 +305,9 @@ void Coordinator::finish_if_over() noexcept {
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
   end.waves = detector_.wave();
+  end.nodes = nodes_;
+  end.nodes_lost = nodes_lost_;
+  end.tiles_again = tiles_again_;
   end.sum = std::move(sum_);
   end.triangulate_us = microseconds(begun_.value_or(now) - started_);
   end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));

@@ -99,6 +99,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void take(const TileDone& done);
   void prepare(NodeId node);
   void join(const NodeHandle& node);
+  bool knows(const NodeHandle& node) const;
   void welcome(NodeId node);
   void take(PartReleased& released);
   void lose(const NodeHandle& node, Failure failure);
@@ -154,6 +155,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::vector<TileId> lost_;         // of lost nodes, not placed yet
   std::optional<Failure> failure_;
   PartEnded sum_;
+  std::uint32_t nodes_ = 0, nodes_lost_ = 0;  // that had a part
+  std::uint64_t tiles_again_ = 0;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
   bool told_ = false, again_ = false;

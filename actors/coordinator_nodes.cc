@@ -58,6 +58,7 @@ void Coordinator::take_over() {
     monitor(p.part);
   }
   go_on();
+  answers_.clear();
   for (const NodeHandle& node : without) join(node);
 }
 
@@ -115,7 +116,7 @@ void Coordinator::go_on() {
 }
 
 void Coordinator::join(const NodeHandle& node) {
-  if (state_ == State::finishing || state_ == State::ending) return;
+  if (state_ == State::finishing || state_ == State::ending || knows(node)) return;
   if (state_ == State::finding) {
     asked_.push_back(node);
     return find(node);
@@ -123,6 +124,14 @@ void Coordinator::join(const NodeHandle& node) {
   parts_.emplace_back().node = node;
   prepare(NodeId{static_cast<std::uint32_t>(parts_.size() - 1)});
   parts_.back().open.say(node);
+}
+
+// Those that it began with are told of, too.
+bool Coordinator::knows(const NodeHandle& node) const {
+  return std::find(asked_.begin(), asked_.end(), node) != asked_.end() ||
+         std::any_of(answers_.begin(), answers_.end(),
+                     [&](const PartFound& found) { return caf::actor_cast<NodeHandle>(found.node) == node; }) ||
+         std::any_of(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.node == node; });
 }
 
 // A part that has come later. It has no tiles yet, and so nothing to settle.
@@ -173,6 +182,7 @@ void Coordinator::lose(NodeId node, Failure failure) {
   PartOf& p = parts_.at(node.value);
   if (p.ended) return;
   p.lost = p.ended = true;
+  if (p.part) ++nodes_lost_;
   if (p.part) demonitor(p.part.address());
   p.part = nullptr;
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
@@ -208,6 +218,7 @@ void Coordinator::place_orphans() {
     return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
   });
   waiting_.clear();
+  tiles_again_ += lost_.size();
   auto changes = again(std::exchange(lost_, {}), all);
   const auto moved = again(std::exchange(released_, {}), late.empty() ? all : late);
   changes.insert(changes.end(), moved.begin(), moved.end());

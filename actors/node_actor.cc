@@ -24,7 +24,7 @@ NodeActor::behavior_type NodeActor::make_behavior() {
   return {
       [this](const OpenPart& wanted) { answer(wanted); },
       [this](const FindPart& wanted) { find(wanted); },
-      [this](const Leave&) { quit(); },
+      [this](const Leave&) { leave(); },
   };
 }
 
@@ -63,15 +63,19 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   std::uint64_t& term = terms_[wanted.job];
   if (wanted.term < term) return error(Errc::interrupted, "another coordinator has taken over");
   term = wanted.term;
-  const std::uint64_t memory = spec.memory_bytes, left = options_.memory_bytes - *used_;
+  if (spec.shares > 0) {
+    spec.threads = std::max(1U, options_.threads / spec.shares);
+    spec.memory_bytes = options_.memory_bytes / spec.shares;
+  }
+  const std::uint64_t memory = spec.memory_bytes, left = options_.memory_bytes - *options_.used;
   if (memory > left) {
     return error(Errc::memory, "job " + std::to_string(wanted.job.value) + " wants " + std::to_string(memory >> 20) +
                                    " MiB of memory, but the node has " + std::to_string(left >> 20) + " MiB left");
   }
   BOOST_OUTCOME_TRY(made, source_->open(spec, wanted.node));
-  *used_ += memory;
+  *options_.used += memory;
   // Before the part lets go of the run: whoever has waited for that may begin the next job.
-  const std::shared_ptr<const Part> part(made.release(), [used = used_, memory](const Part* last) {
+  const std::shared_ptr<const Part> part(made.release(), [used = options_.used, memory](const Part* last) {
     *used -= memory;
     delete last;
   });
@@ -87,6 +91,13 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   known.part = opened.part.address();
   monitor(known.part);
   return opened;
+}
+
+void NodeActor::leave() {
+  for (const auto& [job, opened] : parts_) {
+    if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<PartHandle>(part), Leave{});
+  }
+  quit();
 }
 
 void NodeActor::find(const FindPart& wanted) {

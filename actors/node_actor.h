@@ -3,7 +3,7 @@
 // message  | effect                                            | answer to the coordinator
 // OpenPart | read what the part needs to know, start its actor | PartOpened, always
 // FindPart | pass it on to the part of that job, if there is one | PartFound: by the part, or that there is none
-// Leave    | end                                               | -
+// Leave    | its parts leave, too                              | -
 //
 // What a part may use is free again when the part's actor and its tiles have let go of it.
 #pragma once
@@ -24,7 +24,9 @@
 namespace tessera {
 
 struct NodeOptions {
-  std::uint64_t memory_bytes = 0;  // for all jobs together
+  std::uint32_t threads = 1;  // for all jobs together, as is the memory
+  std::uint64_t memory_bytes = 0;
+  std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
   std::chrono::milliseconds progress_interval{100};
   Hooks hooks;
 };
@@ -40,14 +42,13 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   void prepare_answer() noexcept;
   PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
+  void leave();
   void find(const FindPart& wanted);
   void gone(const caf::down_msg& down);
   void answer_none(const FindPart& wanted);
 
   NodeOptions options_;
   std::shared_ptr<PartSource> source_;
-  std::shared_ptr<std::atomic<std::uint64_t>> used_ =
-      std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
   struct Opened {
     caf::actor_addr part;
     std::optional<FindPart> wanted;  // the last that was passed on: it may not have arrived

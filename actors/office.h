@@ -1,5 +1,6 @@
-// Where updates go: to a tile of this node at once, to another node's part in a parcel. One per part, made before its
-// tiles; all of it but the routes is the same ever after. The test network, when there is one, gets everything first.
+// Where updates go: to a tile of this node at once, else to the part, which sends them in parcels. One per part, made
+// before its tiles; all of it but the routes is the same ever after. The test network, when there is one, gets
+// everything first.
 #pragma once
 
 #include <chrono>
@@ -54,17 +55,16 @@ class Office {
   // To whoever is at home there by the newest table: if that is not the incarnation that is meant, it drops the update.
   template <class Self>
   void post(Self* sender, Update update) const {
-    const TileId to = update.to.tile;
     const auto known = routes();
-    const PartHandle& home = known->parts[known->table->node_of(to).value];
-    if (hooks.network) {
-      sender->send(hooks.network, caf::actor_cast<caf::actor>(home), std::move(update));
-    } else if (known->tiles[to.value]) {
-      sender->send(known->tiles[to.value], std::move(update));
-    } else if (home) {
-      Parcel parcel;
+    const TileHandle& to = known->tiles[update.to.tile.value];
+    if (!to) {
+      sender->send(part, Outgoing{std::move(update)});
+    } else if (hooks.network) {
+      Parcel parcel{self, 0, {}};
       parcel.updates.push_back(std::move(update));
-      sender->send(home, std::move(parcel));
+      sender->send(hooks.network, caf::actor_cast<caf::actor>(part), std::move(parcel));
+    } else {
+      sender->send(to, Delivery{self, std::move(update)});
     }
   }
 

@@ -46,7 +46,7 @@ void PartActor::on_exit() {
   for (Hosted& hosted : hosted_) hosted.leave.say(hosted.handle);
   if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
   last_word_.message() = std::move(sum_);
-  last_word_.say(coordinator_);
+  if (!left_) last_word_.say(coordinator_);
   office_ = nullptr;
   part_ = nullptr;
   coordinator_ = nullptr;
@@ -121,6 +121,9 @@ PartActor::behavior_type PartActor::make_behavior() {
         dispatch();
       },
       [this](Parcel& parcel) { deliver(parcel); },
+      [this](Outgoing& outgoing) { post(std::move(outgoing.update)); },
+      [this](const Taken& taken) { give_credit(taken.from, taken.bytes); },
+      [this](const Credit& credit) { take(credit); },
       [this](const MailNotice& notice) {
         schedule_.mail(notice.tile, {notice.updates, notice.points, notice.bytes, notice.hops});
         dispatch();
@@ -135,6 +138,11 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](TileStored& stored) {
         take(stored);
+        dispatch();
+      },
+      [this](const Leave&) {  // without a word: whoever watches takes the node for lost
+        left_ = true;
+        stop(failure_of(error(Errc::interrupted, "the node leaves")));
         dispatch();
       },
       [this](const TileLeft& left) { take(left); },
@@ -204,6 +212,8 @@ void PartActor::stop(Failure failure) {
                       schedule_.stage() < Schedule::Stage::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
+  early_.clear();
+  end_gates();
   schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
 }
 
@@ -231,8 +241,14 @@ void PartActor::dispatch() {
       tell(PartIdle{self_});
       return;
     case Schedule::Stage::settling:
-      if (!std::exchange(told_settled_, true)) tell(PartSettled{self_, table_->epoch});
-      return;
+      if (std::exchange(told_settled_, true)) return;
+      if (part_->sync_settled) {
+        if (Status synced = part_->sync_settled(); !synced) {
+          stop(failure_of(std::move(synced).error()));
+          return dispatch();
+        }
+      }
+      return tell(PartSettled{self_, table_->epoch});
     case Schedule::Stage::collecting:
       if (!std::exchange(told_collected_, true)) tell(PartCollected{self_, table_->epoch});
       return;
@@ -256,6 +272,7 @@ void PartActor::tell_stored(TileDone done) {
 void PartActor::end() {
   tell_progress(true);
   sum_.sleeps = schedule_.sleeps();
+  for (const auto& [node, gate] : gates_) sum_.gates += gate.counts();
   if (failure_) sum_.failure = std::move(*failure_);
   ended_ = true;
   quit();

@@ -21,6 +21,7 @@
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
 //                            | work under way stops; grant nothing more; PartEnded with the first failure once
 //                            | nothing is under way
+// any        | Leave         | as Abort, but there is no PartEnded
 // any        | an exception  | PartEnded with it; the tiles stop what they are at, and leave
 //
 // A tile's counters change only while it works under a grant, or goes by a new table, and both end in a report. So when
@@ -30,6 +31,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -77,8 +79,16 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void tell_stored(TileDone done);
   void obey(const FindPart& found);
   bool obeyed();
+  // part_gates.cc
   void deliver(Parcel& parcel);
+  void deliver(NodeId from, Update update);
   void deliver_early();
+  void post(Update update);
+  void send_parcels(NodeId to);
+  void give_credit(NodeId to, std::uint64_t bytes);
+  void take(const Credit& credit);
+  void close_gates();
+  void end_gates();
   void take(TileReport& report);
   void take(TileStored& stored);
   void take(const TileRejoined& rejoined);
@@ -92,16 +102,20 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void end();
   void tell_progress(bool now);
   void note(TileId tile, Totals totals);
-  bool hosts(TileId tile) const {
-    return std::any_of(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
-  }
+  bool hosts(TileId tile) const { return tiles_[tile.value].epoch != not_here; }
   bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
+  static constexpr std::uint64_t not_here = ~std::uint64_t{0};
   struct Figures {  // of one tile
     Totals totals;
     ExchangeCounts points;
     std::uint64_t updates = 0, microseconds = 0;
-    std::uint64_t epoch = 0;  // that it has last said it goes by
+    std::uint64_t epoch = not_here;  // that it has last said it goes by
+  };
+
+  // What another node has sent, and does not know to be taken.
+  struct Owed {
+    std::uint64_t bytes = 0, held_back = 0;
   };
 
   NodeId self_;
@@ -118,16 +132,19 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::optional<FindPart> finder_;  // one that waits for an answer
   std::vector<TileDone> stored_;    // what a coordinator that takes over must hear again
   std::shared_ptr<const Table> table_;
-  std::vector<Update> early_;    // of epochs whose table is still to come
+  std::vector<Delivery> early_;  // of epochs whose table is still to come
   std::uint32_t rejoining_ = 0;  // tiles that do not yet go by the table
   Totals totals_;                // sums over tiles
+  std::map<NodeId, Gate> gates_;
+  std::map<NodeId, Owed> owed_;
   PartEnded sum_;
   Prepared<PartEnded> last_word_;
   PartProgress progress_;
   std::chrono::milliseconds progress_interval_;
   std::chrono::steady_clock::time_point progress_told_{};
   std::optional<Failure> failure_;
-  bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false;
+  bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false,
+       left_ = false;
 };
 
 }  // namespace tessera

@@ -44,6 +44,7 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
     hosted_.back().handle =
         spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
     routes->tiles[t] = hosted_.back().handle;
+    tiles_[t].epoch = 0;
     if (opened_) schedule_.add(TileId{t}, part_->tile_points[t]);
   }
   office_->set_routes(std::move(routes));
@@ -65,17 +66,12 @@ void PartActor::change_table(ChangeTable& change) {
   told_settled_ = told_collected_ = false;
   const std::size_t before = hosted_.size();
   go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);
+  close_gates();
   if (schedule_.stage() == Schedule::Stage::exchanging) {
     rejoining_ = static_cast<std::uint32_t>(before);
     for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
   }
   deliver_early();
-}
-
-void PartActor::deliver_early() {
-  Parcel waiting;
-  waiting.updates = std::exchange(early_, {});
-  deliver(waiting);
 }
 
 void PartActor::take(const TileRejoined& rejoined) {
@@ -96,6 +92,7 @@ void PartActor::release(const Release& wanted) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
     send(hosted->handle, Leave{true});
     hosted_.erase(hosted);
+    tiles_[tile.value].epoch = not_here;
     note(tile, {});
     given_up_.push_back(tile);
     ++leaving_;
@@ -130,29 +127,6 @@ void PartActor::answer_if_left() {
   finder_.reset();
   tell(std::move(answer));
   for (const TileDone& done : stored_) tell(done);
-}
-
-// What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
-void PartActor::deliver(Parcel& parcel) {
-  if (failure_) return;  // mail of a job that is over
-  const auto routes = office_->routes();
-  for (Update& update : parcel.updates) {
-    if (!routes || update.epoch > table_->epoch) {
-      early_.push_back(std::move(update));
-      continue;
-    }
-    const TileId to = update.to.tile;
-    const std::size_t tiles = part_->tile_points.size();
-    const bool sound = to.value < tiles && update.from.tile.value < tiles;
-    if (sound && !table_->alive(update.to)) continue;  // sent by an older table
-    if (!sound || !routes->tiles[to.value]) {
-      stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
-                                                ", which it does not have")));
-      dispatch();
-      return;
-    }
-    send(routes->tiles[to.value], std::move(update));
-  }
 }
 
 // Messages of one that has been replaced, and does not know it yet.

@@ -12,6 +12,7 @@
 #include "src/base/ids.h"
 #include "src/base/result.h"
 #include "src/run/assignment.h"
+#include "src/run/gate.h"
 #include "src/run/table.h"
 #include "src/run/update.h"
 #include "src/run/work.h"
@@ -74,9 +75,29 @@ struct TileStored {
   TileEntry entry;
 };
 
+// tile -> part: for a tile that lives elsewhere.
+struct Outgoing {
+  Update update;
+};
 // part -> part of another node: updates for tiles that live there.
 struct Parcel {
+  NodeId from;
+  std::uint64_t window_bytes = 0;  // of the sender's gate
   std::vector<Update> updates;
+};
+// part -> tile. Of what another node has sent the part hears when it is in the tile's mail (Taken).
+struct Delivery {
+  NodeId from;
+  Update update;
+};
+struct Taken {
+  NodeId from;
+  std::uint64_t bytes = 0;  // as Gate counts them
+};
+// part -> part of another node: so many bytes of what that has sent are in the mail of tiles, or dropped.
+struct Credit {
+  NodeId from;
+  std::uint64_t bytes = 0;
 };
 
 // part -> tile: there is a new table (src/run/assignment.h); answered by a TileRejoined, at once.
@@ -200,6 +221,7 @@ struct PartEnded {
   ExchangeCounts points;
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
+  GateCounts gates;                                          // of what was sent to other nodes
 };
 
 // whoever runs the job -> coordinator
@@ -217,22 +239,25 @@ struct GraceOver {
   std::uint64_t term = 0;
 };
 
-// part -> tile, whoever has started a node -> node: come to an end. What waits for you is not wanted any more.
+// part -> tile, node -> part, whoever has started a node -> node: come to an end. What waits for you is not wanted any
+// more.
 struct Leave {
   // To a tile that is fresh, and begins on another node: remove what waits on scratch, too, and answer with a TileLeft.
   bool given_up = false;
 };
 
 using TileHandle =
-    caf::typed_actor<caf::reacts_to<Update>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
-using PartHandle = caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
-                                    caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
-                                    caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>,
-                                    caf::reacts_to<Suspend>, caf::reacts_to<Abort>, caf::reacts_to<Parcel>,
-                                    caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>,
-                                    caf::reacts_to<TileStored>, caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>>;
-// What stands between tiles in the harness: an update, and the part that it is for.
-using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Update>, caf::reacts_to<caf::tick_atom>>;
+    caf::typed_actor<caf::reacts_to<Delivery>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
+using PartHandle =
+    caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
+                     caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
+                     caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>, caf::reacts_to<Suspend>,
+                     caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>,
+                     caf::reacts_to<Credit>, caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>,
+                     caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>, caf::reacts_to<TileLeft>,
+                     caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
+// What stands between tiles in the harness: a parcel, and the part that it is for.
+using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Parcel>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;
 using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,

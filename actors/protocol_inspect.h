@@ -28,7 +28,11 @@ TESSERA_MESSAGE(TileReport, x.span, x.failure, x.memory, x.storing, x.waiting, x
                 x.points)
 TESSERA_MESSAGE(TileFailed, x.tile, x.failure)
 TESSERA_MESSAGE(TileStored, x.tile, x.failure, x.entry)
-TESSERA_MESSAGE(Parcel, x.updates)
+TESSERA_MESSAGE(GateCounts, x.parcels, x.bytes, x.waits)
+TESSERA_MESSAGE(Outgoing, x.update)
+TESSERA_MESSAGE(Delivery, x.from, x.update)
+TESSERA_MESSAGE(Taken, x.from, x.bytes)
+TESSERA_MESSAGE(Credit, x.from, x.bytes)
 TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator, x.term)
 TESSERA_MESSAGE(Rejoin)
 TESSERA_MESSAGE(TileLeft, x.tile)
@@ -56,7 +60,7 @@ TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_sto
                 x.updates_processed, x.points_sent, x.memory_bytes, x.spans)
 TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
 TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.updates, x.hops, x.sleeps, x.most_received, x.begin_us,
-                x.splay_us, x.collect_us)
+                x.splay_us, x.collect_us, x.gates)
 TESSERA_MESSAGE(Cancel)
 TESSERA_MESSAGE(NodeLost, x.node)
 TESSERA_MESSAGE(NodeJoined, x.node)
@@ -95,6 +99,24 @@ inline caf::error inspect(caf::deserializer& f, Update& x) {
   return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
 }
 
+inline caf::error inspect(caf::serializer& f, Parcel& x) {
+  std::uint64_t n = x.updates.size();
+  if (auto failed = f(x.from, x.window_bytes, n)) return failed;
+  for (Update& update : x.updates) {
+    if (auto failed = f(update)) return failed;
+  }
+  return caf::error{};
+}
+inline caf::error inspect(caf::deserializer& f, Parcel& x) {
+  std::uint64_t n = 0;
+  if (auto failed = f(x.from, x.window_bytes, n)) return failed;
+  x.updates.clear();
+  for (; n > 0; --n) {  // grows with what is there, whatever is announced
+    if (auto failed = f(x.updates.emplace_back())) return failed;
+  }
+  return caf::error{};
+}
+
 }  // namespace tessera
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera, first_custom_type_id)
@@ -104,6 +126,8 @@ CAF_ADD_TYPE_ID(tessera, (tessera::BeginPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::Cancel))
 CAF_ADD_TYPE_ID(tessera, (tessera::ChangeTable))
 CAF_ADD_TYPE_ID(tessera, (tessera::Collect))
+CAF_ADD_TYPE_ID(tessera, (tessera::Credit))
+CAF_ADD_TYPE_ID(tessera, (tessera::Delivery))
 CAF_ADD_TYPE_ID(tessera, (tessera::Finish))
 CAF_ADD_TYPE_ID(tessera, (tessera::FindPart))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartFound))
@@ -114,6 +138,7 @@ CAF_ADD_TYPE_ID(tessera, (tessera::MailNotice))
 CAF_ADD_TYPE_ID(tessera, (tessera::NodeJoined))
 CAF_ADD_TYPE_ID(tessera, (tessera::NodeLost))
 CAF_ADD_TYPE_ID(tessera, (tessera::OpenPart))
+CAF_ADD_TYPE_ID(tessera, (tessera::Outgoing))
 CAF_ADD_TYPE_ID(tessera, (tessera::Parcel))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartBegun))
 CAF_ADD_TYPE_ID(tessera, (tessera::PartCollected))
@@ -130,6 +155,7 @@ CAF_ADD_TYPE_ID(tessera, (tessera::TileLeft))
 CAF_ADD_TYPE_ID(tessera, (tessera::Release))
 CAF_ADD_TYPE_ID(tessera, (tessera::Settle))
 CAF_ADD_TYPE_ID(tessera, (tessera::Suspend))
+CAF_ADD_TYPE_ID(tessera, (tessera::Taken))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileDone))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileFailed))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileRejoined))

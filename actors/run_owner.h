@@ -12,12 +12,14 @@ enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
 struct RunProgress {
   RunStage stage = RunStage::triangulating;
   PartProgress sum;
+  std::uint32_t nodes_lost = 0;
 };
 
 struct RunEnded {
   Failure failure;
   bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
   std::uint64_t waves = 0;
+  std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // begun again after losses
   PartEnded sum;
   // Wall clock of the stages.
   std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;

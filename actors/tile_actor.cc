@@ -86,9 +86,12 @@ TileActor::behavior_type TileActor::make_behavior() {
   set_error_handler(
       [this](caf::scheduled_actor*, caf::error& reason) { fail(lost("a message of " + name_of(self_.tile), reason)); });
   return {
-      [this](Update& update) {
+      [this](Delivery& delivery) {
+        Update& update = delivery.update;
         office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
+        const std::uint64_t weight = Gate::bytes_of(update);
         if (Status kept = state_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
+        if (delivery.from != office_->self) send(office_->part, Taken{delivery.from, weight});
         const std::uint64_t bytes = state_.mail_memory();
         const std::uint32_t hops = state_.waiting_hops();
         if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes && hops == hops_told_) return;

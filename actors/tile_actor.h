@@ -1,16 +1,15 @@
 // A tile as an actor: TileState behind messages.
 //
 // message | effect                                                      | answer to the part
-// Update   | keep the points                                             | MailNotice, once per silence, hop and 64 KiB
-// begin   | triangulate and announce, or begin from an image            | TileReport, updates to other tiles
-// splay   | process all mail                                            | TileReport, updates to other tiles
-// sleep   | write the state to scratch, free it                         | TileReport
-// settle  | write down what makes the tile independent of the others    | TileReport
-// collect | make the mesh, have it stored                               | TileReport, later TileStored from a writer
-// drop    | free the state                                              | TileReport
-// Rejoin  | go by the new table                                         | TileRejoined
-// Leave   | end; when given up, remove the mail on scratch before       | -; TileLeft
-// Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
+// Delivery  | keep the points                                             | MailNotice, once per silence, hop and 64
+// KiB begin   | triangulate and announce, or begin from an image            | TileReport, updates to other tiles splay
+// | process all mail                                            | TileReport, updates to other tiles sleep   | write
+// the state to scratch, free it                         | TileReport settle  | write down what makes the tile
+// independent of the others    | TileReport collect | make the mesh, have it stored                               |
+// TileReport, later TileStored from a writer drop    | free the state                                              |
+// TileReport Rejoin  | go by the new table                                         | TileRejoined Leave   | end; when
+// given up, remove the mail on scratch before       | -; TileLeft Mail that cannot be kept, or an exception outside of
+// granted work: TileFailed, and the tile ends.
 //
 // Grants come from the part alone, which keeps at most as many under way as it has threads.
 #pragma once

@@ -1,14 +1,14 @@
-# Debian's CAF 0.17 ships no CMake files. Defines CAF::core and CAF::io.
+# Debian's CAF 0.17 ships no CMake files. Defines CAF::core, CAF::io and CAF::openssl.
 find_path(CAF_INCLUDE_DIR caf/all.hpp)
 set(_caf_wanted CAF_INCLUDE_DIR)
-foreach(component core io)
+foreach(component core io openssl)
   find_library(CAF_${component}_LIBRARY caf_${component})
   list(APPEND _caf_wanted CAF_${component}_LIBRARY)
 endforeach()
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(CAF REQUIRED_VARS ${_caf_wanted})
 find_package(Threads REQUIRED)
-foreach(component core io)
+foreach(component core io openssl)
   if(NOT TARGET CAF::${component})
     add_library(CAF::${component} UNKNOWN IMPORTED)
     set_target_properties(CAF::${component} PROPERTIES
@@ -17,3 +17,5 @@ foreach(component core io)
 endforeach()
 target_link_libraries(CAF::core INTERFACE Threads::Threads)
 target_link_libraries(CAF::io INTERFACE CAF::core)
+find_package(OpenSSL REQUIRED)
+target_link_libraries(CAF::openssl INTERFACE CAF::io OpenSSL::SSL OpenSSL::Crypto)

@@ -13,9 +13,9 @@ void Network::on_exit() { held_.clear(); }
 Network::behavior_type Network::make_behavior() {
   const Turn ours(state_.memory_faults, false);
   return {
-      [this](caf::actor& part, Update& update) {
+      [this](caf::actor& part, Parcel& parcel) {
         const Turn ours(state_.memory_faults, false);
-        held_.emplace_back(part, std::move(update));
+        held_.emplace_back(part, std::move(parcel));
         state_.held = held_.size();
         send(this, caf::tick_atom_v);
       },
@@ -26,12 +26,12 @@ Network::behavior_type Network::make_behavior() {
           return;
         }
         std::swap(held_[rng_() % held_.size()], held_.back());
-        auto [part, update] = std::move(held_.back());
+        auto [part, parcel] = std::move(held_.back());
         held_.pop_back();
         state_.held = held_.size();
-        if (trace_) trace_("network: delivers " + to_string(update));
-        Parcel parcel;
-        parcel.updates.push_back(std::move(update));
+        for (const Update& update : parcel.updates) {
+          if (trace_) trace_("network: delivers " + to_string(update));
+        }
         send(caf::actor_cast<PartHandle>(part), std::move(parcel));
       },
   };

@@ -86,6 +86,8 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
+  // Nodes that must wait for each other's credit after every few points.
+  if (rng() % 2 == 0) s.gates = {.window_bytes = 800, .parcel_bytes = 300};
   return s;
 }
 
@@ -99,6 +101,7 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
   part->context.stop = part->stopping.get_token();
   part->context.watch = &watch_;
   part->schedule = setting_.schedule;
+  part->gates = setting_.gates;
   BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
   part->settled = storage_.settled;
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {

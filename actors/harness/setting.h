@@ -20,6 +20,7 @@ struct Setting {
   TileContext context;  // without storage and watch
   ScheduleOptions schedule;
   std::uint32_t patience = 0;  // of the network
+  GateOptions gates;
   bool late_stores = false;
 };
 

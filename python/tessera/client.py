@@ -142,6 +142,20 @@ class Client:
         """What the daemon has made: "name", "dimension", "vertices", "cells", "tiles", "bytes", "digest", ... of each."""
         return self._http.ask_for_all("/triangulations", "triangulations")
 
+    def nodes(self) -> list[dict[str, typing.Any]]:
+        """Who works on the jobs: "name", "address", "state", "threads", "memoryBytes", "memoryUsedBytes", ... of each node."""
+        try:
+            return list(self._http.ask("GET", "/nodes")["nodes"])
+        except (KeyError, TypeError):
+            raise self._http.no_tessera() from None
+
+    def drain(self, node: str) -> dict[str, typing.Any]:
+        """Takes all work from a node of the cluster, by its name or id, and lets its process end: for a rolling restart.
+
+        Gives what it was. UsageError when it is the only one, or the daemon is no cluster.
+        """
+        return self._http.ask("POST", f"/nodes/{quoted(node)}/drain")
+
     def fetch(self, name: str, folder: Path, patience: float = PATIENCE_S) -> Triangulation:
         """Copies a result into a folder here: the same as tessera.open() gives.
 

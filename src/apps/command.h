@@ -29,6 +29,7 @@ Command add_verify(CLI::App& root);
 Command add_info(CLI::App& root);
 Command add_export(CLI::App& root);
 Command add_certs(CLI::App& root);
+Command add_cluster(CLI::App& root);
 Command add_jobs(CLI::App& root);
 Command add_job(CLI::App& root);
 Command add_watch(CLI::App& root);
@@ -37,6 +38,8 @@ Command add_resume(CLI::App& root);
 Command add_results(CLI::App& root);
 Command add_fetch(CLI::App& root);
 Command add_upload(CLI::App& root);
+Command add_nodes(CLI::App& root);
+Command add_drain(CLI::App& root);
 Command add_generate(CLI::App& root);
 Command add_harness(CLI::App& root);
 

@@ -22,6 +22,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_info(root));
   commands.push_back(add_export(root));
   commands.push_back(add_certs(root));
+  commands.push_back(add_cluster(root));
   commands.push_back(add_jobs(root));
   commands.push_back(add_job(root));
   commands.push_back(add_watch(root));
@@ -30,6 +31,8 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_results(root));
   commands.push_back(add_fetch(root));
   commands.push_back(add_upload(root));
+  commands.push_back(add_nodes(root));
+  commands.push_back(add_drain(root));
   commands.push_back(add_generate(root));
   commands.push_back(add_harness(root));
   return commands;

@@ -144,7 +144,8 @@ Status run_harness_command(Settings& settings) {
   } else if (!output.quiet) {
     std::printf(
         "%s seeds passed: %s steps, %s messages with points, %s collections of counters, %s sleeps, "
-        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined, or a coordinator was replaced\n",
+        "%s spills of mail, %s runs ended by faults, %s resumed (%s settled), %s times nodes were lost or joined, or a "
+        "coordinator was replaced\n",
         grouped(report.seeds).c_str(), grouped(report.steps).c_str(), grouped(report.updates).c_str(),
         grouped(report.waves).c_str(), grouped(report.sleeps).c_str(), grouped(report.spills).c_str(),
         grouped(report.failures).c_str(), grouped(report.restarts).c_str(), grouped(report.settled_restarts).c_str(),

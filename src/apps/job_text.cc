@@ -57,6 +57,33 @@ std::string results_text(const std::vector<proto::TriangulationInfo>& results) {
   return table(rows);
 }
 
+std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
+  if (nodes.empty()) return "there are no nodes\n";
+  std::vector<Row> rows{{"NODE", "ADDRESS", "STATE", "THREADS", "MEMORY", "USED", "SINCE", "HEARD"}};
+  for (const auto& node : nodes) {
+    rows.push_back({node.name(), node.address(), node.state() + (node.coordinator() ? ", coordinator" : ""),
+                    grouped(node.threads()), human_bytes(node.memory_bytes()), human_bytes(node.memory_used_bytes()),
+                    human_seconds(static_cast<double>(node.seconds())),
+                    human_seconds(static_cast<double>(node.silent_ms()) / 1000) + " ago"});
+  }
+  return table(rows);
+}
+
+std::string local_nodes_text(const std::vector<LocalNodeState>& nodes) {
+  std::vector<Row> rows{{"NODE", "PROCESS", "STATE", "THREADS", "MEMORY", "USED", "LOG"}};
+  for (const auto& [info, process, log] : nodes) {
+    Row row{info.name(), process == 0 ? "ended" : std::to_string(process), "", "", "", "", log};
+    if (process != 0) row[2] = info.state().empty() ? "no member" : info.state();
+    if (process != 0 && !info.state().empty()) {
+      row[3] = grouped(info.threads());
+      row[4] = human_bytes(info.memory_bytes());
+      row[5] = human_bytes(info.memory_used_bytes());
+    }
+    rows.push_back(std::move(row));
+  }
+  return table(rows);
+}
+
 std::string job_text(const proto::StatusInfo& job) {
   std::string text;
   const auto line = [&](std::string name, const std::string& value) {
@@ -121,6 +148,27 @@ nlohmann::ordered_json result_json(const proto::TriangulationInfo& result) {
           {"crs", result.crs()},
           {"bounds", std::vector<double>(result.bounds().begin(), result.bounds().end())},
           {"created", result.created()}};
+}
+
+nlohmann::ordered_json node_json(const proto::NodeInfo& node) {
+  return {{"event", "node"},
+          {"name", node.name()},
+          {"id", node.id()},
+          {"address", node.address()},
+          {"threads", node.threads()},
+          {"memory_bytes", node.memory_bytes()},
+          {"memory_used_bytes", node.memory_used_bytes()},
+          {"state", node.state()},
+          {"seconds", node.seconds()},
+          {"silent_ms", node.silent_ms()},
+          {"coordinator", node.coordinator()}};
+}
+
+nlohmann::ordered_json local_node_json(const LocalNodeState& node) {
+  auto json = node_json(node.info);
+  json["pid"] = node.process;
+  json["log"] = node.log;
+  return json;
 }
 
 }  // namespace tessera

@@ -45,6 +45,11 @@ struct ExchangeFigures {
   std::uint64_t waves = 0;          // collections of counters until quiet was proved
   std::uint64_t sleeps = 0;         // times a tile was put to sleep on disk
   PhaseSeconds work;                // summed over threads
+  // Of a cluster's job.
+  std::uint64_t nodes = 0, nodes_lost = 0;
+  std::uint64_t tiles_again = 0;    // begun again when a node was lost
+  std::uint64_t bytes_between = 0;  // between nodes
+  std::uint64_t credit_waits = 0;   // times that something had to wait for another node to take what it was sent
 };
 
 }  // namespace tessera

@@ -54,6 +54,7 @@ struct Progress {
   std::atomic<std::uint64_t> updates_sent{0};  // updates_sent - updates_processed are in flight
   std::atomic<std::uint64_t> updates_processed{0};
   std::atomic<std::uint64_t> points_sent{0};
+  std::atomic<std::uint32_t> nodes_lost{0};
   std::atomic<std::uint64_t> memory_bytes{0};  // what the node believes its tiles hold
 
   void add_span(const PhaseSpan& span) {

@@ -10,7 +10,6 @@
 #include <system_error>
 #include <utility>
 
-#include "src/base/option.h"
 #include "src/certs/certificates.h"
 #include "src/certs/pem.h"
 #include "src/files/descriptor.h"
@@ -50,7 +49,7 @@ constexpr const char* rule =
 Result<int> days_of(const CertificateOptions& options, int normal) {
   const int days = options.days.value_or(normal);
   if (days < 1 || days > days_max)
-    return error(Errc::usage, option("days") + ": must be from 1 to " + std::to_string(days_max));
+    return error(Errc::usage, "a certificate is valid for 1 to " + std::to_string(days_max) + " days");
   return days;
 }
 

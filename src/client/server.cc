@@ -216,6 +216,17 @@ Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::
   return ask_for_all<proto::TriangulationList, proto::TriangulationInfo>(target("/triangulations"), SIZE_MAX, stop);
 }
 
+Result<std::vector<proto::NodeInfo>> Server::nodes(const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(list, ask_for<proto::NodeList>({.target = target("/nodes")}, stop));
+  return std::vector<proto::NodeInfo>(list.nodes().begin(), list.nodes().end());
+}
+
+Result<proto::NodeInfo> Server::drain(const std::string& node, const std::stop_token& stop) {
+  // Not repeatable: the second would find another of that name, or none.
+  return ask_for<proto::NodeInfo>(
+      {.method = "POST", .target = target("/nodes/" + percent_encoded(node) + "/drain"), .repeatable = false}, stop);
+}
+
 // One connection to the events. True when on_event has heard enough.
 Result<bool> Server::listen(const std::string& id, std::string& last_id, bool& heard, const OnEvent& on_event,
                             const std::stop_token& stop) {

@@ -68,6 +68,11 @@ class Server {
   Result<std::vector<proto::TriangulationInfo>> triangulations(const std::stop_token& stop);
   // Nothing when there is none of this name.
   Result<std::optional<proto::TriangulationInfo>> triangulation(const std::string& name, const std::stop_token& stop);
+  // Who works on the jobs, in order of coming.
+  Result<std::vector<proto::NodeInfo>> nodes(const std::stop_token& stop);
+  // Takes all work from a node, by its name or id, and lets its process end. What it was.
+  Result<proto::NodeInfo> drain(const std::string& node, const std::stop_token& stop);
+
   // A file of a result, from its byte `from` on. `etag` ("" for any): of the file that is meant; the receiver's head
   // tells by 200 that the server begins at 0, having another.
   Result<HttpAnswer> file(const std::string& triangulation, const std::string& path, std::uint64_t from,

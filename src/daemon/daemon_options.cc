@@ -6,26 +6,14 @@
 #include <optional>
 #include <utility>
 
+#include "src/daemon/add_option.h"
+#include "src/daemon/cluster_settings.h"
 #include "src/files/names.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 
 namespace tessera {
 namespace {
-
-void add(CLI::App& app, Settings& settings, const std::string& flag, const std::string& key, const std::string& metavar,
-         const std::string& help, bool flag_only = false) {
-  settings.declare(key, flag_only);
-  app.add_option_function<std::string>(
-         "--" + flag, [&settings, key](const std::string& text) { settings.set_flag(key, text); }, help)
-      ->type_name(metavar);
-}
-
-void add_switch(CLI::App& app, Settings& settings, const std::string& key, const std::string& help) {
-  settings.declare(key);
-  app.add_flag_callback(
-      "--" + key, [&settings, key] { settings.set_flag(key, "true"); }, help);
-}
 
 Result<std::string> as_text(const std::string& text) { return text; }
 
@@ -94,22 +82,23 @@ Result<std::uint64_t> parse_duration(std::string_view text) {
 
 void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   Settings& top = settings.top;
-  add(app, top, "config", "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
-  add(app, top, "data", "data", "DIR", "where jobs, results and tokens are; made when missing");
-  add(app, top, "listen", "listen", "ADDRESS", "of the API; default: 127.0.0.1:7070");
-  add(app, top, "metrics", "metrics", "ADDRESS", "of health and figures; default: 127.0.0.1:7071; none: nowhere");
-  add(app, top, "inputs", "inputs", "DIR,...", "folders below which inputs may lie; default: none");
-  add(app, top, "memory", "memory", "BYTES", "for all running jobs together; default: 70 % of what is free");
-  add(app, top, "threads", "threads", "N", "default: all");
-  add(app, top, "jobs", "jobs", "N", "that run at once; default: 1");
+  add_option(app, top, "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
+  add_option(app, top, "data", "DIR", "where jobs, results and tokens are; made when missing");
+  add_option(app, top, "listen", "ADDRESS", "of the API; default: 127.0.0.1:7070");
+  add_option(app, top, "metrics", "ADDRESS", "of health and figures; default: 127.0.0.1:7071; none: nowhere");
+  add_option(app, top, "inputs", "DIR,...", "folders below which inputs may lie; default: none");
+  add_option(app, top, "memory", "BYTES", "for all running jobs together; default: 70 % of what is free");
+  add_option(app, top, "threads", "N", "default: all");
+  add_option(app, top, "jobs", "N", "that run at once; default: 1");
   add_switch(app, top, "uploads", "clients may send input files");
-  add(app, top, "retention", "retention", "TIME", "how long ended jobs are remembered, 30d; default: forever");
-  add(app, top, "tls-certificate", "tls-certificate", "FILE", "PEM, with its chain");
-  add(app, top, "tls-key", "tls-key", "FILE", "PEM");
-  add(app, top, "public-url", "public-url", "URL", "what users type, when a proxy stands in front");
-  add(app, top, "hosts", "hosts", "NAME,...", "names of this machine that requests may ask for");
+  add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, 30d; default: forever");
+  add_option(app, top, "tls-certificate", "FILE", "PEM, with its chain");
+  add_option(app, top, "tls-key", "FILE", "PEM");
+  add_option(app, top, "public-url", "URL", "what users type, when a proxy stands in front");
+  add_option(app, top, "hosts", "NAME,...", "names of this machine that requests may ask for");
   add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
-  add(app, top, "log", "log", "text|json", "default: text");
+  add_option(app, top, "log", "text|json", "default: text");
+  add_cluster_options(app, top);
   // Of these there are variables and keys alone: nobody types them.
   for (const char* key : {"queued", "jobs", "points", "disk"}) settings.limits.declare(key);
 }
@@ -156,6 +145,9 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   service.limits.running = jobs.value_or(1);
   service.uploads = uploads;
   service.retention_s = retention.value_or(0);
+
+  BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
+  service.cluster = std::move(cluster);
 
   http::ServerOptions& server = out.http;
   server.listeners.push_back(listen.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7070}));

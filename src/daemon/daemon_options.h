@@ -16,8 +16,9 @@ class App;
 
 namespace tessera {
 
+// Where and as what it takes part in a cluster: the rest of ClusterOptions follows from where it runs.
 struct DaemonOptions {
-  ServiceOptions service;
+  ServiceOptions service;  // its cluster included, also when this process only works for one
   http::ServerOptions http;
   bool json_log = false;
 };

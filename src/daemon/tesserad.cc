@@ -1,6 +1,7 @@
 // The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
 // can be resumed, which the next start does. SIGHUP reads tokens and certificate again.
 #include <malloc.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
@@ -14,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <new>
+#include <optional>
 #include <string>
 
 #include <spdlog/spdlog.h>
@@ -23,6 +25,7 @@
 #include "src/daemon/daemon_log.h"
 #include "src/daemon/daemon_options.h"
 #include "src/daemon/health.h"
+#include "src/daemon/node_process.h"
 #include "src/daemon/supervisor.h"
 #include "src/http/server.h"
 #include "src/job/version.h"
@@ -97,8 +100,19 @@ class Life {
   boost::asio::steady_timer timer_{context_};
 };
 
-Status serve(DaemonOptions options) {
+Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   start_daemon_log(options.json_log, options.http.insecure);
+  std::optional<FolderLock> scratch;
+  if (options.service.cluster) {
+    ClusterOptions& cluster = *options.service.cluster;
+    if (!cluster.coordinator) return serve_node(options.service, begin_anew);
+    cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
+    cluster.expelled = [](const std::string& why, bool) {
+      spdlog::warn("this process takes no more work: it {}", why);
+    };
+    BOOST_OUTCOME_TRY(taken, take_scratch(cluster.scratch));
+    scratch = std::move(taken);
+  }
   Life life;
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
   BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
@@ -145,7 +159,13 @@ int tesserad_main(int argc, char** argv) {
   }
   auto options = read_daemon_options(settings, [](const char* name) { return std::getenv(name); });
   if (!options) return fail(options.error());
-  const Status served = serve(std::move(options).value());
+  // The same program with the same options: nothing of the node that was lost stays.
+  const auto begin_anew = [argv] {
+    ::execv("/proc/self/exe", argv);
+    std::fprintf(stderr, "tesserad: cannot begin anew\n");
+    std::_Exit(static_cast<int>(Errc::internal));
+  };
+  const Status served = serve(std::move(options).value(), begin_anew);
   return served ? 0 : fail(served.error());
 }
 

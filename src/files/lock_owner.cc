@@ -6,45 +6,18 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <random>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "src/files/checksum.h"
+#include "src/files/process.h"
 
 namespace tessera {
 namespace {
 
 constexpr char separator = ',';
-
-// Empty when the system does not tell.
-std::string first_word_of(const char* path) {
-  std::ifstream file(path);
-  std::string word;
-  file >> word;
-  return word;
-}
-
-// 0 when there is no such process, or the system does not tell.
-std::uint64_t start_of(std::int64_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string text;
-  std::getline(file, text, '\0');
-  // The second field is the program's name in brackets, which may hold anything; the start is the 22nd.
-  const auto name_end = text.rfind(')');
-  if (name_end == std::string::npos) return 0;
-  std::size_t at = name_end + 1;
-  for (int field = 2; field < 22; ++field) {
-    at = text.find(' ', at);
-    if (at == std::string::npos) return 0;
-    ++at;
-  }
-  std::uint64_t start = 0;
-  std::from_chars(text.data() + at, text.data() + text.size(), start);
-  return start;
-}
 
 std::string safe(std::string text) {
   std::replace_if(
@@ -52,7 +25,7 @@ std::string safe(std::string text) {
   return text;
 }
 
-std::string this_boot() { return safe(first_word_of("/proc/sys/kernel/random/boot_id")); }
+std::string this_boot() { return safe(boot_id()); }
 
 std::string this_pid_namespace() {
   std::error_code ignored;  // then it is empty, and processes are not looked up
@@ -72,7 +45,7 @@ LockOwner LockOwner::this_process() {
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
   std::random_device random;
   const auto token = checksum_text(std::uint64_t{random()} << 32 | random());
-  return {safe(host.data()), this_boot(), this_pid_namespace(), ::getpid(), start_of(::getpid()), token};
+  return {safe(host.data()), this_boot(), this_pid_namespace(), ::getpid(), process_start(::getpid()), token};
 }
 
 std::string LockOwner::name() const {
@@ -105,7 +78,7 @@ bool LockOwner::under_this_kernel() const { return !boot.empty() && boot == this
 
 bool LockOwner::may_be_alive() const {
   if (pid_namespace.empty() || pid_namespace != this_pid_namespace()) return true;
-  return start_of(process) == started;
+  return process_start(process) == started;
 }
 
 }  // namespace tessera

@@ -113,8 +113,16 @@ fs::path settled_file(const fs::path& run, NodeId node) {
   return numbered(scratch_folder(run, ScratchKind::settled), node, settled_ending);
 }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
+fs::path terms_folder(const fs::path& run) { return run / "terms"; }
 
 fs::path data_format_file(const fs::path& data) { return data / "format"; }
+fs::path part_scratch_folder(const fs::path& scratch, std::uint64_t number) {
+  return scratch / ("part-" + std::to_string(number));
+}
+fs::path gate_scratch_file(const fs::path& part, NodeId node) { return part / ("node-" + std::to_string(node.value)); }
+bool is_part_scratch_name(const fs::path& file) { return file.filename().string().starts_with("part-"); }
+fs::path data_identity_file(const fs::path& data) { return data / "id"; }
+fs::path node_scratch_folder(const fs::path& data, const std::string& node) { return data / "scratch" / node; }
 fs::path jobs_folder(const fs::path& data) { return data / "jobs"; }
 fs::path job_folder(const fs::path& data, const std::string& id) { return jobs_folder(data) / id; }
 fs::path job_record_file(const fs::path& job) { return job / "job.json"; }
@@ -139,6 +147,15 @@ fs::path node_certificate_file(const fs::path& certs, const std::string& node) {
   return certs / (node + certificate_ending);
 }
 fs::path node_key_file(const fs::path& certs, const std::string& node) { return certs / (node + key_ending); }
+
+fs::path local_cluster_file(const fs::path& folder) { return folder / "cluster.json"; }
+fs::path local_token_file(const fs::path& folder) { return folder / "token"; }
+fs::path local_certificates_folder(const fs::path& folder) { return folder / "certs"; }
+fs::path local_data_folder(const fs::path& folder) { return folder / "data"; }
+fs::path local_logs_folder(const fs::path& folder) { return folder / "logs"; }
+fs::path local_log_file(const fs::path& folder, const std::string& node) {
+  return local_logs_folder(folder) / (node + ".log");
+}
 
 fs::path temporary_name(const fs::path& final_name) {
   fs::path name = final_name;
@@ -172,6 +189,7 @@ bool is_run_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
   return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
          name == split_points_file("") || name == split_attributes_file("") || name == settled_marker("") ||
+         name == terms_folder("") ||
          std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),
                      [&](ScratchKind kind) { return name == scratch_folder("", kind); });
 }

@@ -17,14 +17,16 @@
 //                                  scratch of a tile: frames (frame.h)
 //     settled/node-000000.bin      scratch of all tiles of node 0
 //     settled.done                 all tiles are settled
+//     terms/1                      the first coordinator of a cluster that has worked on it
 //   NAME.tmp, NAME.tmp-4711-...    NAME while it is written; of its own for every process where two may write the same
 //
 // and in the data folder of a service:
 //
 //   DATA/format                    the number of the format of all this
-//   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
-//   DATA/tokens                    who may ask (src/http/tokens.h)
-//   DATA/forgotten.txt             the ids of jobs that were removed, a line each
+//   DATA/id                        tells this data folder from any other: nodes of a cluster share one
+//   DATA/scratch/NODE/             tiles that a node of a cluster does not have in memory, unless it has a disk of its
+//   own DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found DATA/tokens
+//   who may ask (src/http/tokens.h) DATA/forgotten.txt             the ids of jobs that were removed, a line each
 //   DATA/events.json               which numbers events may have next
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
 //   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
@@ -35,6 +37,13 @@
 //
 //   CERTS/ca.pem, CERTS/ca.key     the authority of a cluster, its key
 //   CERTS/NAME.pem, CERTS/NAME.key a node of it
+//
+// and in the folder of a cluster on one machine (src/apps/cluster.cc):
+//
+//   DIR/cluster.json               its processes and ports
+//   DIR/token                      of its API, for its owner alone
+//   DIR/certs/, DIR/data/          as above
+//   DIR/logs/NAME.log              what node NAME tells
 #pragma once
 
 #include <cstdint>
@@ -86,9 +95,16 @@ std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind
 // Of all tiles of a node.
 std::filesystem::path settled_file(const std::filesystem::path& run, NodeId node);
 std::filesystem::path settled_marker(const std::filesystem::path& run);
+std::filesystem::path terms_folder(const std::filesystem::path& run);
 
 // The data folder of a service.
 std::filesystem::path data_format_file(const std::filesystem::path& data);
+std::filesystem::path part_scratch_folder(const std::filesystem::path& scratch, std::uint64_t number);
+// Of what waits for another node.
+std::filesystem::path gate_scratch_file(const std::filesystem::path& part, NodeId node);
+bool is_part_scratch_name(const std::filesystem::path& file);
+std::filesystem::path data_identity_file(const std::filesystem::path& data);
+std::filesystem::path node_scratch_folder(const std::filesystem::path& data, const std::string& node);
 std::filesystem::path jobs_folder(const std::filesystem::path& data);
 std::filesystem::path job_folder(const std::filesystem::path& data, const std::string& id);
 std::filesystem::path job_record_file(const std::filesystem::path& job);
@@ -111,6 +127,14 @@ std::filesystem::path authority_file(const std::filesystem::path& certs);
 std::filesystem::path authority_key_file(const std::filesystem::path& certs);
 std::filesystem::path node_certificate_file(const std::filesystem::path& certs, const std::string& node);
 std::filesystem::path node_key_file(const std::filesystem::path& certs, const std::string& node);
+
+// The folder of a cluster on one machine.
+std::filesystem::path local_cluster_file(const std::filesystem::path& folder);
+std::filesystem::path local_token_file(const std::filesystem::path& folder);
+std::filesystem::path local_certificates_folder(const std::filesystem::path& folder);
+std::filesystem::path local_data_folder(const std::filesystem::path& folder);
+std::filesystem::path local_logs_folder(const std::filesystem::path& folder);
+std::filesystem::path local_log_file(const std::filesystem::path& folder, const std::string& node);
 
 // What a file is called until it is whole. Of one name at a time, unless every process has its own, on any machine.
 std::filesystem::path temporary_name(const std::filesystem::path& final_name);

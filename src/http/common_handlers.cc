@@ -24,6 +24,7 @@ constexpr Entry entries[] = {
     {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "What can be done"},
     {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
     {"/v1/triangulations", "data", json, "The results"},
+    {"/v1/nodes", "nodes", json, "Who works on the jobs"},
     {"/v1/events", "events", "text/event-stream", "What happens"}};
 
 Answer landing(const Call& call) {
@@ -174,6 +175,7 @@ std::vector<Route> all_routes(Shared& shared) {
   add_common_routes(routes, shared);
   add_job_routes(routes, shared);
   add_result_routes(routes);
+  add_node_routes(routes);
   add_operations_routes(routes, shared);
   shared.openapi = openapi_document(routes, "..");
   shared.metrics = std::make_unique<Metrics>(routes);

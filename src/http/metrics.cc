@@ -35,6 +35,8 @@ struct Metrics::Impl {
   prometheus::Family<prometheus::Gauge>* jobs = nullptr;
   prometheus::Family<prometheus::Counter>* ended = nullptr;
   prometheus::Family<prometheus::Counter>* phases = nullptr;
+  prometheus::Family<prometheus::Gauge>* nodes = nullptr;
+  prometheus::Counter* nodes_lost = nullptr;
   prometheus::Gauge* memory_budget = nullptr;
   prometheus::Gauge* memory_used = nullptr;
   prometheus::Gauge* disk_free = nullptr;
@@ -85,6 +87,8 @@ Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl
   my.jobs = &BuildGauge().Name("tessera_jobs").Help("Jobs that wait or run, by state").Register(my.registry);
   my.ended = &BuildCounter().Name("tessera_jobs_ended_total").Help("Jobs that ended, by outcome").Register(my.registry);
   my.phases = &BuildCounter().Name("tessera_phase_seconds_total").Help("Time spent, by phase").Register(my.registry);
+  my.nodes = &BuildGauge().Name("tessera_nodes").Help("Nodes that work on jobs, by state").Register(my.registry);
+  my.nodes_lost = my.counter("tessera_nodes_lost_total", "Nodes that were lost; not those drained");
   my.points = my.counter("tessera_points_total", "Points triangulated");
   my.memory_budget = my.gauge("tessera_memory_budget_bytes", "Memory that jobs may use together");
   my.memory_used = my.gauge("tessera_memory_used_bytes", "Memory that running jobs may use now");
@@ -115,6 +119,8 @@ std::string Metrics::text(const Backend::Figures& figures) {
   raise_to(my.ended->Add({{"outcome", "dismissed"}}), static_cast<double>(figures.dismissed));
   for (const auto& [phase, seconds] : figures.phase_seconds) raise_to(my.phases->Add({{"phase", phase}}), seconds);
   raise_to(*my.points, static_cast<double>(figures.points));
+  for (const auto& [state, count] : figures.nodes) my.nodes->Add({{"state", state}}).Set(static_cast<double>(count));
+  raise_to(*my.nodes_lost, static_cast<double>(figures.nodes_lost));
   my.memory_budget->Set(static_cast<double>(figures.memory_budget_bytes));
   my.memory_used->Set(static_cast<double>(figures.memory_used_bytes));
   my.disk_free->Set(static_cast<double>(figures.disk_free_bytes));

@@ -21,6 +21,8 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"JobList", {"jobs", "links"}},
       {"TriangulationInfo", {"name", "links"}},
       {"TriangulationList", {"triangulations", "links"}},
+      {"NodeInfo", {"name", "threads", "memoryBytes", "state", "coordinator"}},
+      {"NodeList", {"nodes", "links"}},
       {"Execute", {"inputs"}},
       {"VerifyInputs", {"triangulation"}},
       {"ExportInputs", {"triangulation", "output"}},
@@ -35,6 +37,8 @@ ordered_json value_schema(const FieldDescriptor& field) {
     case FieldDescriptor::CPPTYPE_STRING:
       if (field.full_name() == "tessera.proto.StatusInfo.status")
         return {{"type", "string"}, {"enum", {"accepted", "running", "successful", "failed", "dismissed"}}};
+      if (field.full_name() == "tessera.proto.NodeInfo.state")
+        return {{"type", "string"}, {"enum", {"joining", "free", "draining"}}};
       return {{"type", "string"}};
     case FieldDescriptor::CPPTYPE_INT32:
       return {{"type", "integer"}, {"format", "int32"}};

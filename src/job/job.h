@@ -5,7 +5,7 @@
 #include <optional>
 #include <stop_token>
 
-#include "actors/engine.h"
+#include "actors/engine/engine.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
 #include "src/io/cloud/cloud.h"

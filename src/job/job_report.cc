@@ -63,6 +63,11 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"rounds", number(e.hops)},
                       {"most_received", number(e.most_received)},
                       {"sleeps", number(e.sleeps)},
+                      {"nodes", number(e.nodes)},
+                      {"nodes_lost", number(e.nodes_lost)},
+                      {"tiles_again", number(e.tiles_again)},
+                      {"bytes_between", number(e.bytes_between)},
+                      {"credit_waits", number(e.credit_waits)},
                       {"triangulating_cpu_s", e.work.triangulating},
                       {"splaying_cpu_s", e.work.splaying},
                       {"collecting_cpu_s", e.work.collecting},
@@ -84,6 +89,11 @@ JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out
   e.hops = figure("rounds");
   e.most_received = figure("most_received");
   e.sleeps = figure("sleeps");
+  e.nodes = figure("nodes");
+  e.nodes_lost = figure("nodes_lost");
+  e.tiles_again = figure("tiles_again");
+  e.bytes_between = figure("bytes_between");
+  e.credit_waits = figure("credit_waits");
   JobOptions options;
   options.threads = static_cast<std::uint32_t>(figure("threads"));
   auto summary = summary_of(options, out, manifest, tiles);

@@ -1,8 +1,10 @@
 #include "src/job/machine.h"
 
 #include <sched.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -87,5 +89,11 @@ std::uint32_t usable_processors() {
 }
 
 std::uint64_t peak_memory() { return kilobyte_line("/proc/self/status", "VmHWM").value_or(0); }
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  if (::gethostname(name.data(), name.size() - 1) != 0 || name[0] == '\0') return "node";
+  return name.data();
+}
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 namespace tessera {
 
@@ -17,5 +18,8 @@ std::uint32_t usable_processors();
 
 // The highest resident memory of this process so far (VmHWM), in bytes; 0 when it cannot be read.
 std::uint64_t peak_memory();
+
+// Of this machine in its network; "node" when it has none.
+std::string host_name();
 
 }  // namespace tessera

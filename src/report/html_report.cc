@@ -81,12 +81,19 @@ std::string exchange(const JobSummary& s) {
                : " (" + number(fixed(100.0 * static_cast<double>(n) / static_cast<double>(s.vertices), 2) + " %") +
                      " of the vertices)";
   };
+  std::string nodes;
+  if (e.nodes > 1 || e.nodes_lost > 0) {
+    nodes = " " + number(e.nodes) + " nodes sent each other " + human_bytes(e.bytes_between);
+    if (e.nodes_lost > 0)
+      nodes += "; " + number(e.nodes_lost) + " were lost, and " + number(e.tiles_again) + " tiles begun again";
+    nodes += ".";
+  }
   return "<p>" + number(e.updates) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
          ". Of " + number(e.points.received) + " received, " + number(e.points.inserted) + " were inserted and " +
          number(e.points.kept) + " kept; no tile was told of more than " + number(e.most_received) +
          ". The longest chain of messages that caused one another: " + number(e.hops) +
          "; the counters were collected " + number(e.waves) + " times; tiles were put to sleep " + number(e.sleeps) +
-         " times.</p>\n";
+         " times." + nodes + "</p>\n";
 }
 
 std::string phases(const JobSummary& s) {

@@ -20,6 +20,13 @@ std::string summary_text(const JobSummary& s) {
   line(s.dimension == 3 ? "tetrahedra" : "triangles", grouped(s.cells));
   line("tiles", grouped(s.tiles) + (e.sleeps > 0 ? " (put to sleep " + grouped(e.sleeps) + " times)" : ""));
   line("messages", grouped(e.updates) + " between tiles, with " + grouped(e.points.sent) + " points");
+  if (e.nodes > 1 || e.nodes_lost > 0) {
+    line("nodes", grouped(e.nodes) +
+                      (e.nodes_lost > 0 ? ", of which " + grouped(e.nodes_lost) +
+                                              " were lost: " + grouped(e.tiles_again) + " tiles were begun again"
+                                        : "") +
+                      "; " + human_bytes(e.bytes_between) + " between them");
+  }
   std::string phases;
   for (const auto& [name, seconds] : s.seconds)
     phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds);
@@ -55,6 +62,11 @@ std::string summary_json(const JobSummary& s) {
                                     {"most_received", e.most_received},
                                     {"waves", e.waves},
                                     {"sleeps", e.sleeps},
+                                    {"nodes", e.nodes},
+                                    {"nodes_lost", e.nodes_lost},
+                                    {"tiles_again", e.tiles_again},
+                                    {"bytes_between", e.bytes_between},
+                                    {"credit_waits", e.credit_waits},
                                     {"threads", s.threads},
                                     {"memory_budget_bytes", s.memory_budget_bytes},
                                     {"peak_memory_bytes", s.peak_memory_bytes},

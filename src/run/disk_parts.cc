@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <numeric>
 #include <set>
@@ -22,11 +23,19 @@ namespace tessera {
 namespace {
 
 struct DiskPart final : Part {
-  DiskPart(std::shared_ptr<const RoutedRun> routed, const std::filesystem::path& out, StoreOptions store,
-           std::uint32_t writers, std::uint64_t pool_bytes)
+  // `scratch`: none, or a folder that goes with the part.
+  DiskPart(std::shared_ptr<const RoutedRun> routed, std::filesystem::path scratch_folder,
+           const std::filesystem::path& out, StoreOptions store, std::uint32_t writers, std::uint64_t pool_bytes)
       : run(routed),
-        storage(std::move(routed), out, with(std::move(store), stopping.get_token()), writers),
-        pool(pool_bytes) {}
+        storage(routed, scratch_folder.empty() ? routed->folder : scratch_folder, out,
+                with(std::move(store), stopping.get_token()), writers),
+        pool(pool_bytes) {
+    scratch = std::move(scratch_folder);
+  }
+  ~DiskPart() override {
+    stopping.request_stop();
+    if (!scratch.empty()) (void)remove_tree(scratch);  // what stays goes when the node begins anew
+  }
   static StoreOptions with(StoreOptions store, std::stop_token stop) {
     store.stop = std::move(stop);
     return store;
@@ -83,23 +92,44 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   const bool reduce = spec.keep == Keep::reduced ||
                       (spec.keep == Keep::by_budget &&
                        !budget::fits_whole(points, run->dimension, spec.kernel, spec.threads, spec.memory_bytes));
+  const bool many_nodes = spec.shares > 0;
+  std::filesystem::path scratch;
+  if (many_nodes) {
+    if (scratch_.empty())
+      return error(Errc::usage, "this node has no scratch folder: it cannot take part of a cluster's job");
+    static std::atomic<std::uint64_t> number{0};
+    scratch = part_scratch_folder(scratch_, number++);
+    BOOST_OUTCOME_TRYV(make_directories(scratch));
+  }
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
   // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
-  auto part = std::make_unique<DiskPart>(run, spec.out_folder,
-                                         StoreOptions{spec.neighbors, run->schema, spec.lock_file, self, {}},
+  auto part = std::make_unique<DiskPart>(run, std::move(scratch), spec.out_folder,
+                                         StoreOptions{.neighbors = spec.neighbors,
+                                                      .schema = run->schema,
+                                                      .lock_file = spec.lock_file,
+                                                      .node = self,
+                                                      .sync = many_nodes},
                                          spec.threads, reduce ? 0 : spec.memory_bytes / 4);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
-  part->schedule.memory_bytes = budget::for_tiles(spec.memory_bytes, spec.threads, tiles);
+  part->schedule.memory_bytes =
+      budget::for_tiles(spec.memory_bytes - (many_nodes ? spec.memory_bytes / 8 : 0), spec.threads, tiles);
   part->schedule.begin_bytes = needs.triangulate;
   part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
   part->schedule.kernel = spec.kernel;
   part->schedule.mail_bytes = budget::foreign_point_bytes(run->dimension, spec.kernel);
   TileContext& context = part->context;
+  if (many_nodes) {
+    std::uint64_t peers = 4;  // and some that may come
+    for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
+    part->gates = gates_within(spec.memory_bytes / 8, peers);
+  }
+  context.many_nodes = part->schedule.settle_asleep = many_nodes;
+  if (many_nodes) part->sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
   context.dimension = run->dimension;
   context.kernel = spec.kernel;
   context.reduce = reduce;

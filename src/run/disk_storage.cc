@@ -29,34 +29,39 @@ Status make_folder_of(const std::filesystem::path& file) {
 
 }  // namespace
 
-DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
-                         std::uint32_t writers)
+DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path scratch, std::filesystem::path out,
+                         StoreOptions options, std::uint32_t writers)
     : run_(std::move(run)),
+      scratch_(std::move(scratch)),
       out_(std::move(out)),
       options_(std::move(options)),
       settled_(run_->folder, options_.node),
       writers_(writers) {}
+
+const std::filesystem::path& DiskStorage::folder_of(ScratchKind what) const {
+  return what == ScratchKind::duplicates ? run_->folder : scratch_;  // all duplicates are gathered at the end
+}
 
 Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
 
 Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.append(tile, bytes);
-  const auto path = scratch_file(run_->folder, what, tile);
+  const auto path = scratch_file(folder_of(what), what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
   return write_frame(path, what, bytes);
 }
 
 Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-  const auto path = scratch_file(run_->folder, what, tile);
+  const auto path = scratch_file(folder_of(what), what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
   return append_frame(path, what, bytes);
 }
 
 Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
   if (what == ScratchKind::settled) return settled_.has(tile);
-  const auto path = scratch_file(run_->folder, what, tile);
+  const auto path = scratch_file(folder_of(what), what, tile);
   std::error_code failed;
   const bool there = std::filesystem::exists(path, failed);
   if (failed) return refused(path, "look at it", failed);
@@ -73,7 +78,7 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRY(there, has(tile, what));
   if (!there) return pieces;
   BOOST_OUTCOME_TRYV(
-      for_each_frame(scratch_file(run_->folder, what, tile), what, [&](std::vector<std::byte> payload) -> Status {
+      for_each_frame(scratch_file(folder_of(what), what, tile), what, [&](std::vector<std::byte> payload) -> Status {
         pieces.push_back(std::move(payload));
         return success();
       }));
@@ -82,7 +87,7 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
 
 Status DiskStorage::remove(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-  const auto path = scratch_file(run_->folder, what, tile);
+  const auto path = scratch_file(folder_of(what), what, tile);
   std::error_code failed;
   std::filesystem::remove(path, failed);
   if (failed) return refused(path, "remove it", failed);
@@ -92,7 +97,7 @@ Status DiskStorage::remove(TileId tile, ScratchKind what) {
 Status DiskStorage::clear(ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.clear();
-  const auto folder = scratch_folder(run_->folder, what);
+  const auto folder = scratch_folder(folder_of(what), what);
   if (const auto failed = remove_tree(folder)) return refused(folder, "remove it", failed);
   return success();
 }

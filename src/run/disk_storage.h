@@ -13,11 +13,12 @@ namespace tessera {
 
 class DiskStorage final : public TileStorage {
  public:
-  // Scratch goes under run->folder, results to `out`; error io before anything is written or removed there when the
+  // Scratch of tiles that are not in memory goes under `scratch`, what others need under run->folder, results to `out`;
+  // error io before anything is written or removed there when the
   // lock of the options is another's. As many meshes are stored at a time as there are `writers`, which wait for the
   // disk while others work. What is being stored when this goes is waited for.
-  DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
-              std::uint32_t writers);
+  DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::path scratch, std::filesystem::path out,
+              StoreOptions options, std::uint32_t writers);
   Result<LoadedTile> load_points(TileId tile) override;
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
@@ -27,13 +28,16 @@ class DiskStorage final : public TileStorage {
   Status clear(ScratchKind what) override;
   // The tile's scratch goes when its result is on disk.
   void store(TileId tile, TileMesh mesh, Stored done) override;
+  // What settled tiles have left has reached the disk. Error io.
+  Status sync_settled() { return settled_.sync(); }
 
  private:
+  const std::filesystem::path& folder_of(ScratchKind what) const;
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
   Result<TileEntry> write_result(TileId tile, const TileMesh& mesh) noexcept;
 
   std::shared_ptr<const RoutedRun> run_;
-  std::filesystem::path out_;
+  std::filesystem::path scratch_, out_;
   StoreOptions options_;
   SettledFiles settled_;
   Writers writers_;  // last: they use all of the above

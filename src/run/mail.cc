@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "src/base/flat_codec.h"
+#include "src/run/update_bytes.h"
 
 namespace tessera {
 
@@ -18,13 +18,7 @@ Status Mail::add(Update update, TileStorage& storage) {
 Status Mail::spill(TileStorage& storage) {
   FlatWriter out;
   out.reserve(held_points_ * sizeof(SharedPoint) + held_.size() * 40);
-  for (const Update& update : held_) {
-    out.value(update.from);
-    out.value(update.to);
-    out.value(update.epoch);
-    out.value(update.hops);
-    out.list(update.points);
-  }
+  for (const Update& update : held_) put(out, update);
   std::vector<Update>().swap(held_);
   held_points_ = 0;
   return storage.append(tile_, ScratchKind::mail, out.take());
@@ -47,10 +41,7 @@ Result<std::vector<Update>> Mail::take(TileStorage& storage) {
       FlatReader in(piece);
       while (!in.at_end()) {
         Update update;
-        if (!in.value(update.from) || !in.value(update.to) || !in.value(update.epoch) || !in.value(update.hops) ||
-            !in.list(update.points)) {
-          break;
-        }
+        if (!get(in, update)) break;
         points += update.points.size();
         all.push_back(std::move(update));
       }

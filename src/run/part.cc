@@ -16,6 +16,7 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_resumable(spec.resumable);
   message.set_lock_file(spec.lock_file);
   message.set_grace_s(spec.grace_s);
+  message.set_shares(spec.shares);
   for (const NodeId node : spec.table.nodes) message.add_nodes(node.value);
   message.mutable_incarnations()->Assign(spec.table.incarnations.begin(), spec.table.incarnations.end());
   message.set_epoch(spec.table.epoch);
@@ -41,6 +42,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.resumable = message.resumable();
   spec.lock_file = message.lock_file();
   spec.grace_s = message.grace_s();
+  spec.shares = message.shares();
   for (const std::uint32_t node : message.nodes()) spec.table.nodes.push_back(NodeId{node});
   spec.table.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
   spec.table.epoch = message.epoch();

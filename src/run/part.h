@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/run/gate.h"
 #include "src/run/heap_trim.h"
 #include "src/run/schedule.h"
 #include "src/run/table.h"
@@ -37,6 +39,9 @@ struct RunOptions {
 struct PartSpec : RunOptions {
   std::string run_folder, out_folder;
   Table table;  // as it is when the part is opened
+  // Of a cluster's nodes, which are of any size: each gives one of so many equal shares of its threads and memory. 0:
+  // one node has the job, and threads and memory are as given.
+  std::uint32_t shares = 0;
 
   friend bool operator==(const PartSpec&, const PartSpec&) = default;
 };
@@ -51,9 +56,14 @@ struct Part {
   std::vector<std::uint64_t> tile_points;  // by tile, of the whole run
   std::vector<std::uint64_t> points;       // the same of those here: 0 where there is none, or another node's
   std::vector<TileEntry> stored;           // of these tiles, those that an earlier process has stored
+  GateOptions gates;
+  std::filesystem::path scratch;  // of this part alone; none: what waits for other nodes is held in memory
   HeapTrim heap_trim;
   std::stop_source stopping;  // of all work that leaves nothing behind when it is stopped; the context has its token
-  bool settled = false;       // all was quiet once, and each tile not stored has left what it is built from
+  // Set where there are other nodes: what settled tiles have left is where those will find it. Called before the part
+  // says that its tiles are settled.
+  std::function<Status()> sync_settled;
+  bool settled = false;  // all was quiet once, and each tile not stored has left what it is built from
 };
 
 // How a node comes by its parts: from a run folder in production, from memory in the harness.

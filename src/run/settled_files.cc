@@ -28,23 +28,48 @@ Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
   return append_frame(own_, ScratchKind::settled, payload);
 }
 
+Status SettledFiles::sync() {
+  const std::lock_guard lock(mutex_);
+  std::error_code failed;
+  if (!std::filesystem::exists(own_, failed)) return success();
+  BOOST_OUTCOME_TRYV(sync_files(std::span(&own_, 1)));
+  return sync_folder(folder_);
+}
+
+std::uint64_t SettledFiles::bytes_there() const {
+  std::uint64_t bytes = 0;
+  FolderReader reader(folder_);
+  while (const char* file = reader.next()) {
+    std::error_code gone;
+    const auto size = is_settled_name(file) ? std::filesystem::file_size(folder_ / file, gone) : 0;
+    if (!gone) bytes += size;
+  }
+  return bytes;
+}
+
+Result<SettledFiles::Index> SettledFiles::read_index() const {
+  Index index;
+  index.bytes = bytes_there();
+  FolderReader reader(folder_);
+  while (const char* file = reader.next()) {
+    if (!is_settled_name(file)) continue;
+    BOOST_OUTCOME_TRY(places, places_of_frames(folder_ / file, ScratchKind::settled));
+    for (const FramePlace& place : places)
+      index.places[TileId{static_cast<std::uint32_t>(place.name)}] = {folder_ / file, place.at};
+  }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(folder_, "cannot be read", reader.error().value());
+  return index;
+}
+
 Result<std::optional<SettledFiles::Place>> SettledFiles::find(TileId tile) {
   const std::lock_guard lock(mutex_);
-  if (!index_) {
-    std::unordered_map<TileId, Place> index;
-    FolderReader reader(folder_);
-    while (const char* file = reader.next()) {
-      if (!is_settled_name(file)) continue;
-      BOOST_OUTCOME_TRY(places, places_of_frames(folder_ / file, ScratchKind::settled));
-      for (const FramePlace& place : places)
-        index[TileId{static_cast<std::uint32_t>(place.name)}] = {folder_ / file, place.at};
-    }
-    if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
-      return io_error(folder_, "cannot be read", reader.error().value());
+  if (!index_ || (!index_->places.contains(tile) && index_->bytes != bytes_there())) {
+    BOOST_OUTCOME_TRY(index, read_index());
     index_ = std::move(index);
   }
-  const auto found = index_->find(tile);
-  return found == index_->end() ? std::optional<Place>() : found->second;
+  const auto found = index_->places.find(tile);
+  return found == index_->places.end() ? std::optional<Place>() : found->second;
 }
 
 Result<bool> SettledFiles::has(TileId tile) {

@@ -26,6 +26,8 @@ class SettledFiles {
   Result<bool> has(TileId tile);
   // Nothing when has() says no. Error io, corrupt.
   Result<std::optional<std::vector<std::byte>>> read(TileId tile);
+  // What append() was given is on the disk. Error io.
+  Status sync();
   // Removes what all nodes have written. Error io.
   Status clear();
 
@@ -34,12 +36,18 @@ class SettledFiles {
     std::filesystem::path file;
     std::uint64_t at = 0;
   };
+  struct Index {
+    std::unordered_map<TileId, Place> places;
+    std::uint64_t bytes = 0;  // of the files as they were read
+  };
   Result<std::optional<Place>> find(TileId tile);
+  Result<Index> read_index() const;
+  std::uint64_t bytes_there() const;
 
   std::filesystem::path folder_, own_;
   std::mutex mutex_;
-  // By tile; made when it is asked for.
-  std::optional<std::unordered_map<TileId, Place>> index_;
+  // Made when it is asked for, and again when a tile is missing and the files have grown.
+  std::optional<Index> index_;
 };
 
 }  // namespace tessera

@@ -50,7 +50,7 @@ Status TileState::build(bool announce) {
     BOOST_OUTCOME_TRYV(put_finals(triangulation_->reduce(loaded.points, box)));
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
-  if (!triangulation_->reduced()) points_ = std::move(loaded);
+  if (!triangulation_->reduced()) points_ = std::make_unique<LoadedTile>(std::move(loaded));
   return success();
 }
 
@@ -65,8 +65,8 @@ Result<bool> TileState::restore() {
   triangulation_ = std::move(tile);
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
-    points_ = std::move(loaded);
-    if (points_.points.size() != own_points_) return damaged("file of points");
+    points_ = std::make_unique<LoadedTile>(std::move(loaded));
+    if (points_->points.size() != own_points_) return damaged("file of points");
   }
   triangulation_->replay();
   imaged_ = earlier_ = true;
@@ -86,7 +86,8 @@ void TileState::rejoin(std::shared_ptr<const Table> table) {
   if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
   if (phase_ != Phase::fresh) {
     for (std::uint32_t t = 0; t < context_.around.tiles(); ++t) {
-      if (TileId{t} != self_.tile && table->peer_of(TileId{t}) != table_->peer_of(TileId{t})) reborn_.insert(TileId{t});
+      if (TileId{t} != self_.tile && table->peer_of(TileId{t}) != table_->peer_of(TileId{t}))
+        reborn_.push_back(TileId{t});
     }
     call_ |= !reborn_.empty();
   }
@@ -105,8 +106,9 @@ Status TileState::splay() {
   }
   hops_ = std::max(hops_, std::exchange(waiting_hops_, 0));
   if (!reborn_.empty()) {
-    triangulation_->replay_to(std::vector(reborn_.begin(), reborn_.end()));
-    reborn_.clear();
+    std::sort(reborn_.begin(), reborn_.end());
+    reborn_.erase(std::unique(reborn_.begin(), reborn_.end()), reborn_.end());
+    triangulation_->replay_to(std::exchange(reborn_, {}));
   }
   BOOST_OUTCOME_TRYV(insert(mail));
   triangulation_->introduce();
@@ -183,7 +185,7 @@ Status TileState::sleep() {
     earlier_ = false;
   }
   triangulation_.reset();
-  points_ = {};
+  points_.reset();
   phase_ = Phase::asleep;
   return success();
 }
@@ -210,7 +212,7 @@ Status TileState::wake() {
   if (earlier_) triangulation_->forget_words();
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
-    points_ = std::move(loaded);
+    points_ = std::make_unique<LoadedTile>(std::move(loaded));
   }
   phase_ = Phase::awake;
   return success();
@@ -285,8 +287,8 @@ Result<TileMesh> TileState::collect() {
   FinalCells finals;
   if (triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
-    points_ = std::move(loaded);
-    if (points_.points.size() != own_points_) return damaged("file of points");
+    points_ = std::make_unique<LoadedTile>(std::move(loaded));
+    if (points_->points.size() != own_points_) return damaged("file of points");
     auto taken = take_finals();
     if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them
       BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
@@ -294,7 +296,7 @@ Result<TileMesh> TileState::collect() {
     if (!taken) return taken.error();
     finals = std::move(taken).value();
   }
-  TileMesh mesh = triangulation_->collect(points_.points, points_.ids, std::move(finals));
+  TileMesh mesh = triangulation_->collect(points_->points, points_->ids, std::move(finals));
   counts_ = triangulation_->counts();
   drop();
   return mesh;
@@ -308,13 +310,13 @@ Status TileState::leave() {
 
 void TileState::drop() {
   triangulation_.reset();
-  points_ = {};
+  points_.reset();
   phase_ = Phase::gone;
 }
 
 std::size_t TileState::memory() const {
-  return (triangulation_ ? triangulation_->memory() : 0) + points_.points.capacity() * 32 + mail_.memory() +
-         counters_.memory();
+  return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.capacity() * 32 : 0) +
+         mail_.memory() + counters_.memory();
 }
 
 }  // namespace tessera

@@ -10,7 +10,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <set>
 #include <stop_token>
 #include <vector>
 
@@ -109,13 +108,13 @@ class TileState {
   Peer self_;
   const TileContext& context_;
   std::shared_ptr<const Table> table_;
-  std::set<TileId> reborn_;  // since its last splay
+  std::vector<TileId> reborn_;  // since its last splay, some perhaps twice
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
-  LoadedTile points_;     // kept while the tile is whole in memory
-  bool call_ = false;     // itself to a splay, by mail: to its first, and to one after a loss
-  bool imaged_ = false;   // the image on scratch is the tile's present state
-  bool earlier_ = false;  // it is an earlier process's, though
+  std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
+  bool call_ = false;                   // itself to a splay, by mail: to its first, and to one after a loss
+  bool imaged_ = false;                 // the image on scratch is the tile's present state
+  bool earlier_ = false;                // it is an earlier process's, though
   std::uint64_t own_points_ = 0;
   Mail mail_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates

@@ -1,10 +1,16 @@
 #include "src/service/data_format.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <charconv>
+#include <random>
 #include <string>
 #include <system_error>
 
+#include "src/files/descriptor.h"
 #include "src/files/names.h"
+#include "src/files/temporary.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -30,6 +36,24 @@ Status check_data_format(const std::filesystem::path& data) {
                                     std::to_string(format) + ", this one knows " + std::to_string(newest));
   }
   return success();
+}
+
+Result<std::string> data_identity(const std::filesystem::path& data) {
+  const auto file = data_identity_file(data);
+  std::error_code missing;
+  if (!std::filesystem::exists(file, missing)) {
+    std::random_device random;
+    std::string made;
+    for (int i = 0; i < 4; ++i) made += std::to_string(random()) + (i < 3 ? "-" : "\n");
+    TemporaryFile temporary(temporary_name_of_process(file));
+    BOOST_OUTCOME_TRYV(write_whole(temporary.path(), made));
+    // The first wins, and all read the same.
+    if (::link(temporary.path().c_str(), file.c_str()) != 0 && errno != EEXIST)
+      return io_error(file, "cannot be made", errno);
+  }
+  BOOST_OUTCOME_TRY(bytes, read_whole(file));
+  if (bytes.empty()) return error(Errc::corrupt, file.string() + ": is damaged: it is empty");
+  return std::string(as_text(bytes));
 }
 
 }  // namespace tessera

@@ -11,4 +11,8 @@ namespace tessera {
 // that is none; io.
 Status check_data_format(const std::filesystem::path& data);
 
+// Tells this data folder from any other, on whatever machine it is asked; made by whoever asks first. Errors io,
+// corrupt.
+Result<std::string> data_identity(const std::filesystem::path& data);
+
 }  // namespace tessera

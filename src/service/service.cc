@@ -25,9 +25,19 @@ Share share_of(const ServiceOptions& options) {
   return {(options.threads + running - 1) / running, options.memory_bytes / running};
 }
 
+Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
+  if (!options.cluster) return std::make_unique<Engine>(options.threads, options.memory_bytes);
+  auto cluster = *options.cluster;
+  cluster.jobs_at_once = options.limits.running;
+  BOOST_OUTCOME_TRY(identity, data_identity(options.data));
+  cluster.shared = identity;
+  return Engine::join(options.threads, options.memory_bytes, std::move(cluster));
+}
+
 }  // namespace
 
-Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events)
+Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events,
+                    std::unique_ptr<Engine> opened_engine)
     : options(std::move(given)),
       share(share_of(options)),
       folder_lock(std::move(lock)),
@@ -36,8 +46,8 @@ Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, s
       uploads(options.data, options.limits.upload_bytes),
       roots(std::move(opened_roots)),
       events(std::move(opened_events)),
-      engine(options.threads, options.memory_bytes),
-      shop{engine, roots, results, options.data, options.limits, share} {}
+      engine(std::move(opened_engine)),
+      shop{*engine, roots, results, options.data, options.limits, share} {}
 
 Service::Impl::~Impl() {
   {
@@ -189,7 +199,9 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   }
   BOOST_OUTCOME_TRY(roots, Roots::open(options.roots, options.uploads ? uploads_folder(options.data) : ""));
   BOOST_OUTCOME_TRY(events, Events::open(event_numbers_file(options.data)));
-  auto impl = std::make_unique<Impl>(std::move(options), std::move(lock), std::move(roots), std::move(events));
+  BOOST_OUTCOME_TRY(engine, open_engine(options));
+  auto impl = std::make_unique<Impl>(std::move(options), std::move(lock), std::move(roots), std::move(events),
+                                     std::move(engine));
   BOOST_OUTCOME_TRYV(impl->load());
   if (impl->options.uploads) {
     BOOST_OUTCOME_TRYV(impl->uploads.open());

@@ -13,6 +13,7 @@
 
 #include "service.pb.h"
 #include "src/base/result.h"
+#include "src/cluster/cluster_options.h"
 
 namespace tessera {
 
@@ -47,6 +48,7 @@ struct ServiceOptions {
   bool uploads = false;
   std::uint64_t retention_s = 0;  // ended jobs are forgotten after it; 0: never. Results never are.
   ServiceLimits limits;
+  std::optional<ClusterOptions> cluster = {};        // that works on its jobs; none: this process alone
   std::function<void(const std::string&)> log = {};  // what the service itself has to tell, a line at a time
 };
 
@@ -121,6 +123,11 @@ class Backend {
                                                 const Caller& caller) = 0;
   virtual Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) = 0;
 
+  // Who works on the jobs, in order of coming.
+  virtual Reply<proto::NodeList> nodes() = 0;
+  // Takes all work from a node, by its name or id, and has its process end. What it was; 409 for the only one.
+  virtual Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) = 0;
+
   // For /metrics and /readyz.
   struct Figures {
     std::uint64_t accepted = 0, running = 0;                  // now
@@ -130,6 +137,8 @@ class Backend {
     std::uint64_t memory_budget_bytes = 0, memory_used_bytes = 0, disk_free_bytes = 0;
     std::vector<std::pair<std::string, double>> phase_seconds;
     std::uint64_t subscribers = 0;
+    std::vector<std::pair<std::string, std::uint64_t>> nodes = {};  // by state
+    std::uint64_t nodes_lost = 0;                                   // since the start
   };
   virtual Figures figures() const = 0;
   // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.
@@ -164,6 +173,8 @@ class Service final : public Backend {
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Reply<proto::NodeList> nodes() override;
+  Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;
   std::optional<std::string> unready() const override;
 

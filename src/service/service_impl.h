@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "actors/engine.h"
+#include "actors/engine/engine.h"
 #include "job_record.pb.h"
 #include "src/base/progress.h"
 #include "src/files/folder_lock.h"
@@ -60,7 +60,8 @@ struct Job {
 // what others read, both. A job that arrives needs only `mutex`: it has its name, place and key at once, and nobody
 // else knows of it before it is on disk. So many can be written at a time.
 struct Service::Impl {
-  Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events);
+  Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events,
+       std::unique_ptr<Engine> opened_engine);
   ~Impl();
   Status load();
   void recover(Job& job);
@@ -112,7 +113,7 @@ struct Service::Impl {
   Uploads uploads;
   const Roots roots;
   std::unique_ptr<Events> events;
-  Engine engine;
+  const std::unique_ptr<Engine> engine;
   const Workshop shop;
 
   std::mutex changing;
@@ -132,6 +133,7 @@ struct Service::Impl {
   bool ending = false;
   Service::Figures since_start;
   std::map<std::string, double> phase_seconds;
+  const std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point ticked = std::chrono::steady_clock::now();
   std::condition_variable tick_now;  // with `mutex`: only at the end
   std::vector<std::thread> threads;

@@ -42,6 +42,7 @@ void add_progress(const proto::JobRecord& record, const Progress& progress, prot
     figures.set_points_sent(now.points_sent);
     figures.set_memory_bytes(now.memory_bytes);
     status.set_memory_bytes(now.memory_bytes);
+    status.set_nodes_lost(progress.nodes_lost);
   } else if (now.points_total > 0) {  // an export
     part = static_cast<double>(now.points_triangulated) / static_cast<double>(now.points_total);
   }

@@ -132,8 +132,20 @@ Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view
 }
 
 Service::Figures Service::figures() const {
+  // Before the lock: the cluster's coordinator is asked.
+  std::vector<std::pair<std::string, std::uint64_t>> nodes{{"joining", 0}, {"free", 1}};
+  std::uint64_t lost = 0;
+  if (impl_->options.cluster) {
+    const auto all = impl_->engine->nodes();
+    const auto count =
+        static_cast<std::uint64_t>(std::count_if(all.begin(), all.end(), [](const NodeState& n) { return n.free; }));
+    nodes = {{"joining", all.size() - count}, {"free", count}};
+    lost = impl_->engine->nodes_lost();
+  }
   const std::lock_guard lock(impl_->mutex);
   Figures figures = impl_->since_start;
+  figures.nodes = std::move(nodes);
+  figures.nodes_lost = lost;
   for (const auto& id : impl_->active) {
     const Job& job = *impl_->jobs.at(id);
     if (job.is(job_state::accepted)) ++figures.accepted;

@@ -1,5 +1,6 @@
 #include "src/service/work.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <system_error>
@@ -72,6 +73,8 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   const auto& inputs = job.inputs().triangulate();
   auto options = job_options(inputs, shop.share);
   if (!options) return problem_of(options.error());
+  if (shop.limits.running > 0 && !inputs.has_threads())
+    options.value().threads = std::max(options.value().threads, shop.engine.threads() / shop.limits.running);
   options.value().command = Results::command_of(job.id(), process_of(job.inputs()));
   options.value().log = work.log;
   options.value().cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);

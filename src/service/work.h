@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "actors/engine.h"
+#include "actors/engine/engine.h"
 #include "job_record.pb.h"
 #include "src/base/progress.h"
 #include "src/service/convert.h"

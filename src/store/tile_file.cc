@@ -121,8 +121,11 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.xxh3 = written.xxh3;
   // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
   BOOST_OUTCOME_TRYV(check_held(options.lock_file));
-  BOOST_OUTCOME_TRYV(rename_file(temporary.path(), final_name));
+  BOOST_OUTCOME_TRYV(options.sync ? publish(temporary.path(), final_name) : rename_file(temporary.path(), final_name));
   temporary.keep();
+  if (options.sync) {
+    BOOST_OUTCOME_TRYV(sync_folder(final_name.parent_path()));
+  }
   BOOST_OUTCOME_TRYV(write_done(out, options.node, entry));
   return entry;
 }

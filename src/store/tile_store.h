@@ -37,9 +37,10 @@ struct TileEntry {
 
 struct StoreOptions {
   bool neighbors = true;
-  std::vector<Attribute> schema;         // of `rows` below
+  std::vector<Attribute> schema = {};    // of `rows` below
   std::filesystem::path lock_file = {};  // of OUT's lock: check_held()
   NodeId node = {};                      // that stores it
+  bool sync = false;                     // the tile is on the disk before anybody hears that it is stored
   std::stop_token stop = {};             // write_tile() then soon throws Stopped, and leaves nothing
 };
 

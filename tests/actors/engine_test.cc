@@ -1,5 +1,5 @@
 // Several runs on one engine, after one another and at once.
-#include "actors/engine.h"
+#include "actors/engine/engine.h"
 
 #include <gtest/gtest.h>
 

@@ -3,8 +3,8 @@ import unittest
 
 from cli import IO, OK, USAGE, CliTest
 
-DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch", "upload"]  # ask one
-COMMANDS = ["triangulate", "verify", "info", "export", "certs", *DAEMON, "generate", "harness"]
+DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch", "upload", "nodes", "drain"]  # ask one
+COMMANDS = ["triangulate", "verify", "info", "export", "certs", "cluster", *DAEMON, "generate", "harness"]
 
 
 class Help(CliTest):

@@ -47,6 +47,7 @@ class FakeServer:
         self.foreign = None         # (status, type, body): what something that is no Tessera server answers
         self.cut_files_after = []   # so many bytes of each of the next answers with a file, then the connection ends
         self.spoil = {}             # path of a file -> function of its bytes
+        self.nodes = []             # as the answers have them
         self.uploads = {}           # "FOLDER/FILE" -> bytes; None when none are taken
         self.cut_uploads_after = [] # so many bytes of each of the next uploads, then the connection ends
         self.described = None       # what info tells; None: it takes a job
@@ -179,6 +180,14 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(404, b"", "application/problem+json")
         return self.answer(204, b"", Upload_Offset=str(len(self.fake.uploads[name])))
 
+    def of_nodes(self, parts):
+        if not parts:
+            return self.answer(200, {"nodes": self.fake.nodes, "links": []})
+        for node in self.fake.nodes:
+            if self.command == "POST" and parts == [node["name"], "drain"]:
+                return self.answer(200, node | {"state": "draining"})
+        return self.problem(404, f"there is no node '{parts[0]}'", 2)
+
     def route(self, parts, asked, body):
         fake = self.fake
         if parts[0] == "uploads":
@@ -197,6 +206,8 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             states = asked["status"].split(",") if "status" in asked else None
             found = [job.fields for job in fake.jobs.values() if not states or job.fields["status"] in states]
             return self.listed("jobs", found, asked)
+        if parts[0] == "nodes":
+            return self.of_nodes(parts[1:])
         if parts == ["triangulations"]:
             return self.listed("triangulations", [about(name, folder) for name, folder in fake.results.items()], asked)
         if parts[0] == "jobs":

@@ -88,5 +88,50 @@ class Manifest(unittest.TestCase):
         self.assertNotIn("insecure", TEXT)
 
 
+class Cluster(unittest.TestCase):
+    """The nodes beside it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.text = (SOURCE / "deploy/kubernetes-cluster.yaml").read_text()
+        documents = list(yaml.safe_load_all(cls.text))
+        cls.services = {document["metadata"]["name"]: document["spec"] for document in documents if document["kind"] == "Service"}
+        (cls.set,) = [document["spec"] for document in documents if document["kind"] == "StatefulSet"]
+        cls.pod = cls.set["template"]["spec"]
+        (cls.container,) = cls.pod["containers"]
+        cls.options = dict(zip(cls.container["args"][::2], cls.container["args"][1::2]))
+
+    def test_the_options_are_the_daemons(self):
+        sample = set(re.findall(r"(?m)^# ([a-z-]+) = ", (SOURCE / "config/tesserad.toml").read_text()))
+        self.assertEqual({option.removeprefix("--") for option in self.options} - sample, set())
+        commented = set(re.findall(r"(?m)^#   ([a-z-]+) = ", self.text))
+        self.assertEqual(commented, {"cluster", "advertise", "certs", "roles"})
+        self.assertEqual(commented - sample, set())
+
+    def test_names_agree(self):
+        labels = self.set["template"]["metadata"]["labels"]
+        self.assertEqual(self.set["selector"]["matchLabels"], labels)
+        self.assertEqual(self.services[self.set["serviceName"]]["selector"], labels)
+        self.assertTrue(self.services[self.set["serviceName"]]["publishNotReadyAddresses"])
+        deployment = next(document for document in yaml.safe_load_all(TEXT) if document["kind"] == "Deployment")
+        host, port = self.options["--join"].split(":")
+        self.assertEqual(self.services[host]["selector"], deployment["spec"]["template"]["metadata"]["labels"])
+        self.assertEqual(self.options["--advertise"], f"$(POD).{self.set['serviceName']}:{port}")
+        mounts = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
+        volumes = {volume["name"]: volume for volume in self.pod["volumes"]}
+        self.assertEqual(set(mounts), set(volumes))
+        for name in ("data", "scratch", "certs"):
+            self.assertEqual(self.options[f"--{name}"], mounts[name])
+        self.assertEqual(volumes["data"]["persistentVolumeClaim"]["claimName"], yaml.safe_load(DATA)["metadata"]["name"])
+        self.assertIn(f"create secret generic {volumes['certs']['secret']['secretName']} ", self.text)
+        self.assertEqual(volumes["certs"]["secret"]["defaultMode"], 0o440)
+
+    def test_it_runs_without_rights(self):
+        self.assertTrue(self.pod["securityContext"]["runAsNonRoot"])
+        self.assertEqual(self.container["securityContext"],
+                         {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}})
+        self.assertIn("memory", self.container["resources"]["limits"])
+
+
 if __name__ == "__main__":
     unittest.main()

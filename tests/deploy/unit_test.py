@@ -38,6 +38,11 @@ class Unit(unittest.TestCase):
     def test_systemd_understands_every_line(self):
         self.assertEqual(self.verify(self.unit.read_text()), (0, []))
 
+    def test_the_one_of_a_node_is_understood_and_comes_back(self):
+        text = (SOURCE / "deploy/tesserad-node.service").read_text()
+        self.assertEqual(self.verify(re.sub(r"^ExecStart=/usr/bin/tesserad", "ExecStart=/bin/true", text, flags=re.MULTILINE)), (0, []))
+        self.assertIn("\nRestart=always\n", text)
+
     def test_a_line_that_it_does_not_understand_is_told(self):
         _, told = self.verify(self.unit.read_text().replace("ProtectSystem=strict", "ProtectSystem=strictly"))
         self.assertEqual(len(told), 1)

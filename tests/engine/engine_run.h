@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "actors/engine.h"
+#include "actors/engine/engine.h"
 #include "src/base/result.h"
 #include "src/store/tile_store.h"
 #include "src/tiling/routed_run.h"

@@ -37,6 +37,8 @@ class Api(serving.ServerTest):
             ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
+            ("GET", "/v1/nodes"): ["/v1/nodes"],
+            ("POST", "/v1/nodes/{node}/drain"): ["/v1/nodes/a/drain", "/v1/nodes/b/drain", "/v1/nodes/none/drain"],
         }
         routes = {(method.upper(), path) for path, operations in self.api()["paths"].items() for method in operations}
         operations = {("GET", "/livez"), ("GET", "/readyz"), ("GET", "/metrics")}
@@ -159,6 +161,8 @@ class Api(serving.ServerTest):
         text = self.ask("GET", "/metrics", token=None, port=self.server.operations).body.decode()
         self.assertRegex(text, r'tessera_http_requests_total\{route="listJobs",status="2xx"\} [1-9]')
         self.assertRegex(text, r'tessera_phase_seconds_total\{phase="triangulating"\} 1.5')
+        self.assertRegex(text, r'tessera_nodes\{state="free"\} 2\n')
+        self.assertRegex(text, r"\ntessera_nodes_lost_total 3\n")
         self.assertIn("\nready\n", self.ask("GET", "/readyz?verbose", token=None, port=self.server.operations).body.decode())
 
 

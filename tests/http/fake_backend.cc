@@ -255,12 +255,34 @@ Reply<std::uint64_t> FakeBackend::uploaded(std::string_view folder, std::string_
   return found->second.size();
 }
 
+Reply<proto::NodeList> FakeBackend::nodes() {
+  proto::NodeList list;
+  for (const char* name : {"a", "b"}) {
+    proto::NodeInfo& node = *list.add_nodes();
+    node.set_name(name);
+    node.set_state("free");
+    node.set_coordinator(list.nodes_size() == 1);
+  }
+  return list;
+}
+
+Reply<proto::NodeInfo> FakeBackend::drain(std::string_view node, const Caller&) {
+  if (node == "a") return refused(409, "node 'a': it is the only one");
+  if (node != "b") return refused(404, "there is no node '" + std::string(node) + "'");
+  proto::NodeInfo drained;
+  drained.set_name("b");
+  drained.set_state("draining");
+  return drained;
+}
+
 Backend::Figures FakeBackend::figures() const {
   const std::scoped_lock lock(mutex_);
   Figures figures;
   figures.accepted = jobs_.size();
   figures.phase_seconds = {{"triangulating", 1.5}};
   figures.subscribers = watchers_.size();
+  figures.nodes = {{"free", 2}};
+  figures.nodes_lost = 3;
   return figures;
 }
 

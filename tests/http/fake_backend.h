@@ -54,6 +54,8 @@ class FakeBackend final : public Backend {
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Reply<proto::NodeList> nodes() override;
+  Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;
   std::optional<std::string> unready() const override;
 

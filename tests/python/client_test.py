@@ -105,6 +105,14 @@ class Jobs(ClientTest):
         with self.assertRaisesRegex(tessera.UsageError, "there is no job j2"):
             self.client.job("j2").status()
 
+    def test_nodes_are_told_and_drained(self):
+        self.assertEqual(self.client.nodes(), [])
+        self.server.nodes = [{"name": "a b", "state": "free", "threads": 2}]
+        self.assertEqual(self.client.nodes()[0]["threads"], 2)
+        self.assertEqual(self.client.drain("a b")["state"], "draining")
+        with self.assertRaisesRegex(tessera.UsageError, "there is no node 'c'"):
+            self.client.drain("c")
+
     def test_lists_have_all_pages(self):
         for i in range(7):
             self.server.add_job(f"j{i}", status="running" if i % 2 else "accepted")

@@ -21,7 +21,7 @@ class LockedStorage : public ::testing::Test {
  protected:
   LockedStorage() {
     run_->folder = run_folder(out());
-    storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file(), {}}, 1);
+    storage_.emplace(run_, run_->folder, out(), StoreOptions{.lock_file = lock_.file()}, 1);
   }
   const fs::path& out() const { return folder_.path(); }
 
@@ -68,7 +68,7 @@ TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
 
 TEST_F(LockedStorage, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
   std::stop_source stop;
-  storage_.emplace(run_, out(), StoreOptions{true, {}, lock_.file(), {}, stop.get_token()}, 1);
+  storage_.emplace(run_, run_->folder, out(), StoreOptions{.lock_file = lock_.file(), .stop = stop.get_token()}, 1);
   ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   stop.request_stop();
   const auto stored = store(tile);
@@ -77,7 +77,7 @@ TEST_F(LockedStorage, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
   EXPECT_FALSE(fs::exists(tile_file(out(), tile)));
   EXPECT_EQ(storage_->read(tile, ScratchKind::state).value(), TileStorage::Pieces{bytes_});
   // Also in the middle of it.
-  EXPECT_THROW((void)write_tile(out(), tile, TileMesh{}, {}, {true, {}, {}, {}, stop.get_token()}), Stopped);
+  EXPECT_THROW((void)write_tile(out(), tile, TileMesh{}, {}, {.stop = stop.get_token()}), Stopped);
   EXPECT_TRUE(fs::is_empty(tiles_folder(out())));
 }
 

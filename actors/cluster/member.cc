@@ -1,0 +1,181 @@
+#include "actors/cluster/member.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "actors/cluster/network.h"
+#include "actors/failing.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds pause{500};  // before an address is tried again
+constexpr int attempts_max = 6;                  // to reach a node that others reach
+
+}  // namespace
+
+Member::Member(caf::actor_config& config, MemberOptions options) : SteadyActor(config), options_(std::move(options)) {}
+
+void Member::on_exit() {
+  registry_ = nullptr;
+  doors_.clear();
+  options_.registry = options_.node = nullptr;
+}
+
+void Member::failed(const std::exception_ptr& exception) noexcept {
+  options_.cluster.expelled(failure_of(exception, [] { return std::string("a node's place in the cluster"); }).text,
+                            true);
+}
+
+Member::behavior_type Member::make_behavior() {
+  set_error_handler([](caf::scheduled_actor*, caf::error&) {});  // those who matter are watched
+  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
+  send(this, caf::connect_atom::value);
+  send(this, caf::tick_atom::value);
+  return {
+      [this](const WhoIs& who) {
+        CoordinatorIs answer;  // not its handle: what is learnt through others goes through them
+        if (registry_) answer.address = coordinator_address_;
+        send(caf::actor_cast<MemberHandle>(who.asks), std::move(answer));
+      },
+      [this](const CoordinatorIs& is) {
+        if (state_ != State::seeking) return;
+        if (is.registry) return greet(is.registry);
+        if (const auto address = parse_host_port(is.address)) ask(address.value());
+      },
+      [this](const Welcome& message) { welcome(message); },
+      [this](const Refused& refused) {
+        if (last_trouble_ != refused.why) options_.cluster.log("refused by the cluster's coordinator: " + refused.why);
+        last_trouble_ = refused.why;
+        lost_registry();
+      },
+      [this](const Renewed&) { answered_ = Clock::now(); },
+      [this](const Expelled& expelled) { expel(expelled); },
+      [this](const Leave&) { quit(); },
+      [this](caf::tick_atom) { renew(); },
+      [this](caf::connect_atom) { seek(); },
+  };
+}
+
+void Member::seek_later() {
+  if (!std::exchange(will_seek_, true)) delayed_send(this, pause, caf::connect_atom::value);
+}
+
+void Member::seek() {
+  will_seek_ = false;
+  if (state_ != State::seeking || expelled_) return;
+  if (options_.registry) return greet(options_.registry);
+  const auto& join = options_.cluster.join;
+  if (join.empty()) return;
+  ask(join[next_address_++ % join.size()]);
+}
+
+void Member::ask(const HostPort& address) {
+  reach(
+      this, address,
+      [this, address](const caf::actor& door) {
+        if (state_ != State::seeking) return;
+        // Of a process that has died and come back: asked by a number that it does not know.
+        send(caf::actor_cast<RegistryHandle>(door), WhoIs{caf::actor_cast<caf::actor>(this)});
+        seek_later();  // if nothing comes of it
+      },
+      [this, address](const std::string& reason) {
+        if (std::exchange(last_trouble_, reason) != reason)
+          options_.cluster.log("nobody of the cluster is reached at " + to_string(address) + " yet (" + reason + ")");
+        seek_later();
+      });
+}
+
+void Member::greet(const caf::actor& registry) {
+  state_ = State::greeting;
+  registry_ = caf::actor_cast<RegistryHandle>(registry);
+  monitor(registry_);
+  answered_ = Clock::now();
+  Hello hello;
+  hello.cluster = options_.cluster.name;
+  hello.shared = options_.cluster.shared;
+  hello.info = options_.info;
+  hello.member = caf::actor_cast<caf::actor>(this);
+  hello.node = options_.node;
+  send(registry_, std::move(hello));
+}
+
+void Member::welcome(const Welcome& message) {
+  if (state_ != State::greeting || message.uuids.size() != message.addresses.size()) return;
+  state_ = State::member;
+  last_trouble_.clear();
+  answered_ = Clock::now();
+  coordinator_address_ = message.coordinator;
+  options_.cluster.log("member of the cluster " + options_.cluster.name);
+  for (const NodeUuid& uuid : std::exchange(broken_, {})) send(registry_, Unreachable{options_.info.uuid, uuid});
+  for (std::size_t i = 0; i < message.uuids.size(); ++i) {
+    if (doors_.contains(message.uuids[i]) || gone_.contains(message.uuids[i])) continue;  // known from before
+    const auto address = parse_host_port(message.addresses[i]);
+    if (address) {
+      doors_[message.uuids[i]] = nullptr;
+      reach_node(message.uuids[i], address.value(), attempts_max);
+    }
+  }
+  reached({}, nullptr);
+}
+
+void Member::reach_node(const NodeUuid& uuid, const HostPort& address, int attempts) {
+  reach(
+      this, address, [this, uuid](const caf::actor& door) { reached(uuid, door); },
+      [this, uuid, address, attempts](const std::string& reason) {
+        if (expelled_ || !registry_) return;
+        if (attempts > 1) return reach_node(uuid, address, attempts - 1);
+        options_.cluster.log("node at " + to_string(address) + " cannot be reached: " + reason);
+        send(registry_, Unreachable{options_.info.uuid, uuid});
+      });
+}
+
+void Member::reached(const NodeUuid& uuid, const caf::actor& door) {
+  if (const auto found = doors_.find(uuid); found != doors_.end() && door) {
+    found->second = door;
+    monitor(door);
+  }
+  const bool all = std::all_of(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second; });
+  if (all && state_ == State::member) send(registry_, ReachedAll{options_.info.uuid});
+}
+
+void Member::renew() {
+  delayed_send(this, options_.cluster.lease / 5, caf::tick_atom::value);
+  if (state_ == State::seeking) return;
+  if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();
+  if (state_ == State::member) send(registry_, Renew{options_.info.uuid, options_.memory_used(), 0});
+}
+
+void Member::gone(const caf::down_msg& down) {
+  if (registry_ && down.source == registry_.address()) {
+    options_.cluster.log("the cluster's coordinator does not answer any more");
+    return lost_registry();
+  }
+  for (auto& [uuid, door] : doors_) {
+    if (!door || door.address() != down.source) continue;
+    const NodeUuid other = uuid;
+    doors_.erase(uuid);
+    // Of what was on its way nobody knows: it is not reached again.
+    gone_.insert(other);
+    broken_.push_back(other);
+    if (state_ != State::member) return;
+    for (const NodeUuid& uuid : std::exchange(broken_, {})) send(registry_, Unreachable{options_.info.uuid, uuid});
+    return;
+  }
+}
+
+// Tiles go on meanwhile.
+void Member::lost_registry() {
+  if (state_ == State::seeking) return;
+  state_ = State::seeking;
+  if (registry_) demonitor(registry_.address());
+  registry_ = nullptr;
+  seek_later();
+}
+
+void Member::expel(const Expelled& expelled) {
+  if (std::exchange(expelled_, true)) return;
+  options_.cluster.expelled(expelled.why, expelled.again);
+}
+
+}  // namespace tessera

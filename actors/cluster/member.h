@@ -1,0 +1,73 @@
+// A node's place in a cluster: it finds the coordinator, reaches all other nodes, and renews its lease.
+//
+// state    | message        | effect                                                                       | next
+// seeking  | connect        | asks the next address of those it was given                                  | seeking
+// seeking  | CoordinatorIs  | says Hello there                                                             | greeting
+// greeting | Welcome        | reaches every other node; then ReachedAll                                    | member
+// greeting, seeking | Refused | tells why, and tries again later                                          | seeking
+// member   | tick           | Renew; when the last one was not answered for the lease: as a lost coordinator |
+// any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
+// any      | another node is gone | Unreachable                                                            |
+// any      | Expelled       | the process must begin anew, or end                                          | ended
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "actors/cluster/messages.h"
+#include "actors/steady_actor.h"
+#include "src/cluster/cluster_options.h"
+
+namespace tessera {
+
+struct MemberOptions {
+  ClusterOptions cluster;
+  MemberInfo info;
+  caf::actor registry;  // of the same process; null: another one coordinates
+  caf::actor node;
+  std::function<std::uint64_t()> memory_used;
+};
+
+class Member : public SteadyActor<MemberHandle, Pool::deciding> {
+ public:
+  Member(caf::actor_config& config, MemberOptions options);
+  behavior_type make_behavior() override;
+  void on_exit() override;
+
+ private:
+  enum class State : std::uint8_t { seeking, greeting, member };
+  using Clock = std::chrono::steady_clock;
+
+  void failed(const std::exception_ptr& exception) noexcept override;
+  void seek();
+  void seek_later();
+  void ask(const HostPort& address);
+  void greet(const caf::actor& registry);
+  void welcome(const Welcome& message);
+  void reach_node(const NodeUuid& uuid, const HostPort& address, int attempts);
+  void reached(const NodeUuid& uuid, const caf::actor& door);
+  void renew();
+  void gone(const caf::down_msg& down);
+  void lost_registry();
+  void expel(const Expelled& expelled);
+
+  MemberOptions options_;
+  State state_ = State::seeking;
+  std::size_t next_address_ = 0;
+  std::string last_trouble_;
+  RegistryHandle registry_;
+  std::string coordinator_address_;
+  std::map<NodeUuid, caf::actor> doors_;  // of other nodes; null: not reached yet
+  std::set<NodeUuid> gone_;               // were reached, and are not any more
+  std::vector<NodeUuid> broken_;          // of these, what no coordinator has been told
+  Clock::time_point answered_{};
+  bool will_seek_ = false, expelled_ = false;
+};
+
+}  // namespace tessera

@@ -1,0 +1,136 @@
+// What nodes and their coordinator say to each other about the cluster itself. As for jobs: no references to memory, no
+// doubles.
+#pragma once
+
+#include <caf/all.hpp>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "actors/protocol.h"
+#include "src/cluster/members.h"
+
+namespace tessera {
+
+// Changes with any message between nodes.
+inline constexpr std::uint32_t wire_version = 2;
+
+// anybody -> a process of the cluster: who coordinates?
+struct WhoIs {
+  caf::actor asks;
+};
+struct CoordinatorIs {
+  caf::actor registry;  // at the sender; or
+  std::string address;  // there; empty: not known
+};
+
+// node -> coordinator
+struct Hello {
+  std::uint32_t wire = wire_version;
+  std::string cluster, shared;
+  MemberInfo info;
+  caf::actor member, node;
+};
+struct Welcome {
+  std::vector<std::string> uuids, addresses;  // of the others: to be reached directly
+  std::string coordinator;                    // its address
+};
+struct Refused {
+  std::string why;
+};
+struct ReachedAll {
+  std::string uuid;
+};
+struct Renew {
+  std::string uuid;
+  std::uint64_t memory_used = 0, tiles = 0;
+};
+struct Renewed {};
+// coordinator -> node: it is lost, and may come back as another one; or it is drained, and ends.
+struct Expelled {
+  std::string why;
+  bool again = true;
+};
+struct Unreachable {
+  std::string from, to;
+};
+
+// whoever runs a job -> coordinator of the cluster: tell that job's coordinator of nodes that come and go.
+struct Follow {
+  caf::actor coordinator;
+};
+// -> coordinator of the cluster: take all work from a node, and let it go. By name or uuid.
+struct Drain {
+  std::string node;
+};
+struct Drained {
+  bool found = false;   // there is such a node
+  std::string refused;  // why it stays; empty: it goes
+};
+struct AskMembers {};
+struct MemberReport {
+  MemberInfo info;
+  std::uint64_t number = 0, seconds = 0, silent_ms = 0;  // since it came, since it was heard
+  bool free = false, draining = false;
+  std::uint64_t memory_used = 0, tiles = 0;
+  caf::actor node;
+};
+struct MemberList {
+  std::vector<MemberReport> members;
+  std::uint64_t lost = 0;  // ever; not those drained
+};
+
+using MemberHandle =
+    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
+                     caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>, caf::reacts_to<Leave>,
+                     caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
+using RegistryHandle =
+    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>, caf::reacts_to<Renew>,
+                     caf::reacts_to<Unreachable>, caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
+                     caf::replies_to<AskMembers>::with<MemberList>, caf::reacts_to<Leave>,
+                     caf::reacts_to<caf::tick_atom>>;
+
+#define TESSERA_MESSAGE(Type, ...)                                                  \
+  template <class Inspector>                                                        \
+  typename Inspector::result_type inspect(Inspector& f, [[maybe_unused]] Type& x) { \
+    return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
+  }
+TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
+TESSERA_MESSAGE(WhoIs, x.asks)
+TESSERA_MESSAGE(CoordinatorIs, x.registry, x.address)
+TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.member, x.node)
+TESSERA_MESSAGE(Welcome, x.uuids, x.addresses, x.coordinator)
+TESSERA_MESSAGE(Refused, x.why)
+TESSERA_MESSAGE(ReachedAll, x.uuid)
+TESSERA_MESSAGE(Renew, x.uuid, x.memory_used, x.tiles)
+TESSERA_MESSAGE(Renewed)
+TESSERA_MESSAGE(Expelled, x.why, x.again)
+TESSERA_MESSAGE(Unreachable, x.from, x.to)
+TESSERA_MESSAGE(Follow, x.coordinator)
+TESSERA_MESSAGE(Drain, x.node)
+TESSERA_MESSAGE(Drained, x.found, x.refused)
+TESSERA_MESSAGE(AskMembers)
+TESSERA_MESSAGE(MemberReport, x.info, x.number, x.seconds, x.silent_ms, x.free, x.draining, x.memory_used, x.tiles,
+                x.node)
+TESSERA_MESSAGE(MemberList, x.members, x.lost)
+#undef TESSERA_MESSAGE
+
+}  // namespace tessera
+
+CAF_BEGIN_TYPE_ID_BLOCK(tessera_cluster, caf::first_custom_type_id + 200)
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskMembers))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::CoordinatorIs))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drain))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drained))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Expelled))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Follow))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Hello))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::MemberList))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::ReachedAll))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Refused))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Renew))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Renewed))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Unreachable))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Welcome))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::WhoIs))
+CAF_END_TYPE_ID_BLOCK(tessera_cluster)

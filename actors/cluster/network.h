@@ -1,0 +1,33 @@
+// CAF's middleman, with TLS: all that is used of it. Each process publishes one actor at its address and reaches every
+// other one there, for CAF's own ways of finding others use ports without TLS.
+#pragma once
+
+#include <caf/all.hpp>
+#include <caf/openssl/all.hpp>
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "src/base/result.h"
+#include "src/cluster/cluster_options.h"
+
+namespace tessera {
+
+// REQUIRES: certificate, key and authority can be read and fit together; CAF ends the process when they do not.
+void load_network(caf::actor_system_config& config, const ClusterOptions& options);
+
+// Listens. Returns the port. Error io.
+Result<std::uint16_t> publish(caf::actor_system& system, const caf::actor& door, const HostPort& listen);
+void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port);
+
+// Reaches the actor that is published there: done(handle), or failed(reason). Does not block; the connection is kept.
+template <class Self, class Done, class Failed>
+void reach(Self* self, const HostPort& address, Done done, Failed failed) {
+  self->request(self->home_system().openssl_manager().actor_handle(), std::chrono::seconds(5), caf::connect_atom::value,
+                address.host, address.port)
+      .then([done](const caf::node_id&, const caf::strong_actor_ptr& there,
+                   const std::set<std::string>&) { done(caf::actor_cast<caf::actor>(there)); },
+            [failed](const caf::error& reason) { failed(caf::to_string(reason)); });
+}
+
+}  // namespace tessera

@@ -1,0 +1,159 @@
+#include "actors/cluster/registry.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "actors/failing.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string known_as(const MemberInfo& info) { return "node " + info.name + " (" + info.address + ")"; }
+
+}  // namespace
+
+Registry::Registry(caf::actor_config& config, ClusterOptions options)
+    : SteadyActor(config), options_(std::move(options)), members_(options_.lease) {}
+
+void Registry::on_exit() {
+  actors_.clear();
+  jobs_.clear();
+}
+
+void Registry::failed(const std::exception_ptr& exception) noexcept {
+  options_.log(failure_of(exception, [] { return std::string("the cluster's coordinator"); }).text);
+  options_.expelled("the cluster's coordinator came to an unexpected end", true);
+}
+
+Registry::behavior_type Registry::make_behavior() {
+  // Whoever did not get a message is watched.
+  set_error_handler([](caf::scheduled_actor*, caf::error&) {});
+  set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
+  delayed_send(this, options_.lease / 10, caf::tick_atom::value);
+  return {
+      [this](const WhoIs& who) {
+        send(caf::actor_cast<MemberHandle>(who.asks), CoordinatorIs{caf::actor_cast<caf::actor>(this), {}});
+      },
+      [this](const Hello& hello) { welcome(hello); },
+      [this](const ReachedAll& reached) {
+        if (!members_.reached_all(reached.uuid)) return;
+        const Actors& actors = actors_.at(reached.uuid);
+        options_.log(known_as(members_.find(reached.uuid)->info) + " has joined");
+        for (const CoordinatorHandle& job : jobs_) send(job, NodeJoined{actors.node});
+      },
+      [this](const Renew& renew) {
+        const bool member = members_.renew(renew.uuid, renew.memory_used, renew.tiles, Clock::now());
+        if (member) send(actors_.at(renew.uuid).member, Renewed{});
+      },
+      [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
+      [this](const Follow& job) { follow(job.coordinator); },
+      [this](const Drain& wanted) { return drain(wanted.node); },
+      [this](const AskMembers&) { return list(); },
+      [this](const Leave&) { quit(); },
+      [this](caf::tick_atom) { tick(); },
+  };
+}
+
+std::string Registry::refusal(const Hello& hello) const {
+  if (hello.wire != wire_version) {
+    return "it speaks version " + std::to_string(hello.wire) + " between nodes, the coordinator " +
+           std::to_string(wire_version) + ": install the same release on all nodes";
+  }
+  if (hello.cluster != options_.name)
+    return "it belongs to the cluster '" + hello.cluster + "', the coordinator to '" + options_.name + "'";
+  if (hello.shared != options_.shared)
+    return "its data folder is not the coordinator's: nodes of a cluster share one folder";
+  return {};
+}
+
+void Registry::welcome(const Hello& hello) {
+  const auto member = caf::actor_cast<MemberHandle>(hello.member);
+  const std::string refused = refusal(hello);
+  if (!refused.empty()) {
+    options_.log(known_as(hello.info) + " is refused: " + refused);
+    return send(member, Refused{refused});
+  }
+  if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
+  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) monitor(member);
+  Welcome welcome;
+  welcome.coordinator = to_string(options_.advertised);
+  for (const auto& [uuid, other] : members_.all()) {
+    if (uuid == hello.info.uuid) continue;
+    welcome.uuids.push_back(uuid);
+    welcome.addresses.push_back(other.info.address);
+  }
+  send(member, std::move(welcome));
+}
+
+void Registry::lose(const Members::Loss& loss, bool again) {
+  if (again) ++lost_;
+  options_.log(known_as(loss.member.info) + (again ? " is lost: it " + loss.why : " " + loss.why));
+  const auto found = actors_.find(loss.member.info.uuid);
+  if (found == actors_.end()) return;
+  const Actors actors = found->second;
+  actors_.erase(found);
+  demonitor(actors.member.address());
+  for (const CoordinatorHandle& job : jobs_) send(job, NodeLost{actors.node});
+  send(actors.member, Expelled{loss.why, again});
+}
+
+void Registry::follow(const caf::actor& job) {
+  const auto coordinator = caf::actor_cast<CoordinatorHandle>(job);
+  if (!jobs_.insert(coordinator).second) return;
+  monitor(coordinator);
+  for (const auto& [uuid, member] : members_.all()) {
+    if (member.free && !member.draining) send(coordinator, NodeJoined{actors_.at(uuid).node});
+  }
+}
+
+Drained Registry::drain(const std::string& node) {
+  const auto& all = members_.all();
+  const auto wanted = std::find_if(
+      all.begin(), all.end(), [&](const auto& entry) { return entry.first == node || entry.second.info.name == node; });
+  if (wanted == all.end()) return {};
+  const bool other = std::any_of(all.begin(), all.end(),
+                                 [&](const auto& entry) { return entry.first != wanted->first && entry.second.free; });
+  if (!other) return {true, "it is the only node that is free for work: start another one first"};
+  if (const auto loss = members_.lose(NodeUuid(wanted->first), "is drained")) lose(*loss, false);
+  return {true, {}};
+}
+
+void Registry::gone(const caf::down_msg& down) {
+  std::erase_if(jobs_, [&](const CoordinatorHandle& job) { return job.address() == down.source; });
+  const auto found = std::find_if(actors_.begin(), actors_.end(),
+                                  [&](const auto& entry) { return entry.second.member.address() == down.source; });
+  if (found == actors_.end()) return;
+  if (const auto loss = members_.lose(NodeUuid(found->first), "does not answer any more")) lose(*loss);
+}
+
+void Registry::tick() {
+  delayed_send(this, options_.lease / 10, caf::tick_atom::value);
+  for (const Members::Loss& loss : members_.lose_silent(Clock::now())) lose(loss);
+}
+
+MemberList Registry::list() const {
+  MemberList out;
+  out.lost = lost_;
+  const auto now = Clock::now();
+  for (const auto& [uuid, member] : members_.all()) {
+    MemberReport& report = out.members.emplace_back();
+    report.info = member.info;
+    report.number = member.number;
+    report.seconds =
+        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(now - member.came).count());
+    report.silent_ms =
+        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - member.heard).count());
+    report.free = member.free;
+    report.draining = member.draining;
+    report.memory_used = member.memory_used;
+    report.tiles = member.tiles;
+    report.node = actors_.at(uuid).node;
+  }
+  std::sort(out.members.begin(), out.members.end(),
+            [](const MemberReport& a, const MemberReport& b) { return a.number < b.number; });
+  return out;
+}
+
+}  // namespace tessera

@@ -1,0 +1,56 @@
+// The coordinator of a cluster: who is a member, for how long, and which jobs must hear of it (src/cluster/members.h).
+//
+// message     | effect                                                          | answer
+// WhoIs       | -                                                               | CoordinatorIs
+// Hello       | a member, if version, cluster and shared folder are ours        | Welcome, Refused; Expelled if it was
+// lost ReachedAll  | free for work: NodeJoined to every job                          | - Renew       | its lease begins
+// anew                                           | Renewed; Expelled Unreachable | one of the two will be lost | -
+// Follow      | this job hears of nodes from now on: NodeJoined for each        | -
+// Drain       | NodeLost to every job; Expelled to the node, for good; nothing  | whether there is one of that name;
+//             | when no other node is free                                      | why it stays
+// AskMembers  | -                                                               | MemberList
+// a member is gone, tick | NodeLost to every job; Expelled to the node          | -
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+
+#include "actors/cluster/messages.h"
+#include "actors/steady_actor.h"
+#include "src/cluster/cluster_options.h"
+#include "src/cluster/members.h"
+
+namespace tessera {
+
+class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
+ public:
+  Registry(caf::actor_config& config, ClusterOptions options);
+  behavior_type make_behavior() override;
+  void on_exit() override;
+
+ private:
+  struct Actors {
+    MemberHandle member;
+    caf::actor node;
+  };
+
+  void failed(const std::exception_ptr& exception) noexcept override;
+  void welcome(const Hello& hello);
+  std::string refusal(const Hello& hello) const;
+  // `again`: its process may come back, as another node.
+  void lose(const Members::Loss& loss, bool again = true);
+  void follow(const caf::actor& job);
+  Drained drain(const std::string& node);
+  void gone(const caf::down_msg& down);
+  void tick();
+  MemberList list() const;
+
+  ClusterOptions options_;
+  Members members_;
+  std::map<NodeUuid, Actors> actors_;
+  std::set<CoordinatorHandle> jobs_;
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,34 @@
+// Whoever called Engine::run(): hears of its job, and waits for the end.
+#pragma once
+
+#include <chrono>
+#include <future>
+#include <memory>
+#include <vector>
+
+#include "actors/run_owner.h"
+#include "src/base/progress.h"
+#include "src/run/run_summary.h"
+
+namespace tessera {
+
+class Caller final : public RunOwner {
+ public:
+  explicit Caller(Progress& progress) : progress_(progress) {}
+
+  void progressed(const RunProgress& now) override;
+  void stored(const TileDone& tile) override { done_.push_back(tile); }
+  void ended(RunEnded end) noexcept override;
+
+  RunEnded wait() { return end_->get_future().get(); }
+  // Of a run that has ended well.
+  RunSummary summary(const RunEnded& ended);
+
+ private:
+  Progress& progress_;
+  const double opened_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_.started).count();
+  std::vector<TileDone> done_;
+  std::shared_ptr<std::promise<RunEnded>> end_ = std::make_shared<std::promise<RunEnded>>();
+};
+
+}  // namespace tessera

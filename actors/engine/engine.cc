@@ -1,0 +1,219 @@
+#include "actors/engine/engine.h"
+
+#include <algorithm>
+#include <atomic>
+#include <caf/all.hpp>
+#include <future>
+#include <utility>
+
+#include "actors/cluster/network.h"
+#include "actors/cluster/seat.h"
+#include "actors/coordinator.h"
+#include "actors/engine/caller.h"
+#include "actors/failing.h"
+#include "actors/node_actor.h"
+#include "actors/prepared.h"
+#include "actors/scheduler.h"
+#include "src/files/names.h"
+#include "src/run/disk_parts.h"
+#include "src/run/terms.h"
+#include "src/store/tile_store.h"
+#include "src/tiling/hilbert.h"
+
+namespace tessera {
+namespace {
+
+class EngineConfig : public caf::actor_system_config {
+ public:
+  EngineConfig(std::uint32_t threads, const ClusterOptions* cluster) {
+    add_message_types<caf::id_block::tessera>();
+    add_message_types<caf::id_block::tessera_cluster>();
+    set("scheduler.max-threads", deciding_threads + threads);
+    module_factories.push_back(
+        [](caf::actor_system& system) -> caf::actor_system::module* { return new Scheduler(system); });
+    if (cluster) load_network(*this, *cluster);
+  }
+};
+
+}  // namespace
+
+struct Engine::Impl {
+  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::optional<ClusterOptions> options)
+      : threads(own_threads),
+        cluster(std::move(options)),
+        config(threads, cluster ? &*cluster : nullptr),
+        source(std::make_shared<DiskParts>(cluster ? cluster->scratch : std::filesystem::path())),
+        system(config) {
+    if (cluster && !cluster->node) return;
+    NodeOptions own;
+    own.threads = threads;
+    own.memory_bytes = memory_bytes;
+    own.used = used;
+    node = system.spawn<NodeActor>(std::move(own), source);
+  }
+  ~Impl() {
+    seat.reset();
+    leave.say(node);
+    node = nullptr;
+  }
+
+  // `again`: see RunEnded.
+  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                         Progress& progress, const std::stop_token& stop, bool& again);
+  Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const RoutedRun& run, const std::stop_token& stop);
+
+  const std::uint32_t threads;
+  std::optional<ClusterOptions> cluster;
+  EngineConfig config;
+  std::shared_ptr<DiskParts> source;
+  std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
+  Prepared<Leave> leave;
+  caf::actor_system system;
+  NodeHandle node;
+  std::unique_ptr<Seat> seat;
+  std::atomic<std::uint64_t> jobs{0};
+};
+
+// What a job of a cluster has beyond one node's, and the nodes that it begins with.
+Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, const RoutedRun& run,
+                                                      const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(identity, identity_of(run.folder));
+  BOOST_OUTCOME_TRY(term, claim_term(run.folder));
+  job.job = identity;
+  job.term = term;
+  job.take_over = true;
+  job.replaced = [folder = run.folder, term] { return is_replaced(folder, term); };
+  job.is_settled = [folder = run.folder]() -> Result<bool> {
+    std::error_code failed;
+    const bool settled = std::filesystem::exists(settled_marker(folder), failed);
+    if (failed) return error(Errc::io, settled_marker(folder).string() + ": cannot be looked at: " + failed.message());
+    return settled;
+  };
+  job.stored = [out = std::filesystem::path(job.spec.out_folder)] {
+    return stored_tiles(out, [](TileId) { return true; });
+  };
+  job.spec.shares = cluster->jobs_at_once;
+  job.spec.grace_s = cluster->grace_s;
+  job.spec.resumable = false;  // images are of use to their own node alone
+  job.spec.lock_file
+      .clear();  // whose writing counts is told by incarnations, and the next coordinator has another lock
+  auto nodes = seat->nodes(term > 1, stop);
+  if (nodes.empty()) return error(Errc::interrupted, "interrupted");
+  return nodes;
+}
+
+Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                                     Progress& progress, const std::stop_token& stop, bool& again) {
+  progress.tiles_total = static_cast<std::uint32_t>(
+      std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
+  progress.phase = Phase::triangulating;
+
+  // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
+  const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below
+  auto gone = let_go->get_future();
+  std::shared_ptr<const RoutedRun> lent(&run, [let_go](const RoutedRun*) { let_go->set_value(); });
+
+  CoordinatorOptions job;
+  job.job = JobId{++jobs};
+  job.spec = {options, run.folder.string(), out.string(), {}, 0};
+  job.points = run.tile_points;
+  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
+    if (run.tile_points[t] > 0) job.order.push_back(TileId{t});
+  }
+  // A node's tiles are near each other, so that most neighbours are at home.
+  const HilbertKey key(run.bounds, run.dimension);
+  std::vector<std::uint64_t> place(run.tile_points.size());
+  for (const TileId t : job.order) {
+    const Bounds& b = run.tile_bounds[t.value];
+    place[t.value] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, b.lo.z / 2 + b.hi.z / 2});
+  }
+  std::stable_sort(job.order.begin(), job.order.end(),
+                   [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
+  job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
+  std::vector<NodeHandle> nodes{node};
+  if (seat) {
+    BOOST_OUTCOME_TRY(free, prepare(job, run, stop));
+    nodes = std::move(free);
+  }
+
+  Caller caller(progress);
+  Prepared<Cancel> prepared_cancel;
+  source->offer(std::move(lent));
+  RunEnded end;
+  try {
+    const auto coordinator = system.spawn<Coordinator>(std::move(job), caller, std::move(nodes));
+    if (seat) seat->follow(coordinator);
+    const std::stop_callback cancel(stop, [&] { prepared_cancel.say(coordinator); });
+    end = caller.wait();
+  } catch (...) {  // there is no coordinator
+    source->withdraw(run);
+    throw;
+  }
+  source->withdraw(run);
+  gone.wait();
+  again = end.again;
+  if (end.failure) return error_of(std::move(end.failure));
+  return caller.summary(end);
+}
+
+Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)
+    : impl_(std::make_unique<Impl>(threads, memory_bytes, std::nullopt)) {}
+
+Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_t memory_bytes,
+                                             ClusterOptions options) {
+  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(options));
+  // A coordinator goes on when it is no node any more: nothing of the node may hold on to a job then.
+  impl->cluster->expelled = [told = std::move(impl->cluster->expelled),
+                             node = caf::actor_cast<caf::actor_addr>(impl->node)](const std::string& why, bool again) {
+    if (const auto there = caf::actor_cast<caf::actor>(node))
+      caf::anon_send(caf::actor_cast<NodeHandle>(there), Leave{});
+    told(why, again);
+  };
+  Seat::Own own;
+  own.node = caf::actor_cast<caf::actor>(impl->node);
+  own.threads = threads;
+  own.memory_bytes = memory_bytes;
+  own.memory_used = [used = impl->used] { return used->load(); };
+  BOOST_OUTCOME_TRY(seat, Seat::take(impl->system, *impl->cluster, own));
+  impl->seat = std::move(seat);
+  return std::unique_ptr<Engine>(new Engine(std::move(impl)));
+}
+
+Engine::~Engine() = default;
+
+Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                               Progress& progress, std::stop_token stop) {
+  bool again = false;
+  auto summary = impl_->run(run, out, options, progress, stop, again);
+  // Once: where damage follows damage, nothing should go on.
+  if (again) summary = impl_->run(run, out, options, progress, stop, again);
+  return summary;
+}
+
+std::uint32_t Engine::threads() const {
+  if (!impl_->cluster) return impl_->threads;
+  std::uint32_t sum = 0;
+  for (const MemberReport& member : impl_->seat->members().members) sum += member.free ? member.info.threads : 0;
+  return std::max(1U, sum);
+}
+
+std::vector<NodeState> Engine::nodes() const {
+  std::vector<NodeState> nodes;
+  for (const MemberReport& member : impl_->seat->members().members) {
+    nodes.push_back({member.info, member.info.uuid == impl_->seat->uuid(), member.free, member.draining, member.seconds,
+                     member.silent_ms, member.memory_used});
+  }
+  return nodes;
+}
+
+std::uint64_t Engine::nodes_lost() const { return impl_->seat->members().lost; }
+
+Result<bool> Engine::drain(const std::string& node) const {
+  const Drained drained = impl_->seat->drain(node);
+  if (!drained.refused.empty()) return error(Errc::usage, "node '" + node + "': " + drained.refused);
+  return drained.found;
+}
+
+}  // namespace tessera

@@ -1,0 +1,68 @@
+// One process's node and the jobs it runs; in a cluster, the jobs of the cluster. Jobs that run at once take turns on
+// the engine's threads, each on at most as many as it asks for; memory is each one's own while it runs.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/progress.h"
+#include "src/base/result.h"
+#include "src/cluster/cluster_options.h"
+#include "src/cluster/members.h"
+#include "src/run/part.h"
+#include "src/run/run_summary.h"
+#include "src/tiling/routed_run.h"
+
+namespace tessera {
+
+// A node of a cluster, as its coordinator sees it.
+struct NodeState {
+  MemberInfo info;
+  bool own = false;  // of the coordinator's process
+  bool free = false, draining = false;
+  std::uint64_t seconds = 0, silent_ms = 0;  // since it came, since it was heard
+  std::uint64_t memory_used = 0;
+};
+
+class Engine {
+ public:
+  // For all jobs together: threads that work on tiles, and memory.
+  Engine(std::uint32_t threads, std::uint64_t memory_bytes);
+  // The same as a process of a cluster. Error io when it cannot listen; usage, io for certificates.
+  static Result<std::unique_ptr<Engine>> join(std::uint32_t threads, std::uint64_t memory_bytes,
+                                              ClusterOptions options);
+  ~Engine();
+  Engine(const Engine&) = delete;
+  Engine& operator=(const Engine&) = delete;
+
+  // Runs the tiles of a routed cloud as actors until message counting proves quiet, and stores them. Returns when
+  // nothing works on them any more here, and its memory is free for another run. Error interrupted when `stop` was
+  // requested: what is on scratch stays for a run that goes on; memory, at once, when the others have left too little.
+  // Several threads may call this at once, for different runs. In a cluster, of its coordinator only: all nodes work on
+  // it, each with a share of what it has in place of the threads and memory of the options, and folders are those that
+  // all see; waits until there is a node.
+  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+                         Progress& progress, std::stop_token stop);
+
+  // That work on jobs, of all nodes there are now.
+  std::uint32_t threads() const;
+
+  // REQUIRES of the rest: the coordinator of a cluster.
+  std::vector<NodeState> nodes() const;  // in order of coming
+  std::uint64_t nodes_lost() const;      // since the coordinator began; not those drained
+  // Takes all work from a node, by its name or uuid, and has its process end; the coordinator's own goes on without
+  // being a node. Error usage when it is the only one free for work. Whether there is such a node.
+  Result<bool> drain(const std::string& node) const;
+
+ private:
+  struct Impl;
+  explicit Engine(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,105 @@
+// What a part sends to other nodes, and gets from them, within credit (src/run/gate.h).
+#include <algorithm>
+#include <utility>
+
+#include "actors/failing.h"
+#include "actors/part_actor.h"
+
+namespace tessera {
+
+// For whoever is at home there by the newest table: if that is not the incarnation that is meant, it is dropped.
+void PartActor::post(Update update) {
+  if (failure_ || !table_->alive(update.to)) return;
+  const NodeId to = table_->node_of(update.to.tile);
+  if (to == self_) return deliver(self_, std::move(update));
+  if (!office_->routes()->parts[to.value]) return;  // lost: a table to come says where it is
+  Gate& gate = gates_
+                   .try_emplace(to, part_->gates,
+                                part_->scratch.empty() ? part_->scratch : gate_scratch_file(part_->scratch, to))
+                   .first->second;
+  if (Status added = gate.add(std::move(update)); !added) {
+    stop(failure_of(std::move(added).error()));
+    return dispatch();
+  }
+  send_parcels(to);
+}
+
+void PartActor::send_parcels(NodeId to) {
+  const auto routes = office_->routes();
+  const PartHandle& there = routes->parts[to.value];
+  Gate& gate = gates_.at(to);
+  while (true) {
+    auto updates = gate.next();
+    if (!updates) {
+      stop(failure_of(std::move(updates).error()));
+      return dispatch();
+    }
+    if (updates.value().empty()) return;
+    Parcel parcel{self_, part_->gates.window_bytes, std::move(updates).value()};
+    if (office_->hooks.network) {
+      send(office_->hooks.network, caf::actor_cast<caf::actor>(there), std::move(parcel));
+    } else {
+      send(there, std::move(parcel));
+    }
+  }
+}
+
+void PartActor::deliver(Parcel& parcel) {
+  if (parcel.from != self_) owed_[parcel.from].held_back = Gate::held_back(parcel.window_bytes);
+  for (Update& update : parcel.updates) deliver(parcel.from, std::move(update));
+}
+
+void PartActor::deliver_early() {
+  for (Delivery& early : std::exchange(early_, {})) deliver(early.from, std::move(early.update));
+}
+
+// What another node says is never a reason to stop this one: an update for nobody ends the job, not the process.
+void PartActor::deliver(NodeId from, Update update) {
+  if (failure_) return;  // mail of a job that is over
+  const auto routes = office_->routes();
+  if (!routes || update.epoch > table_->epoch) return early_.push_back({from, std::move(update)});
+  const TileId to = update.to.tile;
+  const std::size_t tiles = part_->tile_points.size();
+  const bool sound = to.value < tiles && update.from.tile.value < tiles;
+  // Sent by an older table; or the tile was given up, and is told again where it begins.
+  const bool gone = sound && (!table_->alive(update.to) || (routes->tiles[to.value] && !hosts(to)));
+  if (gone) return give_credit(from, Gate::bytes_of(update));
+  if (!sound || !routes->tiles[to.value]) {
+    stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
+                                              ", which it does not have")));
+    return dispatch();
+  }
+  send(routes->tiles[to.value], Delivery{from, std::move(update)});
+}
+
+// Not for each parcel: what is owed is always so little that the other one can go on.
+void PartActor::give_credit(NodeId to, std::uint64_t bytes) {
+  if (to == self_ || failure_) return;
+  Owed& owed = owed_[to];
+  owed.bytes += bytes;
+  if (owed.bytes < owed.held_back) return;
+  const auto routes = office_->routes();
+  if (to.value < routes->parts.size() && routes->parts[to.value])
+    send(routes->parts[to.value], Credit{self_, std::exchange(owed.bytes, 0)});
+}
+
+void PartActor::take(const Credit& credit) {
+  const auto gate = gates_.find(credit.from);
+  if (gate == gates_.end() || failure_) return;
+  gate->second.taken(credit.bytes);
+  send_parcels(credit.from);
+}
+
+// To nodes that are lost.
+void PartActor::close_gates() {
+  const auto routes = office_->routes();
+  for (auto& [node, gate] : gates_) {
+    if (!routes->parts[node.value]) gate.clear();
+  }
+}
+
+void PartActor::end_gates() {
+  for (auto& [node, gate] : gates_) gate.clear();
+}
+
+}  // namespace tessera

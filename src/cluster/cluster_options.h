@@ -1,0 +1,44 @@
+// How a process takes part in a cluster.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+
+namespace tessera {
+
+struct HostPort {
+  std::string host;
+  std::uint16_t port = 0;
+  friend bool operator==(const HostPort&, const HostPort&) = default;
+};
+// "HOST:PORT" or "[V6]:PORT". Error usage.
+Result<HostPort> parse_host_port(const std::string& text);
+std::string to_string(const HostPort& address);
+
+struct ClusterOptions {
+  std::string name = "tessera";  // of the cluster: others are refused
+  std::string node_name;         // for people
+  HostPort listen;               // port 0: any
+  HostPort advertised;           // by which others reach it; no host: as `listen`
+  std::vector<HostPort> join;    // any node of the cluster; this process, too
+  // PEM. Whoever has no certificate of the same authority is not listened to.
+  std::filesystem::path authority, certificate, key;
+  bool coordinator = true, node = true;  // what it is
+  std::chrono::milliseconds lease{10'000};
+  std::uint32_t jobs_at_once = 1;  // each has an equal share of every node
+  std::uint32_t grace_s = 300;     // that tiles go on for without a coordinator
+  std::filesystem::path scratch;   // a folder of this process; of tiles that are not in memory
+  std::string shared;              // tells the shared folder from any other one
+  std::function<void(const std::string&)> log = [](const std::string&) {};
+  // Called once, from any thread: the others count this process as lost, or cannot have it. It must begin anew
+  // (`again`), or end: it was drained.
+  std::function<void(const std::string& why, bool again)> expelled = [](const std::string&, bool) {};
+};
+
+}  // namespace tessera

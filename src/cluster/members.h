@@ -1,0 +1,78 @@
+// Who belongs to a cluster, as its coordinator sees it: told what it hears and when, it says who is lost. Pure.
+//
+// A node is a member from its Hello on, and free for work once it has reached all others. It is lost when its lease
+// ends, when its connection does, or when it cannot be reached by others that can reach each other: what was on its way
+// is gone. Whoever was lost does not come back: its process begins anew, as another one.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tessera {
+
+using NodeUuid = std::string;  // made when the process begins
+
+struct MemberInfo {
+  NodeUuid uuid;
+  std::string name;
+  std::string address;  // HOST:PORT by which others reach it
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = 0;
+};
+
+class Members {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  using Duration = std::chrono::steady_clock::duration;
+
+  struct Member {
+    MemberInfo info;
+    std::uint64_t number = 0;  // in order of coming
+    Time came, heard;
+    bool free = false;  // has reached all others
+    bool draining = false;
+    std::uint64_t memory_used = 0, tiles = 0;
+  };
+  struct Loss {
+    Member member;
+    std::string why;
+  };
+
+  explicit Members(Duration lease) : lease_(lease) {}
+
+  // False: it was lost, and must begin anew.
+  bool hello(const MemberInfo& info, Time now);
+  // It has reached all that were members when it came. Returns whether it is news.
+  bool reached_all(const NodeUuid& uuid);
+  // False: it is no member.
+  bool renew(const NodeUuid& uuid, std::uint64_t memory_used, std::uint64_t tiles, Time now);
+  bool drain(const NodeUuid& uuid);
+  // `from` cannot reach `to` any more, or never could. Who of them is lost is decided when others have had the time to
+  // say the same.
+  void unreachable(const NodeUuid& from, const NodeUuid& to, Time now);
+  std::optional<Loss> lose(const NodeUuid& uuid, std::string why);
+  // All who are lost by now. To be asked often, against the lease: when it was not, for this process was stopped or
+  // had no processor, leases go on for as long.
+  std::vector<Loss> lose_silent(Time now);
+
+  const std::map<NodeUuid, Member>& all() const { return members_; }
+  const Member* find(const NodeUuid& uuid) const;
+
+ private:
+  NodeUuid worst_connected() const;
+
+  Duration lease_;
+  std::map<NodeUuid, Member> members_;
+  std::set<NodeUuid> lost_;
+  std::set<std::pair<NodeUuid, NodeUuid>> broken_;  // the lesser first
+  std::optional<Time> broken_since_, asked_;
+  std::uint64_t numbers_ = 0;
+};
+
+}  // namespace tessera

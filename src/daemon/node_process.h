@@ -1,0 +1,24 @@
+// A process that only works for a cluster: no API, no jobs of its own.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "src/base/result.h"
+#include "src/cluster/cluster_options.h"
+#include "src/files/folder_lock.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+// The folder of tiles not in memory, for this process alone; what an earlier one has left in it goes. Errors: usage
+// when another process has it; io.
+Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
+
+// Works until SIGTERM or SIGINT, or until it is drained (success), or until the others count it as lost: `begin_anew`,
+// which should not return.
+// Errors as of Engine::join().
+Status serve_node(const ServiceOptions& options, const std::function<void()>& begin_anew);
+
+}  // namespace tessera

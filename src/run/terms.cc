@@ -1,0 +1,56 @@
+#include "src/run/terms.h"
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string>
+#include <system_error>
+
+#include "src/files/checksum.h"
+#include "src/files/descriptor.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
+
+namespace tessera {
+namespace {
+
+std::uint64_t highest_term(const std::filesystem::path& run) {
+  std::uint64_t highest = 0;
+  FolderReader reader(terms_folder(run));
+  while (const char* name = reader.next()) {
+    std::uint64_t term = 0;
+    const char* const last = name + std::strlen(name);
+    const auto [end, wrong] = std::from_chars(name, last, term);
+    if (wrong == std::errc{} && end == last) highest = std::max(highest, term);
+  }
+  return highest;
+}
+
+}  // namespace
+
+Result<std::uint64_t> claim_term(const std::filesystem::path& run) {
+  BOOST_OUTCOME_TRYV(make_directories(terms_folder(run)));
+  for (std::uint64_t term = highest_term(run) + 1;; ++term) {
+    const auto folder = terms_folder(run) / std::to_string(term);
+    if (::mkdir(folder.c_str(), 0777) == 0) return term;  // what was there before is another's
+    if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
+  }
+}
+
+bool is_replaced(const std::filesystem::path& run, std::uint64_t term) { return highest_term(run) > term; }
+
+Result<JobId> identity_of(const std::filesystem::path& run) {
+  const auto plan = plan_file(run);
+  struct stat found {};
+  if (::stat(plan.c_str(), &found) != 0) return io_error(plan, "cannot be looked at", errno);
+  const std::array<std::uint64_t, 4> what = {found.st_ino, static_cast<std::uint64_t>(found.st_mtim.tv_sec),
+                                             static_cast<std::uint64_t>(found.st_mtim.tv_nsec),
+                                             static_cast<std::uint64_t>(found.st_size)};
+  return JobId{checksum(std::as_bytes(std::span(what)))};
+}
+
+}  // namespace tessera

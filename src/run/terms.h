@@ -1,0 +1,21 @@
+// Coordinators of one run, one after the other: each claims the next term, and the highest is obeyed. Also when one
+// that was believed dead goes on.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "src/base/ids.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+// Of all who claim, on whatever machine, each gets another one: 1, 2, ... Error io.
+Result<std::uint64_t> claim_term(const std::filesystem::path& run);
+// Whether somebody has claimed a higher one.
+bool is_replaced(const std::filesystem::path& run, std::uint64_t term);
+
+// Tells a routed run from any other one, at this place or elsewhere, whichever process asks. Error io.
+Result<JobId> identity_of(const std::filesystem::path& run);
+
+}  // namespace tessera

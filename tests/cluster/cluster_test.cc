@@ -1,0 +1,206 @@
+// Engines of several processes as one cluster, over TLS on the loopback: the same files, whoever works on them.
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "actors/engine/engine.h"
+#include "src/certs/certificates.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/io/npy/array_source.h"
+#include "src/reference/clouds.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t memory = std::uint64_t{256} << 20;
+
+std::uint16_t free_port() {
+  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t length = sizeof address;
+  EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), length), 0);
+  EXPECT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length), 0);
+  ::close(socket);
+  return ntohs(address.sin_port);
+}
+
+class Cluster : public ::testing::Test {
+ protected:
+  Cluster() {
+    EXPECT_TRUE(make_authority(certs_));
+    EXPECT_TRUE(make_node(certs_, "all"));
+  }
+
+  ClusterOptions options(const std::string& name) {
+    ClusterOptions options;
+    options.node_name = name;
+    options.listen = {"127.0.0.1", free_port()};
+    options.coordinator = false;
+    options.join = {first_};
+    options.authority = authority_file(certs_);
+    options.certificate = node_certificate_file(certs_, "all");
+    options.key = node_key_file(certs_, "all");
+    options.scratch = folder_.path() / ("scratch-" + name);
+    std::filesystem::create_directories(options.scratch);
+    options.log = [this](const std::string& line) {
+      const std::lock_guard lock(mutex_);
+      said_.insert(line);
+      heard_.notify_all();
+    };
+    return options;
+  }
+
+  std::unique_ptr<Engine> coordinator(bool also_node = true) {
+    auto first = options("first");
+    first.coordinator = true;
+    first.node = also_node;
+    first_ = first.listen;
+    first.join.clear();
+    return start(std::move(first));
+  }
+
+  static std::unique_ptr<Engine> start(ClusterOptions options) {
+    auto engine = Engine::join(1, memory, std::move(options));
+    EXPECT_TRUE(engine) << engine.error().where;
+    return std::move(engine).value();
+  }
+
+  // Until somebody has logged a line with all of this in it.
+  void wait_for(const std::string& a, const std::string& b) {
+    std::unique_lock lock(mutex_);
+    heard_.wait(lock, [&] {
+      for (const std::string& line : said_) {
+        if (line.find(a) != std::string::npos && line.find(b) != std::string::npos) return true;
+      }
+      return false;
+    });
+  }
+
+  RoutedRun routed(const std::string& name, std::size_t points = 20'000) {
+    std::vector<double> coordinates;
+    for (const LocalPoint& p : make_cloud("uniform", 3, points, 1))
+      coordinates.insert(coordinates.end(), {p.at.x, p.at.y, p.at.z});
+    const auto out = folder_.path() / name;
+    std::filesystem::create_directory(out);
+    Progress progress;
+    const Cloud cloud = Cloud::open_source(array_source("cloud", coordinates, 3), {.dimension = 3}).value();
+    return route(cloud, run_folder(out), {.tiles = 12}, progress, {}).value();
+  }
+
+  // Of each tile's file.
+  static std::vector<std::uint64_t> run(Engine& engine, const RoutedRun& run) {
+    Progress progress;
+    const auto summary =
+        engine.run(run, run.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, progress, {});
+    EXPECT_TRUE(summary) << summary.error().where;
+    std::vector<std::uint64_t> sums;
+    if (!summary) return sums;
+    for (const TileEntry& tile : summary.value().tiles) sums.push_back(tile.xxh3);
+    return sums;
+  }
+
+  std::vector<std::uint64_t> alone() {
+    Engine engine(2, memory);
+    return run(engine, routed("alone"));
+  }
+
+  TemporaryFolder folder_ = TemporaryFolder::make().value();
+  const std::filesystem::path certs_ = folder_.path() / "certs";
+  HostPort first_;
+  std::mutex mutex_;
+  std::condition_variable heard_;
+  std::set<std::string> said_;
+};
+
+TEST_F(Cluster, RunsAJobOnAllNodes) {
+  const auto expected = alone();
+  for (const bool also_node : {true, false}) {
+    const auto first = coordinator(also_node);
+    const auto second = start(options("second"));
+    const auto third = start(options("third"));
+    wait_for("node second", "has joined");
+    wait_for("node third", "has joined");
+    EXPECT_EQ(first->nodes().size(), also_node ? 3U : 2U);
+    EXPECT_EQ(run(*first, routed(also_node ? "three" : "two")), expected);
+    const std::lock_guard lock(mutex_);
+    said_.clear();
+  }
+}
+
+// Those that come while a job runs take part; one that goes is lost, and the others do its work.
+TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
+  const auto expected = alone();
+  const auto first = coordinator();
+  const RoutedRun cloud = routed("changing");
+  std::vector<std::uint64_t> got;
+  std::jthread job([&] { got = run(*first, cloud); });
+  for (int i = 0; i < 3; ++i) {
+    const std::string name = "guest-" + std::to_string(i);
+    auto guest = start(options(name));
+    wait_for("node " + name, "has joined");
+    guest.reset();
+    wait_for("node " + name, "is lost");
+  }
+  job.join();
+  EXPECT_EQ(got, expected);
+}
+
+TEST_F(Cluster, WaitsForANodeAndIsInterruptedMeanwhile) {
+  const auto first = coordinator(false);
+  const RoutedRun cloud = routed("waiting");
+  std::stop_source stop;
+  Progress progress;
+  stop.request_stop();
+  const auto summary =
+      first->run(cloud, cloud.folder.parent_path(), {.memory_bytes = memory}, progress, stop.get_token());
+  ASSERT_FALSE(summary);
+  EXPECT_EQ(summary.error().code, Errc::interrupted);
+}
+
+TEST_F(Cluster, RefusesOthersWithASentence) {
+  const auto first = coordinator();
+  auto other = options("other-cluster");
+  other.name = "another";
+  const auto a = start(other);
+  wait_for("refused", "it belongs to the cluster 'another'");
+  auto elsewhere = options("elsewhere");
+  elsewhere.shared = "another folder";
+  const auto b = start(elsewhere);
+  wait_for("refused", "data folder is not the coordinator's");
+  EXPECT_EQ(first->nodes().size(), 1U);
+}
+
+// Whoever has a certificate of another authority is not spoken to.
+TEST_F(Cluster, DoesNotSpeakToStrangers) {
+  const auto first = coordinator();
+  const auto foreign = folder_.path() / "foreign";
+  ASSERT_TRUE(make_authority(foreign));
+  ASSERT_TRUE(make_node(foreign, "spy"));
+  auto spy = options("spy");
+  spy.authority = authority_file(foreign);
+  spy.certificate = node_certificate_file(foreign, "spy");
+  spy.key = node_key_file(foreign, "spy");
+  const auto engine = start(spy);
+  wait_for("nobody of the cluster is reached", "disconnect_during_handshake");
+  const auto second = start(options("second"));
+  wait_for("node second", "has joined");  // nor are the others disturbed
+  EXPECT_EQ(first->nodes().size(), 2U);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,77 @@
+// Leases and losses on a clock of the test's.
+#include "src/cluster/members.h"
+
+#include <gtest/gtest.h>
+
+namespace tessera {
+namespace {
+
+using namespace std::chrono_literals;
+
+Members::Time at(std::chrono::milliseconds time) { return Members::Time{} + time; }
+
+MemberInfo node(const std::string& uuid) { return {uuid, "node-" + uuid, "127.0.0.1:1", 1, 1}; }
+
+std::vector<NodeUuid> uuids(const std::vector<Members::Loss>& losses) {
+  std::vector<NodeUuid> out;
+  for (const auto& loss : losses) out.push_back(loss.member.info.uuid);
+  return out;
+}
+
+// Asked every second, as the actor does.
+std::vector<NodeUuid> silent_until(Members& members, std::chrono::seconds from, std::chrono::seconds to) {
+  std::vector<NodeUuid> lost;
+  for (auto now = from; now <= to; now += 1s) {
+    for (const NodeUuid& uuid : uuids(members.lose_silent(at(now)))) lost.push_back(uuid);
+  }
+  return lost;
+}
+
+TEST(Members, WhoDoesNotRenewItsLeaseIsLostAndDoesNotComeBack) {
+  Members members(10s);
+  EXPECT_TRUE(members.hello(node("a"), at(0s)));
+  EXPECT_TRUE(members.hello(node("b"), at(0s)));
+  EXPECT_TRUE(members.renew("b", 5, 6, at(9s)));
+  EXPECT_EQ(silent_until(members, 0s, 10s), std::vector<NodeUuid>{});
+  EXPECT_EQ(silent_until(members, 11s, 19s), std::vector<NodeUuid>{"a"});
+  EXPECT_FALSE(members.hello(node("a"), at(20s)));
+  EXPECT_FALSE(members.renew("a", 0, 0, at(20s)));
+  EXPECT_EQ(members.all().size(), 1U);
+  EXPECT_EQ(members.find("b")->memory_used, 5U);
+}
+
+// A coordinator that was stopped, or had no processor, has heard nothing because it did not listen.
+TEST(Members, LeasesGoOnForAsLongAsNobodyListened) {
+  Members members(10s);
+  members.hello(node("a"), at(0s));
+  EXPECT_TRUE(members.lose_silent(at(1s)).empty());
+  EXPECT_TRUE(members.lose_silent(at(60s)).empty());
+  EXPECT_EQ(silent_until(members, 61s, 80s), std::vector<NodeUuid>{"a"});
+}
+
+TEST(Members, OfThoseWhoCannotReachEachOtherTheWorstConnectedIsLost) {
+  Members members(8s);
+  for (const char* uuid : {"a", "b", "c", "d"}) members.hello(node(uuid), at(0s));
+  members.unreachable("b", "a", at(0s));
+  EXPECT_TRUE(members.lose_silent(at(500ms)).empty());  // others may say the same
+  members.unreachable("a", "c", at(600ms));
+  members.unreachable("d", "a", at(700ms));
+  EXPECT_EQ(uuids(members.lose_silent(at(1s))), std::vector<NodeUuid>{"a"});
+  members.unreachable("b", "a", at(2s));  // said before it was known to be lost
+  EXPECT_TRUE(members.lose_silent(at(3s)).empty());
+  members.unreachable("b", "c", at(3s));
+  EXPECT_EQ(uuids(members.lose_silent(at(4s))), std::vector<NodeUuid>{"c"});  // of equal ones the last that came
+}
+
+TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
+  Members members(10s);
+  members.hello(node("a"), at(0s));
+  EXPECT_FALSE(members.find("a")->free);
+  EXPECT_TRUE(members.reached_all("a"));
+  EXPECT_FALSE(members.reached_all("a"));
+  EXPECT_FALSE(members.reached_all("nobody"));
+  EXPECT_TRUE(members.find("a")->free);
+}
+
+}  // namespace
+}  // namespace tessera

@@ -1,0 +1,214 @@
+"""Daemons as one cluster, over TLS on 127.0.0.1: nodes and the coordinator are killed, stopped and cut off while a job
+runs, and its result is the one of the command. KILLS=100 COORDINATOR_KILLS=30 SEED=7 runs as many at random moments."""
+import json
+import os
+import pathlib
+import random
+import re
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+import unittest
+
+from daemon import TESSERA, TESSERAD, Daemon, DaemonTest
+
+KILLS = int(os.environ.get("KILLS", "3"))
+COORDINATOR_KILLS = int(os.environ.get("COORDINATOR_KILLS", "2"))
+SEED = int(os.environ.get("SEED", "1"))
+POINTS = os.environ.get("POINTS", "150k")
+LEASE = "10s"  # a busy machine may not let a process run for seconds
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Node:
+    """A process that only works for the cluster."""
+
+    def __init__(self, test, name, join, certs="certs", *options):
+        self.port = free_port()
+        self.log = tempfile.TemporaryFile()
+        test.addCleanup(self.log.close)
+        clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
+        self.process = subprocess.Popen(
+            [TESSERAD, "--data", str(test.folder / "data"), "--cluster", f"127.0.0.1:{self.port}", "--join",
+             f"127.0.0.1:{join}", "--certs", str(test.folder / certs), "--node-name", name, "--lease", LEASE,
+             "--memory", "512M", "--threads", "1", *options], env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
+        test.addCleanup(self.end)
+
+    def said(self):
+        self.log.seek(0)
+        return self.log.read().decode()
+
+    def end(self, how=signal.SIGKILL):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        return self.process.wait(timeout=60)
+
+
+class Cluster(DaemonTest):
+    def setUp(self):
+        super().setUp()
+        self.tessera("certs", "init", "certs")
+        self.tessera("certs", "node", "certs", "a", "b", "c", "d", "e")
+        self.port, self.http = free_port(), free_port()
+        self.tessera("generate", "uniform", "-n", POINTS, "-o", "cloud.npy", "--quiet")
+        self.coordinator = self.start_coordinator()
+        self.nodes = {name: self.join(name) for name in "bcd"}
+        self.wait_for_members(4)
+        self.digest = self.result(self.run_job("whole"))
+
+    def start_coordinator(self):
+        return self.start("--cluster", f"127.0.0.1:{self.port}", "--certs", str(self.folder / "certs"), "--node-name",
+                          "a", "--lease", LEASE, "--memory", "512M", listen=f"127.0.0.1:{self.http}",
+                          inputs=self.folder)
+
+    def join(self, name, *more, **options):
+        return Node(self, name, self.port, *more, **options)
+
+    def wait_until(self, holds, what):
+        """Until it does. The time is for what never will."""
+        end = time.monotonic() + 300
+        while not holds():
+            self.assertLess(time.monotonic(), end, what() + "\n" + self.coordinator.messages())
+            time.sleep(0.05)
+
+    def joined(self):
+        """The names of those who are members now."""
+        names = set()
+        for name, what in re.findall(r"node (\w+) \(\S+\) (has joined|is lost)", self.coordinator.messages()):
+            names.add(name) if what == "has joined" else names.discard(name)
+        return names
+
+    def wait_for_members(self, count):
+        self.wait_until(lambda: len(self.joined()) == count, lambda: f"{self.joined()} instead of {count} members")
+
+    def submit(self, name):
+        status, _, job = self.coordinator.request(
+            "POST", "/v1/processes/triangulate/execution",
+            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": name, "tiles": 16}})
+        self.assertEqual(status, 201, job)
+        return job["jobID"]
+
+    def status(self, job):
+        return self.coordinator.request("GET", f"/v1/jobs/{job}")[2]
+
+    def wait_for_phase(self, job, *phases):
+        self.wait_until(lambda: self.status(job).get("phase") in phases or self.status(job)["status"] != "running" and
+                        self.status(job)["status"] != "accepted", lambda: json.dumps(self.status(job)))
+
+    def run_job(self, name):
+        job = self.submit(name)
+        self.wait_until(lambda: self.status(job)["status"] not in ("accepted", "running"),
+                        lambda: json.dumps(self.status(job)))
+        return job
+
+    def result(self, job):
+        self.wait_until(lambda: self.status(job)["status"] not in ("accepted", "running"),
+                        lambda: json.dumps(self.status(job)))
+        self.assertEqual(self.status(job)["status"], "successful", self.status(job))
+        name = self.status(job)["triangulation"]
+        return self.coordinator.request("GET", f"/v1/triangulations/{name}")[2]["digest"]
+
+    def test_the_result_is_the_one_of_the_command(self):
+        alone = self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", "16", "--json")
+        self.assertEqual(json.loads(alone.splitlines()[-1])["digest"], self.digest)
+
+    def test_nodes_are_killed_while_a_job_runs(self):
+        chance = random.Random(SEED)
+        for i in range(KILLS):
+            job = self.submit(f"killed-{i}")
+            self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+            time.sleep(chance.random())  # any moment will do
+            name = chance.choice("bcd")
+            before = self.coordinator.messages().count(f"node {name} (")
+            self.nodes[name].end()
+            self.nodes[name] = self.join(name)
+            self.assertEqual(self.result(job), self.digest, f"seed {SEED}, kill {i}")
+            self.wait_until(lambda: self.coordinator.messages().count(f"node {name} (") >= before + 2,
+                            lambda: f"{name} does not come back")
+
+    def test_the_coordinator_is_killed_while_a_job_runs(self):
+        chance = random.Random(SEED)
+        for i in range(COORDINATOR_KILLS):
+            job = self.submit(f"orphaned-{i}")
+            self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+            time.sleep(chance.random())
+            self.coordinator.end(signal.SIGKILL)
+            self.coordinator = self.start_coordinator()
+            self.assertEqual(self.result(job), self.digest, f"seed {SEED}, kill {i}")
+            self.wait_for_members(4)
+
+    def test_a_node_that_was_stopped_for_longer_than_its_lease_begins_anew(self):
+        job = self.submit("stopped")
+        self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+        node = self.nodes["c"]
+        node.process.send_signal(signal.SIGSTOP)
+        self.wait_until(lambda: "node c (" in self.coordinator.messages() and "c" not in self.joined(), lambda: "not lost")
+        node.process.send_signal(signal.SIGCONT)
+        self.assertEqual(self.result(job), self.digest)
+        self.wait_for_members(4)
+        self.assertIn("no member of the cluster any more", node.said())
+
+    def test_strangers_are_refused_and_harm_nobody(self):
+        self.tessera("certs", "init", "others")
+        self.tessera("certs", "node", "others", "e")
+        spy = self.join("e", "others")
+        self.wait_until(lambda: "nobody of the cluster is reached" in spy.said(), spy.said)
+        for sent in (b"GET / HTTP/1.1\r\n\r\n", b"\x16\x03\x01\xff\xff" + b"\xff" * 70000, os.urandom(4096)):
+            with socket.create_connection(("127.0.0.1", self.port)) as stranger:
+                stranger.settimeout(20)
+                try:
+                    stranger.sendall(sent)
+                    while stranger.recv(4096):
+                        pass
+                except ConnectionError:
+                    pass
+        self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
+        self.assertEqual(self.joined(), set("abcd"))
+
+    def test_a_node_that_ends_in_order_is_done_without(self):
+        job = self.submit("fewer")
+        self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+        self.assertEqual(self.nodes["d"].end(signal.SIGTERM), 0, self.nodes["d"].said())
+        self.assertEqual(self.result(job), self.digest)
+
+    def test_all_are_killed_and_come_back(self):
+        job = self.submit("all")
+        self.wait_for_phase(job, "splaying", "collecting")
+        self.coordinator.end(signal.SIGKILL)
+        for node in self.nodes.values():
+            node.end()
+        self.coordinator = self.start_coordinator()
+        for name in "bcd":
+            self.nodes[name] = self.join(name)
+        self.assertEqual(self.result(job), self.digest)
+
+
+class Options(unittest.TestCase):
+    def test_wrong_ones_get_a_sentence(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            subprocess.run([TESSERA, "certs", "init", str(path / "certs"), "--quiet"], check=True)
+            subprocess.run([TESSERA, "certs", "node", str(path / "certs"), "x", "--quiet"], check=True)
+            certs = str(path / "certs")
+            for options, sentence in (
+                    (["--join", "127.0.0.1:1"], "--cluster HOST:PORT is needed"),
+                    (["--cluster", "127.0.0.1:1"], "--certs DIR is needed"),
+                    (["--cluster", "7070", "--certs", certs], "'7070' is not HOST:PORT"),
+                    (["--cluster", "127.0.0.1:1", "--certs", certs, "--roles", "boss"], "neither coordinator nor node"),
+                    (["--cluster", "127.0.0.1:1", "--certs", certs, "--roles", "node"], "--join HOST:PORT is needed"),
+                    (["--cluster", "127.0.0.1:1", "--certs", certs, "--node-name", "nobody"], "nobody")):
+                done = subprocess.run([TESSERAD, "--data", str(path / "data"), *options], text=True,
+                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=60)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(sentence, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
