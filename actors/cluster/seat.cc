@@ -24,51 +24,73 @@ caf::actor as_actor(const auto& handle) { return caf::actor_cast<caf::actor>(han
 
 }  // namespace
 
-Result<std::unique_ptr<Seat>> Seat::take(caf::actor_system& system, ClusterOptions options, const Own& own) {
-  std::unique_ptr<Seat> seat(new Seat(system, std::move(options)));
-  ClusterOptions& o = seat->options_;
-  // The port must be known before anybody hears of it: so whoever is published waits for its first message.
+void Seat::prepare(caf::actor_system_config& config) {
+  config.add_message_types<caf::id_block::tessera_cluster>();
+  load_network(config, options_);
+}
+
+Status Seat::take(caf::actor_system& system, const Own& own) {
+  system_ = &system;
+  ClusterOptions& o = options_;
+  if (o.listen.port == 0) return error(Errc::usage, "the cluster's address needs a port");
   if (o.advertised.host.empty()) o.advertised.host = o.listen.host;
+  if (o.advertised.port == 0) o.advertised.port = o.listen.port;
+  // A coordinator goes on when it is no node any more: nothing of the node may hold on to a job then.
+  o.expelled = [told = std::move(o.expelled), node = own.node ? own.node.address() : caf::actor_addr()](
+                   const std::string& why, bool again) {
+    if (const auto there = caf::actor_cast<caf::actor>(node))
+      caf::anon_send(caf::actor_cast<NodeHandle>(there), Leave{});
+    told(why, again);
+  };
   const auto open = [&](const caf::actor& door) -> Status {
     BOOST_OUTCOME_TRY(port, publish(system, door, o.listen));
-    seat->port_ = port;
+    port_ = port;
     return success();
   };
-  if (o.listen.port == 0) return error(Errc::usage, "the cluster's address needs a port");
-  if (o.advertised.port == 0) o.advertised.port = o.listen.port;
   if (o.coordinator) {
-    seat->registry_ = system.spawn<Registry>(o);
-    BOOST_OUTCOME_TRYV(open(as_actor(seat->registry_)));
+    registry_ = system.spawn<Registry>(o);
+    BOOST_OUTCOME_TRYV(open(as_actor(registry_)));
   }
   if (o.node) {
     MemberOptions member;
     member.cluster = o;
-    seat->uuid_ = new_uuid();
-    member.info = {seat->uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes};
-    member.registry = as_actor(seat->registry_);
+    uuid_ = new_uuid();
+    member.info = {uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes};
+    member.registry = as_actor(registry_);
     member.node = own.node;
     member.memory_used = own.memory_used;
-    seat->member_ = system.spawn<Member>(std::move(member));
+    member_ = system.spawn<Member>(std::move(member));
     if (!o.coordinator) {
-      BOOST_OUTCOME_TRYV(open(as_actor(seat->member_)));
+      BOOST_OUTCOME_TRYV(open(as_actor(member_)));
     }
   }
-  return seat;
+  return success();
 }
 
-Seat::~Seat() {
-  const caf::actor door = registry_ ? as_actor(registry_) : as_actor(member_);
-  if (port_ != 0) unpublish(system_, door, port_);
+void Seat::leave() noexcept {
+  if (!system_) return;
+  if (port_ != 0) unpublish(*system_, registry_ ? as_actor(registry_) : as_actor(member_), port_);
   if (member_) caf::anon_send(member_, Leave{});
   if (registry_) caf::anon_send(registry_, Leave{});
+  member_ = nullptr;
+  registry_ = nullptr;
 }
 
-MemberList Seat::members() const {
-  caf::scoped_actor self{system_, true};
+MemberList Seat::list() const {
+  caf::scoped_actor self{*system_, true};
   MemberList list;
   self->request(registry_, caf::infinite, AskMembers{})
       .receive([&](MemberList& answer) { list = std::move(answer); }, [](const caf::error&) {});  // it is ending: none
   return list;
+}
+
+std::vector<NodeState> Seat::members() const {
+  std::vector<NodeState> nodes;
+  for (const MemberReport& member : list().members) {
+    nodes.push_back({member.info, member.info.uuid == uuid_, member.free, member.draining, member.seconds,
+                     member.silent_ms, member.memory_used});
+  }
+  return nodes;
 }
 
 std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop) const {
@@ -77,7 +99,7 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
   std::unique_lock lock(mutex);
   while (!stop.stop_requested()) {
     std::vector<NodeHandle> nodes;
-    for (const MemberReport& member : members().members) {
+    for (const MemberReport& member : list().members) {
       if (member.free && !member.draining) nodes.push_back(caf::actor_cast<NodeHandle>(member.node));
     }
     const bool in_time = gathering && std::chrono::steady_clock::now() - taken_ < options_.lease;
@@ -89,12 +111,13 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
 
 void Seat::follow(const CoordinatorHandle& job) const { caf::anon_send(registry_, Follow{as_actor(job)}); }
 
-Drained Seat::drain(const std::string& node) const {
-  caf::scoped_actor self{system_, true};
+Result<bool> Seat::drain(const std::string& node) const {
+  caf::scoped_actor self{*system_, true};
   Drained drained;
   self->request(registry_, caf::infinite, Drain{node})
       .receive([&](Drained& answer) { drained = std::move(answer); }, [](const caf::error&) {});  // it is ending: none
-  return drained;
+  if (!drained.refused.empty()) return error(Errc::usage, "node '" + node + "': " + drained.refused);
+  return drained.found;
 }
 
 }  // namespace tessera

@@ -6,10 +6,9 @@
 #include <future>
 #include <utility>
 
-#include "actors/cluster/network.h"
-#include "actors/cluster/seat.h"
 #include "actors/coordinator.h"
 #include "actors/engine/caller.h"
+#include "actors/engine/membership.h"
 #include "actors/failing.h"
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
@@ -25,26 +24,25 @@ namespace {
 
 class EngineConfig : public caf::actor_system_config {
  public:
-  EngineConfig(std::uint32_t threads, const ClusterOptions* cluster) {
+  EngineConfig(std::uint32_t threads, Membership* cluster) {
     add_message_types<caf::id_block::tessera>();
-    add_message_types<caf::id_block::tessera_cluster>();
     set("scheduler.max-threads", deciding_threads + threads);
     module_factories.push_back(
         [](caf::actor_system& system) -> caf::actor_system::module* { return new Scheduler(system); });
-    if (cluster) load_network(*this, *cluster);
+    if (cluster) cluster->prepare(*this);
   }
 };
 
 }  // namespace
 
 struct Engine::Impl {
-  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::optional<ClusterOptions> options)
+  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::unique_ptr<Membership> membership)
       : threads(own_threads),
-        cluster(std::move(options)),
-        config(threads, cluster ? &*cluster : nullptr),
-        source(std::make_shared<DiskParts>(cluster ? cluster->scratch : std::filesystem::path())),
+        seat(std::move(membership)),
+        config(threads, seat.get()),
+        source(std::make_shared<DiskParts>(seat ? seat->options().scratch : std::filesystem::path())),
         system(config) {
-    if (cluster && !cluster->node) return;
+    if (seat && !seat->options().node) return;
     NodeOptions own;
     own.threads = threads;
     own.memory_bytes = memory_bytes;
@@ -52,7 +50,7 @@ struct Engine::Impl {
     node = system.spawn<NodeActor>(std::move(own), source);
   }
   ~Impl() {
-    seat.reset();
+    if (seat) seat->leave();
     leave.say(node);
     node = nullptr;
   }
@@ -63,14 +61,13 @@ struct Engine::Impl {
   Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const RoutedRun& run, const std::stop_token& stop);
 
   const std::uint32_t threads;
-  std::optional<ClusterOptions> cluster;
+  const std::unique_ptr<Membership> seat;  // null: alone
   EngineConfig config;
   std::shared_ptr<DiskParts> source;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
   Prepared<Leave> leave;
   caf::actor_system system;
   NodeHandle node;
-  std::unique_ptr<Seat> seat;
   std::atomic<std::uint64_t> jobs{0};
 };
 
@@ -92,8 +89,8 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.stored = [out = std::filesystem::path(job.spec.out_folder)] {
     return stored_tiles(out, [](TileId) { return true; });
   };
-  job.spec.shares = cluster->jobs_at_once;
-  job.spec.grace_s = cluster->grace_s;
+  job.spec.shares = seat->options().jobs_at_once;
+  job.spec.grace_s = seat->options().grace_s;
   job.spec.resumable = false;  // images are of use to their own node alone
   job.spec.lock_file
       .clear();  // whose writing counts is told by incarnations, and the next coordinator has another lock
@@ -157,27 +154,19 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
 }
 
 Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)
-    : impl_(std::make_unique<Impl>(threads, memory_bytes, std::nullopt)) {}
+    : impl_(std::make_unique<Impl>(threads, memory_bytes, nullptr)) {}
 
 Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                             ClusterOptions options) {
-  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(options));
-  // A coordinator goes on when it is no node any more: nothing of the node may hold on to a job then.
-  impl->cluster->expelled = [told = std::move(impl->cluster->expelled),
-                             node = caf::actor_cast<caf::actor_addr>(impl->node)](const std::string& why, bool again) {
-    if (const auto there = caf::actor_cast<caf::actor>(node))
-      caf::anon_send(caf::actor_cast<NodeHandle>(there), Leave{});
-    told(why, again);
-  };
-  Seat::Own own;
+                                             std::unique_ptr<Membership> membership) {
+  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(membership));
+  Membership::Own own;
   own.node = caf::actor_cast<caf::actor>(impl->node);
   own.threads = threads;
   own.memory_bytes = memory_bytes;
   own.memory_used = [used = impl->used] { return used->load(); };
-  BOOST_OUTCOME_TRY(seat, Seat::take(impl->system, *impl->cluster, own));
-  impl->seat = std::move(seat);
+  BOOST_OUTCOME_TRYV(impl->seat->take(impl->system, own));
   return std::unique_ptr<Engine>(new Engine(std::move(impl)));
 }
 
@@ -193,27 +182,16 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
 }
 
 std::uint32_t Engine::threads() const {
-  if (!impl_->cluster) return impl_->threads;
+  if (!impl_->seat) return impl_->threads;
   std::uint32_t sum = 0;
-  for (const MemberReport& member : impl_->seat->members().members) sum += member.free ? member.info.threads : 0;
+  for (const NodeState& member : impl_->seat->members()) sum += member.free ? member.info.threads : 0;
   return std::max(1U, sum);
 }
 
-std::vector<NodeState> Engine::nodes() const {
-  std::vector<NodeState> nodes;
-  for (const MemberReport& member : impl_->seat->members().members) {
-    nodes.push_back({member.info, member.info.uuid == impl_->seat->uuid(), member.free, member.draining, member.seconds,
-                     member.silent_ms, member.memory_used});
-  }
-  return nodes;
-}
+std::vector<NodeState> Engine::nodes() const { return impl_->seat->members(); }
 
-std::uint64_t Engine::nodes_lost() const { return impl_->seat->members().lost; }
+std::uint64_t Engine::nodes_lost() const { return impl_->seat->lost(); }
 
-Result<bool> Engine::drain(const std::string& node) const {
-  const Drained drained = impl_->seat->drain(node);
-  if (!drained.refused.empty()) return error(Errc::usage, "node '" + node + "': " + drained.refused);
-  return drained.found;
-}
+Result<bool> Engine::drain(const std::string& node) const { return impl_->seat->drain(node); }
 
 }  // namespace tessera

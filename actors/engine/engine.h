@@ -10,32 +10,24 @@
 #include <string>
 #include <vector>
 
+#include "actors/engine/node_state.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/cluster/cluster_options.h"
-#include "src/cluster/members.h"
 #include "src/run/part.h"
 #include "src/run/run_summary.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
 
-// A node of a cluster, as its coordinator sees it.
-struct NodeState {
-  MemberInfo info;
-  bool own = false;  // of the coordinator's process
-  bool free = false, draining = false;
-  std::uint64_t seconds = 0, silent_ms = 0;  // since it came, since it was heard
-  std::uint64_t memory_used = 0;
-};
+class Membership;  // membership.h
 
 class Engine {
  public:
   // For all jobs together: threads that work on tiles, and memory.
   Engine(std::uint32_t threads, std::uint64_t memory_bytes);
-  // The same as a process of a cluster. Error io when it cannot listen; usage, io for certificates.
+  // The same as a process of a cluster. Error io when it cannot listen.
   static Result<std::unique_ptr<Engine>> join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                              ClusterOptions options);
+                                              std::unique_ptr<Membership> membership);
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;

@@ -97,6 +97,7 @@ Result<std::string> first_line(const FileHandle& output) {
 fs::path LocalCluster::log_of(const LocalNode& node) const { return local_log_file(folder, node.name); }
 
 Result<LocalCluster> new_local_cluster(const fs::path& folder, std::uint32_t nodes) {
+  BOOST_OUTCOME_TRYV(find_daemon());  // before anything is made
   LocalCluster cluster;
   cluster.folder = folder;
   BOOST_OUTCOME_TRY(ports, free_ports(nodes + 1));

@@ -10,6 +10,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
 #include "src/daemon/supervisor.h"
 #include "src/files/descriptor.h"
@@ -57,7 +58,7 @@ Status serve_node(const ServiceOptions& options, const std::function<void()>& be
     std::signal(SIGINT, SIG_DFL);
     context.stop();
   });
-  BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes, cluster));
+  BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster)));
   spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));
   supervisor::ready("node of the cluster " + cluster.name);
   boost::asio::steady_timer timer(context);

@@ -23,7 +23,8 @@ std::string summary_text(const JobSummary& s) {
   if (e.nodes > 1 || e.nodes_lost > 0) {
     line("nodes", grouped(e.nodes) +
                       (e.nodes_lost > 0 ? ", of which " + grouped(e.nodes_lost) +
-                                              " were lost: " + grouped(e.tiles_again) + " tiles were begun again"
+                                              (e.nodes_lost == 1 ? " was lost: " : " were lost: ") +
+                                              grouped(e.tiles_again) + " tiles were begun again"
                                         : "") +
                       "; " + human_bytes(e.bytes_between) + " between them");
   }

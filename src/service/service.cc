@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "actors/cluster/seat.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
@@ -31,7 +32,7 @@ Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
   cluster.jobs_at_once = options.limits.running;
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
-  return Engine::join(options.threads, options.memory_bytes, std::move(cluster));
+  return Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(std::move(cluster)));
 }
 
 }  // namespace

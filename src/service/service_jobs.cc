@@ -75,6 +75,7 @@ proto::StatusInfo Service::Impl::status_of(const Job& job) const {
   status.set_updated(record.updated());
   status.set_submitter(record.caller());
   status.set_points(record.points());
+  status.set_nodes_lost(record.nodes_lost());
   status.set_memory_bytes(record.memory_bytes());
   status.set_triangulation(record.triangulation());
   status.set_starts(record.starts());

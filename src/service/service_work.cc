@@ -142,6 +142,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
         ended.set_state(done ? job_state::successful : job_state::failed);
         ended.set_message(done ? "is done" : done.error().detail());
         if (done && done.value().points > 0) ended.set_points(done.value().points);
+        ended.set_nodes_lost(job->running->progress.nodes_lost);
         if (!done) *ended.mutable_problem() = done.error();
       });
       static_cast<void>(changed);  // as in start()

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
 #include "src/certs/certificates.h"
 #include "src/files/names.h"
@@ -75,7 +76,7 @@ class Cluster : public ::testing::Test {
   }
 
   static std::unique_ptr<Engine> start(ClusterOptions options) {
-    auto engine = Engine::join(1, memory, std::move(options));
+    auto engine = Engine::join(1, memory, std::make_unique<Seat>(std::move(options)));
     EXPECT_TRUE(engine) << engine.error().where;
     return std::move(engine).value();
   }
