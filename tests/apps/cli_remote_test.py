@@ -118,8 +118,9 @@ class Export(ServerTest):
 class Info(ServerTest):
     def test_inputs_are_described_as_here(self):
         cloud = self.xyz()
-        self.server.described = self.json_lines(self.local("info", cloud, "--json", "--stats").stdout)[0]
-        self.assertEqual(self.ok("info", "cloud.xyz", "--stats", "--dim", 3), self.local("info", cloud, "--stats").stdout)
+        self.server.described = self.json_lines(self.local("info", cloud, "--json", "--stats", "--memory", "2G").stdout)[0]
+        here = self.local("info", cloud, "--stats", "--memory", "2G").stdout
+        self.assertEqual(self.ok("info", "cloud.xyz", "--stats", "--dim", 3), here)
         (line,) = self.json_lines(self.ok("info", "cloud.xyz", "--json"))
         self.assertEqual(line, self.server.described)
         self.server.described = {"files": [{"no": 1}]}
