@@ -182,8 +182,10 @@ void Coordinator::lose(NodeId node, Failure failure) {
   PartOf& p = parts_.at(node.value);
   if (p.ended) return;
   p.lost = p.ended = true;
-  if (p.part) ++nodes_lost_;
-  if (p.part) demonitor(p.part.address());
+  if (p.part) {
+    ++nodes_lost_;
+    demonitor(p.part.address());
+  }
   p.part = nullptr;
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
   if (all([](const PartOf&) { return false; })) return fail(std::move(failure));  // there is no other

@@ -60,9 +60,7 @@ PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec));
-  std::uint64_t& term = terms_[wanted.job];
-  if (wanted.term < term) return error(Errc::interrupted, "another coordinator has taken over");
-  term = wanted.term;
+  if (is_replaced(wanted.job, wanted.term)) return error(Errc::interrupted, "another coordinator has taken over");
   if (spec.shares > 0) {
     spec.threads = std::max(1U, options_.threads / spec.shares);
     spec.memory_bytes = options_.memory_bytes / spec.shares;
@@ -93,6 +91,14 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   return opened;
 }
 
+// Of a job that has one coordinator ever nothing is kept.
+bool NodeActor::is_replaced(JobId job, std::uint64_t term) {
+  const auto known = terms_.find(job);
+  if (known != terms_.end() && term < known->second) return true;
+  if (term > 0) terms_[job] = term;
+  return false;
+}
+
 void NodeActor::leave() {
   for (const auto& [job, opened] : parts_) {
     if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<PartHandle>(part), Leave{});
@@ -101,9 +107,7 @@ void NodeActor::leave() {
 }
 
 void NodeActor::find(const FindPart& wanted) {
-  std::uint64_t& term = terms_[wanted.job];
-  if (wanted.term < term) return answer_none(wanted);  // it will open anew, and hear why it cannot
-  term = wanted.term;
+  if (is_replaced(wanted.job, wanted.term)) return answer_none(wanted);  // it will open anew, and hear why it cannot
   const auto found = parts_.find(wanted.job);
   const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
   if (!part) return answer_none(wanted);

@@ -42,6 +42,7 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   void prepare_answer() noexcept;
   PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
+  bool is_replaced(JobId job, std::uint64_t term);
   void leave();
   void find(const FindPart& wanted);
   void gone(const caf::down_msg& down);

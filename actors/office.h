@@ -33,6 +33,9 @@ struct Routes {
   std::shared_ptr<const Table> table;
   std::vector<TileHandle> tiles;  // by tile; null where there is none here
   std::vector<PartHandle> parts;  // by node; null where there is none
+
+  // Of a node of an earlier epoch, too, which this one may not number any more: null.
+  PartHandle part_of(NodeId node) const { return node.value < parts.size() ? parts[node.value] : PartHandle(); }
 };
 
 class Office {

@@ -12,7 +12,7 @@ void PartActor::post(Update update) {
   if (failure_ || !table_->alive(update.to)) return;
   const NodeId to = table_->node_of(update.to.tile);
   if (to == self_) return deliver(self_, std::move(update));
-  if (!office_->routes()->parts[to.value]) return;  // lost: a table to come says where it is
+  if (!office_->routes()->part_of(to)) return;  // lost: a table to come says where it is
   Gate& gate = gates_
                    .try_emplace(to, part_->gates,
                                 part_->scratch.empty() ? part_->scratch : gate_scratch_file(part_->scratch, to))
@@ -25,8 +25,7 @@ void PartActor::post(Update update) {
 }
 
 void PartActor::send_parcels(NodeId to) {
-  const auto routes = office_->routes();
-  const PartHandle& there = routes->parts[to.value];
+  const PartHandle there = office_->routes()->part_of(to);
   Gate& gate = gates_.at(to);
   while (true) {
     auto updates = gate.next();
@@ -78,9 +77,7 @@ void PartActor::give_credit(NodeId to, std::uint64_t bytes) {
   Owed& owed = owed_[to];
   owed.bytes += bytes;
   if (owed.bytes < owed.held_back) return;
-  const auto routes = office_->routes();
-  if (to.value < routes->parts.size() && routes->parts[to.value])
-    send(routes->parts[to.value], Credit{self_, std::exchange(owed.bytes, 0)});
+  if (const PartHandle there = office_->routes()->part_of(to)) send(there, Credit{self_, std::exchange(owed.bytes, 0)});
 }
 
 void PartActor::take(const Credit& credit) {
@@ -94,7 +91,7 @@ void PartActor::take(const Credit& credit) {
 void PartActor::close_gates() {
   const auto routes = office_->routes();
   for (auto& [node, gate] : gates_) {
-    if (!routes->parts[node.value]) gate.clear();
+    if (!routes->part_of(node)) gate.clear();
   }
 }
 

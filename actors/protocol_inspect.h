@@ -4,6 +4,7 @@
 #include <caf/all.hpp>
 #include <type_traits>
 
+#include "actors/inspect_message.h"
 #include "actors/protocol.h"
 
 namespace tessera {
@@ -13,12 +14,6 @@ typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
   return f(x.value);
 }
 
-// A message, and its members by the name x.
-#define TESSERA_MESSAGE(Type, ...)                                                  \
-  template <class Inspector>                                                        \
-  typename Inspector::result_type inspect(Inspector& f, [[maybe_unused]] Type& x) { \
-    return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
-  }
 TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(Grant, x.work)
@@ -66,7 +61,6 @@ TESSERA_MESSAGE(NodeLost, x.node)
 TESSERA_MESSAGE(NodeJoined, x.node)
 TESSERA_MESSAGE(GraceOver, x.term)
 TESSERA_MESSAGE(Leave, x.given_up)
-#undef TESSERA_MESSAGE
 
 // Entries of a store: their digest may be missing.
 inline caf::error inspect(caf::serializer& f, TileEntry& x) {

@@ -143,7 +143,7 @@ void Member::renew() {
   delayed_send(this, options_.cluster.lease / 5, caf::tick_atom::value);
   if (state_ == State::seeking) return;
   if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();
-  if (state_ == State::member) send(registry_, Renew{options_.info.uuid, options_.memory_used(), 0});
+  if (state_ == State::member) send(registry_, Renew{options_.info.uuid, options_.memory_used()});
 }
 
 void Member::gone(const caf::down_msg& down) {

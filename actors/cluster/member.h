@@ -11,7 +11,6 @@
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>

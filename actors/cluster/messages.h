@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/inspect_message.h"
 #include "actors/protocol.h"
 #include "src/cluster/members.h"
 
@@ -43,7 +44,7 @@ struct ReachedAll {
 };
 struct Renew {
   std::string uuid;
-  std::uint64_t memory_used = 0, tiles = 0;
+  std::uint64_t memory_used = 0;
 };
 struct Renewed {};
 // coordinator -> node: it is lost, and may come back as another one; or it is drained, and ends.
@@ -68,16 +69,10 @@ struct Drained {
   std::string refused;  // why it stays; empty: it goes
 };
 struct AskMembers {};
-struct MemberReport {
-  MemberInfo info;
-  std::uint64_t number = 0, seconds = 0, silent_ms = 0;  // since it came, since it was heard
-  bool free = false, draining = false;
-  std::uint64_t memory_used = 0, tiles = 0;
-  caf::actor node;
-};
 struct MemberList {
-  std::vector<MemberReport> members;
-  std::uint64_t lost = 0;  // ever; not those drained
+  std::vector<NodeState> members;  // in order of coming
+  std::vector<caf::actor> nodes;   // of each
+  std::uint64_t lost = 0;          // ever; not those drained
 };
 
 using MemberHandle =
@@ -90,11 +85,6 @@ using RegistryHandle =
                      caf::replies_to<AskMembers>::with<MemberList>, caf::reacts_to<Leave>,
                      caf::reacts_to<caf::tick_atom>>;
 
-#define TESSERA_MESSAGE(Type, ...)                                                  \
-  template <class Inspector>                                                        \
-  typename Inspector::result_type inspect(Inspector& f, [[maybe_unused]] Type& x) { \
-    return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
-  }
 TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
 TESSERA_MESSAGE(WhoIs, x.asks)
 TESSERA_MESSAGE(CoordinatorIs, x.registry, x.address)
@@ -102,7 +92,7 @@ TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.member, x.node)
 TESSERA_MESSAGE(Welcome, x.uuids, x.addresses, x.coordinator)
 TESSERA_MESSAGE(Refused, x.why)
 TESSERA_MESSAGE(ReachedAll, x.uuid)
-TESSERA_MESSAGE(Renew, x.uuid, x.memory_used, x.tiles)
+TESSERA_MESSAGE(Renew, x.uuid, x.memory_used)
 TESSERA_MESSAGE(Renewed)
 TESSERA_MESSAGE(Expelled, x.why, x.again)
 TESSERA_MESSAGE(Unreachable, x.from, x.to)
@@ -110,10 +100,8 @@ TESSERA_MESSAGE(Follow, x.coordinator)
 TESSERA_MESSAGE(Drain, x.node)
 TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
-TESSERA_MESSAGE(MemberReport, x.info, x.number, x.seconds, x.silent_ms, x.free, x.draining, x.memory_used, x.tiles,
-                x.node)
-TESSERA_MESSAGE(MemberList, x.members, x.lost)
-#undef TESSERA_MESSAGE
+TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.seconds, x.silent_ms, x.memory_used)
+TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
 }  // namespace tessera
 

@@ -44,7 +44,7 @@ Registry::behavior_type Registry::make_behavior() {
         for (const CoordinatorHandle& job : jobs_) send(job, NodeJoined{actors.node});
       },
       [this](const Renew& renew) {
-        const bool member = members_.renew(renew.uuid, renew.memory_used, renew.tiles, Clock::now());
+        const bool member = members_.renew(renew.uuid, renew.memory_used, Clock::now());
         if (member) send(actors_.at(renew.uuid).member, Renewed{});
       },
       [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
@@ -104,7 +104,7 @@ void Registry::follow(const caf::actor& job) {
   if (!jobs_.insert(coordinator).second) return;
   monitor(coordinator);
   for (const auto& [uuid, member] : members_.all()) {
-    if (member.free && !member.draining) send(coordinator, NodeJoined{actors_.at(uuid).node});
+    if (member.free) send(coordinator, NodeJoined{actors_.at(uuid).node});
   }
 }
 
@@ -136,23 +136,19 @@ void Registry::tick() {
 MemberList Registry::list() const {
   MemberList out;
   out.lost = lost_;
+  std::vector<std::pair<std::uint64_t, NodeUuid>> by_number;
+  for (const auto& [uuid, member] : members_.all()) by_number.emplace_back(member.number, uuid);
+  std::sort(by_number.begin(), by_number.end());
   const auto now = Clock::now();
-  for (const auto& [uuid, member] : members_.all()) {
-    MemberReport& report = out.members.emplace_back();
-    report.info = member.info;
-    report.number = member.number;
-    report.seconds =
-        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(now - member.came).count());
-    report.silent_ms =
-        static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(now - member.heard).count());
-    report.free = member.free;
-    report.draining = member.draining;
-    report.memory_used = member.memory_used;
-    report.tiles = member.tiles;
-    report.node = actors_.at(uuid).node;
+  const auto since = [&](auto unit, Members::Time time) {
+    return static_cast<std::uint64_t>(std::chrono::duration_cast<decltype(unit)>(now - time).count());
+  };
+  for (const auto& [number, uuid] : by_number) {
+    const Members::Member& member = *members_.find(uuid);
+    out.members.push_back({member.info, false, member.free, since(std::chrono::seconds(), member.came),
+                           since(std::chrono::milliseconds(), member.heard), member.memory_used});
+    out.nodes.push_back(actors_.at(uuid).node);
   }
-  std::sort(out.members.begin(), out.members.end(),
-            [](const MemberReport& a, const MemberReport& b) { return a.number < b.number; });
   return out;
 }
 

@@ -2,9 +2,10 @@
 //
 // message     | effect                                                          | answer
 // WhoIs       | -                                                               | CoordinatorIs
-// Hello       | a member, if version, cluster and shared folder are ours        | Welcome, Refused; Expelled if it was
-// lost ReachedAll  | free for work: NodeJoined to every job                          | - Renew       | its lease begins
-// anew                                           | Renewed; Expelled Unreachable | one of the two will be lost | -
+// Hello       | a member, if version, cluster and shared folder are ours        | Welcome, Refused; Expelled
+// ReachedAll  | free for work: NodeJoined to every job                          | -
+// Renew       | its lease begins anew                                           | Renewed
+// Unreachable | one of the two will be lost                                     | -
 // Follow      | this job hears of nodes from now on: NodeJoined for each        | -
 // Drain       | NodeLost to every job; Expelled to the node, for good; nothing  | whether there is one of that name;
 //             | when no other node is free                                      | why it stays

@@ -2,23 +2,15 @@
 
 #include <condition_variable>
 #include <mutex>
-#include <random>
 #include <utility>
 
 #include "actors/cluster/member.h"
 #include "actors/cluster/network.h"
 #include "actors/cluster/registry.h"
+#include "src/base/random_token.h"
 
 namespace tessera {
 namespace {
-
-NodeUuid new_uuid() {
-  std::random_device random;
-  constexpr char digits[] = "0123456789abcdef";
-  NodeUuid uuid;
-  for (int i = 0; i < 32; ++i) uuid.push_back(digits[random() % 16]);
-  return uuid;
-}
 
 caf::actor as_actor(const auto& handle) { return caf::actor_cast<caf::actor>(handle); }
 
@@ -54,7 +46,7 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
   if (o.node) {
     MemberOptions member;
     member.cluster = o;
-    uuid_ = new_uuid();
+    uuid_ = random_token() + random_token();
     member.info = {uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes};
     member.registry = as_actor(registry_);
     member.node = own.node;
@@ -85,12 +77,9 @@ MemberList Seat::list() const {
 }
 
 std::vector<NodeState> Seat::members() const {
-  std::vector<NodeState> nodes;
-  for (const MemberReport& member : list().members) {
-    nodes.push_back({member.info, member.info.uuid == uuid_, member.free, member.draining, member.seconds,
-                     member.silent_ms, member.memory_used});
-  }
-  return nodes;
+  auto members = list().members;
+  for (NodeState& member : members) member.own = member.info.uuid == uuid_;
+  return members;
 }
 
 std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop) const {
@@ -99,8 +88,9 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
   std::unique_lock lock(mutex);
   while (!stop.stop_requested()) {
     std::vector<NodeHandle> nodes;
-    for (const MemberReport& member : list().members) {
-      if (member.free && !member.draining) nodes.push_back(caf::actor_cast<NodeHandle>(member.node));
+    const MemberList now = list();
+    for (std::size_t i = 0; i < now.members.size(); ++i) {
+      if (now.members[i].free) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
     }
     const bool in_time = gathering && std::chrono::steady_clock::now() - taken_ < options_.lease;
     if (!nodes.empty() && !in_time) return nodes;

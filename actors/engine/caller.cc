@@ -53,10 +53,10 @@ void Caller::ended(RunEnded end) noexcept {
 }
 
 RunSummary Caller::summary(const RunEnded& ended) {
-  auto& done = done_;
-  std::sort(done.begin(), done.end(), [](const TileDone& a, const TileDone& b) { return a.entry.tile < b.entry.tile; });
+  std::sort(done_.begin(), done_.end(),
+            [](const TileDone& a, const TileDone& b) { return a.entry.tile < b.entry.tile; });
   RunSummary summary;
-  for (const TileDone& tile : done) {
+  for (const TileDone& tile : done_) {
     summary.tiles.push_back(tile.entry);
     summary.tile_seconds.push_back(seconds(tile.microseconds));
     summary.vertices += tile.entry.own_points;

@@ -92,8 +92,8 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.spec.shares = seat->options().jobs_at_once;
   job.spec.grace_s = seat->options().grace_s;
   job.spec.resumable = false;  // images are of use to their own node alone
-  job.spec.lock_file
-      .clear();  // whose writing counts is told by incarnations, and the next coordinator has another lock
+  // Whose writing counts is told by incarnations, and the next coordinator has another lock.
+  job.spec.lock_file.clear();
   auto nodes = seat->nodes(term > 1, stop);
   if (nodes.empty()) return error(Errc::interrupted, "interrupted");
   return nodes;

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "actors/engine/node_state.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
+#include "src/cluster/members.h"
 #include "src/run/part.h"
 #include "src/run/run_summary.h"
 #include "src/tiling/routed_run.h"

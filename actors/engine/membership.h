@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "actors/engine/node_state.h"
 #include "actors/protocol.h"
 #include "src/base/result.h"
 #include "src/cluster/cluster_options.h"
+#include "src/cluster/members.h"
 
 namespace tessera {
 

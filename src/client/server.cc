@@ -3,12 +3,11 @@
 #include <algorithm>
 
 #include <cstdint>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
-#include <random>
 #include <utility>
 
+#include "src/base/random_token.h"
 #include "src/client/event_stream.h"
 #include "src/client/messages.h"
 #include "src/client/patience.h"
@@ -34,16 +33,7 @@ Errc Server::code_of(int status, int cause) {
   return Errc::usage;
 }
 
-std::string new_idempotency_key() {
-  std::random_device random;
-  std::string key;
-  for (int i = 0; i < 4; ++i) {
-    char part[9];
-    std::snprintf(part, sizeof part, "%08x", random());
-    key += part;
-  }
-  return key;
-}
+std::string new_idempotency_key() { return random_token() + random_token(); }
 
 Server::Server(ServerOptions options, Connection connection, Connection watching)
     : options_(std::move(options)), connection_(std::move(connection)), watching_(std::move(watching)) {}

@@ -21,18 +21,12 @@ bool Members::reached_all(const NodeUuid& uuid) {
   return found != members_.end() && !std::exchange(found->second.free, true);
 }
 
-bool Members::renew(const NodeUuid& uuid, std::uint64_t memory_used, std::uint64_t tiles, Time now) {
+bool Members::renew(const NodeUuid& uuid, std::uint64_t memory_used, Time now) {
   const auto found = members_.find(uuid);
   if (found == members_.end()) return false;
   found->second.heard = now;
   found->second.memory_used = memory_used;
-  found->second.tiles = tiles;
   return true;
-}
-
-bool Members::drain(const NodeUuid& uuid) {
-  const auto found = members_.find(uuid);
-  return found != members_.end() && !std::exchange(found->second.draining, true);
 }
 
 void Members::unreachable(const NodeUuid& from, const NodeUuid& to, Time now) {

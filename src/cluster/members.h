@@ -26,6 +26,15 @@ struct MemberInfo {
   std::uint64_t memory_bytes = 0;
 };
 
+// A node, as whoever asks for it is told.
+struct NodeState {
+  MemberInfo info;
+  bool own = false;  // of the coordinator's process
+  bool free = false;
+  std::uint64_t seconds = 0, silent_ms = 0;  // since it came, since it was heard
+  std::uint64_t memory_used = 0;
+};
+
 class Members {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -36,8 +45,7 @@ class Members {
     std::uint64_t number = 0;  // in order of coming
     Time came, heard;
     bool free = false;  // has reached all others
-    bool draining = false;
-    std::uint64_t memory_used = 0, tiles = 0;
+    std::uint64_t memory_used = 0;
   };
   struct Loss {
     Member member;
@@ -51,8 +59,7 @@ class Members {
   // It has reached all that were members when it came. Returns whether it is news.
   bool reached_all(const NodeUuid& uuid);
   // False: it is no member.
-  bool renew(const NodeUuid& uuid, std::uint64_t memory_used, std::uint64_t tiles, Time now);
-  bool drain(const NodeUuid& uuid);
+  bool renew(const NodeUuid& uuid, std::uint64_t memory_used, Time now);
   // `from` cannot reach `to` any more, or never could. Who of them is lost is decided when others have had the time to
   // say the same.
   void unreachable(const NodeUuid& from, const NodeUuid& to, Time now);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "src/cluster/cluster_options.h"
 #include "src/daemon/add_option.h"
 #include "src/daemon/cluster_settings.h"
 #include "src/files/names.h"
@@ -48,18 +49,11 @@ Result<http::ListenOptions> parse_listen_address(std::string_view text) {
     return error(Errc::usage, "'" + std::string(text) + "' is no address like 127.0.0.1:7070 or [::1]:7070");
   };
   http::ListenOptions out;
-  const auto colon = text.rfind(':');
-  std::string_view port = text, host;
-  if (colon != std::string_view::npos) {
-    port = text.substr(colon + 1);
-    host = text.substr(0, colon);
-    if (host.size() > 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-    if (host.empty()) return wrong();
-    out.address = host;
-  }
-  const auto number = parse_integer(port, 0, 65535);
-  if (!number) return wrong();
-  out.port = static_cast<std::uint16_t>(number.value());
+  const bool port_alone = text.find(':') == std::string_view::npos;
+  const auto parsed = parse_host_port(port_alone ? out.address + ":" + std::string(text) : std::string(text));
+  if (!parsed) return wrong();
+  out.address = parsed.value().host;
+  out.port = parsed.value().port;
   return out;
 }
 

@@ -6,12 +6,11 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
-#include <random>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
-#include "src/files/checksum.h"
+#include "src/base/random_token.h"
 #include "src/files/process.h"
 
 namespace tessera {
@@ -43,9 +42,7 @@ bool read_number(const std::string& text, T& value) {
 LockOwner LockOwner::this_process() {
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
-  std::random_device random;
-  const auto token = checksum_text(std::uint64_t{random()} << 32 | random());
-  return {safe(host.data()), this_boot(), this_pid_namespace(), ::getpid(), process_start(::getpid()), token};
+  return {safe(host.data()), this_boot(), this_pid_namespace(), ::getpid(), process_start(::getpid()), random_token()};
 }
 
 std::string LockOwner::name() const {

@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
-#include <random>
 #include <string>
 #include <system_error>
 
-#include "src/files/checksum.h"
+#include "src/base/random_token.h"
 
 namespace tessera {
 
@@ -30,10 +29,7 @@ constexpr const char* key_ending = ".key";
 
 // No other process has it: numbers of processes alone are used again, and by every container.
 std::string token_of_process() {
-  static const std::string token = [] {
-    std::random_device random;
-    return checksum_text(std::uint64_t{random()} << 32 | random());
-  }();
+  static const std::string token = random_token();
   return "-" + std::to_string(::getpid()) + "-" + token;
 }
 

@@ -85,4 +85,12 @@ std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::
   }
 }
 
+std::vector<double> coordinates_of(const std::vector<LocalPoint>& cloud, int dimension) {
+  std::vector<double> coordinates;
+  for (const LocalPoint& p : cloud) {
+    for (int i = 0; i < dimension; ++i) coordinates.push_back(p.at[i]);
+  }
+  return coordinates;
+}
+
 }  // namespace tessera

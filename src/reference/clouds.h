@@ -15,5 +15,7 @@ const std::vector<std::string>& cloud_kinds();
 // About n distinct points that span the space, as LocalPoint with ids 0.. in a shuffled order. REQUIRES: kind is one of
 // cloud_kinds(), n > dimension.
 std::vector<LocalPoint> make_cloud(const std::string& kind, int dimension, std::size_t n, std::uint64_t seed);
+// x, y (, z) of each point, as array_source() takes them.
+std::vector<double> coordinates_of(const std::vector<LocalPoint>& cloud, int dimension);
 
 }  // namespace tessera

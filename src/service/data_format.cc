@@ -4,10 +4,10 @@
 
 #include <cerrno>
 #include <charconv>
-#include <random>
 #include <string>
 #include <system_error>
 
+#include "src/base/random_token.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -42,11 +42,8 @@ Result<std::string> data_identity(const std::filesystem::path& data) {
   const auto file = data_identity_file(data);
   std::error_code missing;
   if (!std::filesystem::exists(file, missing)) {
-    std::random_device random;
-    std::string made;
-    for (int i = 0; i < 4; ++i) made += std::to_string(random()) + (i < 3 ? "-" : "\n");
     TemporaryFile temporary(temporary_name_of_process(file));
-    BOOST_OUTCOME_TRYV(write_whole(temporary.path(), made));
+    BOOST_OUTCOME_TRYV(write_whole(temporary.path(), random_token() + random_token() + "\n"));
     // The first wins, and all read the same.
     if (::link(temporary.path().c_str(), file.c_str()) != 0 && errno != EEXIST)
       return io_error(file, "cannot be made", errno);

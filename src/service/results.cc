@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <random>
 #include <system_error>
 #include <utility>
 
+#include "src/base/random_token.h"
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
@@ -27,11 +27,6 @@ constexpr std::size_t manifests_max = 16;
 bool is_folder(const fs::path& path) {
   std::error_code failed;
   return fs::is_directory(fs::symlink_status(path, failed));
-}
-
-std::string new_token() {
-  std::random_device random;
-  return checksum_text(std::uint64_t{random()} << 32 | random());
 }
 
 Result<std::vector<std::string>> names_in(const fs::path& folder) {
@@ -200,7 +195,7 @@ Result<fs::path> Results::publish(const std::string& job, const std::string& nam
   if (fs::exists(fs::symlink_status(folder(name), failed))) {
     if (!overwrite || !exists(name))
       return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
-    replaced = removed_folder(results_, new_token());
+    replaced = removed_folder(results_, random_token());
     BOOST_OUTCOME_TRYV(rename_file(folder(name), replaced));
   }
   BOOST_OUTCOME_TRYV(rename_file(made, folder(name)));
@@ -229,14 +224,14 @@ Status Results::publish_export(const std::string& job, const std::string& name) 
 
 Status Results::remove_export(std::string_view name, const std::string& file) {
   const auto exports = exports_folder(folder(name));
-  const auto gone = removed_folder(exports, new_token());
+  const auto gone = removed_folder(exports, random_token());
   BOOST_OUTCOME_TRYV(rename_file(exports / file, gone));
   if (const auto failed = remove_tree(gone)) return io_error(gone, "cannot be removed", failed.value());
   return success();
 }
 
 Result<fs::path> Results::take_away(std::string_view name) {
-  auto gone = removed_folder(results_, new_token());
+  auto gone = removed_folder(results_, random_token());
   BOOST_OUTCOME_TRYV(rename_file(folder(name), gone));
   BOOST_OUTCOME_TRYV(sync_folder(results_));
   return gone;

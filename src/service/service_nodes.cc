@@ -9,8 +9,6 @@
 namespace tessera {
 namespace {
 
-constexpr const char* draining = "draining";
-
 proto::NodeInfo info_of(const NodeState& node) {
   proto::NodeInfo info;
   info.set_name(node.info.name);
@@ -19,7 +17,7 @@ proto::NodeInfo info_of(const NodeState& node) {
   info.set_threads(node.info.threads);
   info.set_memory_bytes(node.info.memory_bytes);
   info.set_memory_used_bytes(node.memory_used);
-  info.set_state(node.draining ? draining : node.free ? "free" : "joining");
+  info.set_state(node.free ? "free" : "joining");
   info.set_seconds(node.seconds);
   info.set_silent_ms(node.silent_ms);
   info.set_coordinator(node.own);
@@ -61,7 +59,7 @@ Reply<proto::NodeInfo> Service::drain(std::string_view node, const Caller& calle
   const Result<bool> drained = impl_->engine->drain(info.id());
   if (!drained) return problem(409, drained.error().where, Errc::usage);
   if (!drained.value()) return none();
-  info.set_state(draining);
+  info.set_state("draining");
   return info;
 }
 

@@ -64,10 +64,7 @@ std::size_t heap_bytes() {
 
 // What the process has taken for a job of so many small tiles, when all are quiet and asleep, but for one.
 std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
-  std::vector<double> coordinates;
-  for (const LocalPoint& p : make_cloud("uniform", dimension, 20 * tiles, 1)) {
-    for (int i = 0; i < dimension; ++i) coordinates.push_back(p.at[i]);
-  }
+  const auto coordinates = coordinates_of(make_cloud("uniform", dimension, 20 * tiles, 1), dimension);
   const TemporaryFolder folder = TemporaryFolder::make().value();
   Progress progress;
   const Cloud cloud =

@@ -93,9 +93,7 @@ class Cluster : public ::testing::Test {
   }
 
   RoutedRun routed(const std::string& name, std::size_t points = 20'000) {
-    std::vector<double> coordinates;
-    for (const LocalPoint& p : make_cloud("uniform", 3, points, 1))
-      coordinates.insert(coordinates.end(), {p.at.x, p.at.y, p.at.z});
+    const auto coordinates = coordinates_of(make_cloud("uniform", 3, points, 1), 3);
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
     Progress progress;

@@ -31,11 +31,11 @@ TEST(Members, WhoDoesNotRenewItsLeaseIsLostAndDoesNotComeBack) {
   Members members(10s);
   EXPECT_TRUE(members.hello(node("a"), at(0s)));
   EXPECT_TRUE(members.hello(node("b"), at(0s)));
-  EXPECT_TRUE(members.renew("b", 5, 6, at(9s)));
+  EXPECT_TRUE(members.renew("b", 5, at(9s)));
   EXPECT_EQ(silent_until(members, 0s, 10s), std::vector<NodeUuid>{});
   EXPECT_EQ(silent_until(members, 11s, 19s), std::vector<NodeUuid>{"a"});
   EXPECT_FALSE(members.hello(node("a"), at(20s)));
-  EXPECT_FALSE(members.renew("a", 0, 0, at(20s)));
+  EXPECT_FALSE(members.renew("a", 0, at(20s)));
   EXPECT_EQ(members.all().size(), 1U);
   EXPECT_EQ(members.find("b")->memory_used, 5U);
 }
