@@ -111,7 +111,8 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       },
       [this](const NodeLost& lost) {
         attempt([&] {
-          lose(caf::actor_cast<NodeHandle>(lost.node), failure_of(error(Errc::internal, "the last node is lost")));
+          lose(caf::actor_cast<NodeHandle>(lost.node), failure_of(error(Errc::internal, "the last node is lost")),
+               lost.why);
         });
       },
       [this](const NodeJoined& joined) { attempt([&] { join(caf::actor_cast<NodeHandle>(joined.node)); }); },
@@ -145,6 +146,7 @@ void Coordinator::opened(const PartOpened& message) {
   ++nodes_;
   p.settled = message.settled;
   p.threads = message.threads;
+  p.name = message.name;
   p.part = caf::actor_cast<PartHandle>(message.part);
   if (state_ == State::finishing) p.lost = p.ended = true;  // it is not needed any more
   if (p.lost || state_ == State::ending) {
@@ -153,6 +155,7 @@ void Coordinator::opened(const PartOpened& message) {
   }
   monitor(p.part);
   if (state_ == State::opening) return begin_if_opened();
+  if (!p.name.empty()) owner_.said("node " + p.name + " has come, and takes part");
   welcome(message.node);
 }
 
@@ -222,22 +225,41 @@ void Coordinator::finish_if_collected() {
 
 void Coordinator::show_progress(PartProgress& message) {
   if (!has(message.node)) return;
+  count_tiles();
   RunProgress progress;
   progress.sum.spans = std::move(message.spans);
   parts_.at(message.node.value).progress = std::move(message);
   progress.nodes_lost = nodes_lost_;
   progress.stage = quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
   for (const PartOf& p : parts_) {
-    progress.sum.tiles_begun += p.progress.tiles_begun;
-    progress.sum.points_begun += p.progress.points_begun;
-    progress.sum.tiles_stored += p.progress.tiles_stored;
-    progress.sum.tiles_asleep += p.progress.tiles_asleep;
-    progress.sum.updates_sent += p.progress.updates_sent;
-    progress.sum.updates_processed += p.progress.updates_processed;
-    progress.sum.points_sent += p.progress.points_sent;
-    progress.sum.memory_bytes += p.progress.memory_bytes;
+    PartProgress now = p.progress;
+    if (p.lost) {  // what it has stored stays so; the rest is done again
+      now.tiles_begun = now.tiles_stored;
+      now.points_begun = now.tiles_asleep = now.memory_bytes = 0;
+    }
+    progress.sum.tiles_begun += now.tiles_begun;
+    progress.sum.points_begun += now.points_begun;
+    progress.sum.tiles_stored += now.tiles_stored;
+    progress.sum.tiles_asleep += now.tiles_asleep;
+    progress.sum.updates_sent += now.updates_sent;
+    progress.sum.updates_processed += now.updates_processed;
+    progress.sum.points_sent += now.points_sent;
+    progress.sum.memory_bytes += now.memory_bytes;
+    progress.sum.gates += now.gates;
+    if (p.name.empty()) continue;
+    progress.nodes.push_back({p.name, p.tiles, static_cast<std::uint32_t>(now.tiles_begun),
+                              static_cast<std::uint32_t>(now.tiles_stored), now.memory_bytes, p.lost});
   }
   owner_.progressed(progress);
+}
+
+void Coordinator::count_tiles() {
+  if (counted_ == table_.epoch) return;
+  counted_ = table_.epoch;
+  for (PartOf& p : parts_) p.tiles = 0;
+  for (const TileId t : options_.order) {
+    if (const NodeId node = table_.node_of(t); node.value < parts_.size()) ++parts_[node.value].tiles;
+  }
 }
 
 void Coordinator::step_down() noexcept {

@@ -29,6 +29,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "actors/prepared.h"
@@ -74,6 +75,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
     NodeHandle node;
     PartHandle part;  // null before it is opened, and when it has ended
     std::uint32_t threads = 1;
+    std::string name;         // of the node, once it is opened
+    std::uint32_t tiles = 0;  // by the table of the epoch counted_
     bool opened = false, begun = false, lost = false, ended = false;
     bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
     bool collected = false;  // as it says of this epoch
@@ -102,9 +105,9 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   bool knows(const NodeHandle& node) const;
   void welcome(NodeId node);
   void take(PartReleased& released);
-  void lose(const NodeHandle& node, Failure failure);
+  void lose(const NodeHandle& node, Failure failure, const std::string& why);
   void lose_found(const NodeHandle& node);
-  void lose(NodeId node, Failure failure);
+  void lose(NodeId node, Failure failure, const std::string& why);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
   // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
@@ -121,6 +124,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void act(QuiescenceDetector::Verdict verdict);
   void collect_if_settled();
   void show_progress(PartProgress& message);
+  void count_tiles();
   void ended(PartEnded& message);
   void fail(Failure failure);
   void give_up(Failure failure) noexcept;
@@ -159,6 +163,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::uint64_t tiles_again_ = 0;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
+  std::optional<std::uint64_t> counted_;
   bool told_ = false, again_ = false;
 };
 

@@ -7,6 +7,11 @@
 #include "actors/failing.h"
 
 namespace tessera {
+namespace {
+
+std::string gone(const caf::down_msg& down) { return "came to an end (" + caf::to_string(down.reason) + ")"; }
+
+}  // namespace
 
 std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
   return place_again(table_, tiles, options_.points, hosts, first_incarnation());
@@ -53,6 +58,7 @@ void Coordinator::take_over() {
     p.node = caf::actor_cast<NodeHandle>(found.node);
     p.part = caf::actor_cast<PartHandle>(found.part);
     p.threads = found.threads;
+    p.name = found.name;
     p.begun = found.begun;
     p.abort.message().term = options_.term;
     monitor(p.part);
@@ -160,10 +166,10 @@ void Coordinator::take(PartReleased& released) {
   place_orphans();
 }
 
-void Coordinator::lose(const NodeHandle& node, Failure failure) {
+void Coordinator::lose(const NodeHandle& node, Failure failure, const std::string& why) {
   if (state_ == State::finding) return lose_found(node);
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure));
+    if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure), why);
   }
 }
 
@@ -178,7 +184,7 @@ void Coordinator::lose_found(const NodeHandle& node) {
   if (asked && asked_.empty()) take_over();
 }
 
-void Coordinator::lose(NodeId node, Failure failure) {
+void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
   PartOf& p = parts_.at(node.value);
   if (p.ended) return;
   p.lost = p.ended = true;
@@ -190,8 +196,13 @@ void Coordinator::lose(NodeId node, Failure failure) {
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
   if (all([](const PartOf&) { return false; })) return fail(std::move(failure));  // there is no other
   if (state_ == State::opening) return begin_if_opened();
+  const std::size_t before = lost_.size();
   for (const TileId t : options_.order) {
     if (table_.node_of(t) == node && !stored_[t.value]) lost_.push_back(t);
+  }
+  if (!p.name.empty()) {
+    owner_.said("node " + p.name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " +
+                std::to_string(lost_.size() - before) + " tiles begin again on others");
   }
   releasing_.erase(node);
   place_orphans();
@@ -200,14 +211,14 @@ void Coordinator::lose(NodeId node, Failure failure) {
 void Coordinator::lost_actor(const caf::down_msg& down) {
   const auto asked =
       std::find_if(asked_.begin(), asked_.end(), [&](const NodeHandle& node) { return node.address() == down.source; });
-  if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason));
+  if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason), gone(down));
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
     const PartOf& p = parts_[n];
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
     if ((!node && !part) || p.ended) continue;
     if (node && p.opened) continue;  // its part lives on, or will be missed by itself
-    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason));
+    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason), gone(down));
   }
 }
 

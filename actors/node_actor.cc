@@ -7,8 +7,14 @@
 
 #include "actors/failing.h"
 #include "actors/part_actor.h"
+#include "src/run/routing.h"
 
 namespace tessera {
+namespace {
+
+constexpr std::uint64_t points_between_words = 500'000;
+
+}  // namespace
 
 NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source)
     : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {
@@ -24,6 +30,7 @@ NodeActor::behavior_type NodeActor::make_behavior() {
   return {
       [this](const OpenPart& wanted) { answer(wanted); },
       [this](const FindPart& wanted) { find(wanted); },
+      [this](const RouteStretch& wanted) { route(wanted); },
       [this](const Leave&) { leave(); },
   };
 }
@@ -80,6 +87,7 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   PartOpened opened;
   opened.settled = part->settled;
   opened.threads = part->schedule.threads;
+  opened.name = options_.name;
   Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
@@ -103,6 +111,7 @@ void NodeActor::leave() {
   for (const auto& [job, opened] : parts_) {
     if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<PartHandle>(part), Leave{});
   }
+  routing_.clear();
   quit();
 }
 
@@ -112,7 +121,8 @@ void NodeActor::find(const FindPart& wanted) {
   const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
   if (!part) return answer_none(wanted);
   found->second.wanted = wanted;
-  send(caf::actor_cast<PartHandle>(part), wanted);
+  found->second.wanted->name = options_.name;
+  send(caf::actor_cast<PartHandle>(part), *found->second.wanted);
 }
 
 void NodeActor::answer_none(const FindPart& wanted) {
@@ -122,8 +132,38 @@ void NodeActor::answer_none(const FindPart& wanted) {
   send(caf::actor_cast<CoordinatorHandle>(wanted.coordinator), std::move(none));
 }
 
+// Whoever is told that it is done may send the next one at once: so the thread that was is waited for.
+void NodeActor::route(const RouteStretch& wanted) {
+  std::erase_if(routing_, [](auto& entry) { return entry.second.get_stop_token().stop_requested(); });
+  const auto router = caf::actor_cast<RouterHandle>(wanted.router);
+  StretchWork work{wanted.run_folder, wanted.attempt, options_.memory_bytes / std::max(1U, wanted.shares), {}};
+  const auto threads = std::max(1U, options_.threads / std::max(1U, wanted.shares));
+  monitor(wanted.router);
+  routing_[wanted.router.address()] =
+      std::jthread([router, work, threads, stretch = wanted.stretch](const std::stop_token& stop) mutable {
+        StretchRouted routed;
+        routed.attempt = work.attempt;
+        std::uint64_t told = 0;
+        work.routed = [&](std::uint64_t more) {
+          routed.points += more;
+          if (routed.points - told < points_between_words) return;
+          told = routed.points;
+          caf::anon_send(router, routed);
+        };
+        try {
+          if (Status done = route_stretch(work.run_folder, stretch, threads, work, stop); !done)
+            routed.failure = failure_of(std::move(done).error());
+        } catch (...) {
+          routed.failure = failure_of(std::current_exception(), [] { return std::string("routing points"); });
+        }
+        routed.done = true;
+        caf::anon_send(router, std::move(routed));
+      });
+}
+
 // If it has not answered whoever took over, there is nobody now who will.
 void NodeActor::gone(const caf::down_msg& down) {
+  if (const auto routing = routing_.find(down.source); routing != routing_.end()) routing->second.request_stop();
   const auto found =
       std::find_if(parts_.begin(), parts_.end(), [&](const auto& entry) { return entry.second.part == down.source; });
   if (found == parts_.end()) return;

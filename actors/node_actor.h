@@ -1,9 +1,10 @@
 // A node: what one process offers to jobs. Opens a part for each, within the memory it has.
 //
-// message  | effect                                            | answer to the coordinator
-// OpenPart | read what the part needs to know, start its actor | PartOpened, always
-// FindPart | pass it on to the part of that job, if there is one | PartFound: by the part, or that there is none
-// Leave    | its parts leave, too                              | -
+// message      | effect                                                | answer to the coordinator, or router
+// OpenPart     | read what the part needs to know, start its actor     | PartOpened, always
+// FindPart     | pass it on to the part of that job, if there is one   | PartFound: by the part, or that there is none
+// RouteStretch | a thread routes it, which stops if the router is gone | StretchRouted
+// Leave        | its parts leave, too                                  | -
 //
 // What a part may use is free again when the part's actor and its tiles have let go of it.
 #pragma once
@@ -14,6 +15,8 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <thread>
 
 #include "actors/office.h"
 #include "actors/prepared.h"
@@ -24,6 +27,7 @@
 namespace tessera {
 
 struct NodeOptions {
+  std::string name = {};      // in its cluster
   std::uint32_t threads = 1;  // for all jobs together, as is the memory
   std::uint64_t memory_bytes = 0;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
@@ -47,6 +51,7 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   void find(const FindPart& wanted);
   void gone(const caf::down_msg& down);
   void answer_none(const FindPart& wanted);
+  void route(const RouteStretch& wanted);
 
   NodeOptions options_;
   std::shared_ptr<PartSource> source_;
@@ -57,6 +62,7 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   std::map<JobId, Opened> parts_;
   std::map<JobId, std::uint64_t> terms_;  // the highest heard of: what an earlier one wants is not done any more
   Prepared<PartOpened> answer_;           // the next one
+  std::map<caf::actor_addr, std::jthread> routing_;  // by router; has ended or ends soon where that is gone
 };
 
 }  // namespace tessera

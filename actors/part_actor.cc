@@ -288,6 +288,8 @@ void PartActor::tell_progress(bool now) {
   progress_.updates_processed = totals_.processed;
   progress_.points_sent = sum_.points.sent;
   progress_.memory_bytes = schedule_.memory();
+  progress_.gates = {};
+  for (const auto& [node, gate] : gates_) progress_.gates += gate.counts();
   tell(progress_);
   std::vector<WorkSpan>().swap(progress_.spans);
 }

@@ -119,6 +119,7 @@ void PartActor::answer_if_left() {
   answer.begun = opened_;
   answer.table = *table_;
   answer.threads = part_->schedule.threads;
+  answer.name = finder_->name;
   for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
     if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
       answer.released.push_back(TileId{t});

@@ -131,6 +131,7 @@ struct FindPart {
   std::uint64_t term = 0;
   caf::actor node;  // that is asked
   caf::actor coordinator;
+  std::string name = {};  // of the node, by itself
 };
 // node, or its part -> that coordinator
 struct PartFound {
@@ -142,6 +143,7 @@ struct PartFound {
   Table table;
   std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
   std::uint32_t threads = 1;
+  std::string name;
 };
 
 // coordinator -> part. Each epoch has one table.
@@ -178,6 +180,7 @@ struct PartOpened {
   caf::actor part;
   bool settled = false;  // needs no exchange
   std::uint32_t threads = 1;
+  std::string name;  // of the node in its cluster
 };
 // part -> coordinator
 struct PartBegun {  // all its tiles have begun
@@ -208,6 +211,7 @@ struct PartProgress {
   NodeId node;
   std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0, tiles_asleep = 0;
   std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0, memory_bytes = 0;
+  GateCounts gates;
   std::vector<WorkSpan> spans;  // since the last one
 };
 // part -> coordinator: a tile is in the store.
@@ -229,9 +233,25 @@ struct Cancel {};
 // whoever keeps count of nodes -> coordinator: it is lost, and never comes back; it is there, and free.
 struct NodeLost {
   caf::actor node;
+  std::string why = {};  // "has not been heard of for 10 s"
 };
 struct NodeJoined {
   caf::actor node;
+};
+
+// router -> node: route this stretch of the input (src/run/routing.h), with one of so many shares of your threads and
+// memory. Done or not, it is given up when the router is gone.
+struct RouteStretch {
+  std::string run_folder;
+  std::uint32_t stretch = 0, attempt = 0, shares = 1;
+  caf::actor router;
+};
+// node -> router, now and then, and at the end
+struct StretchRouted {
+  std::uint32_t attempt = 0;
+  std::uint64_t points = 0;  // so far
+  bool done = false;
+  Failure failure;
 };
 
 // part -> itself: nobody has taken over.
@@ -258,7 +278,12 @@ using PartHandle =
                      caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
 // What stands between tiles in the harness: a parcel, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Parcel>, caf::reacts_to<caf::tick_atom>>;
-using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<Leave>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<RouteStretch>,
+                                    caf::reacts_to<Leave>>;
+// Whoever hears of nodes that come and go.
+using FollowerHandle = caf::typed_actor<caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>>;
+using RouterHandle = caf::typed_actor<caf::reacts_to<StretchRouted>, caf::reacts_to<NodeLost>,
+                                      caf::reacts_to<NodeJoined>, caf::reacts_to<Cancel>>;
 using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
                      caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,

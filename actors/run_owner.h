@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "actors/protocol.h"
+#include "src/base/progress.h"
 
 namespace tessera {
 
@@ -12,6 +15,7 @@ enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
 struct RunProgress {
   RunStage stage = RunStage::triangulating;
   PartProgress sum;
+  std::vector<NodeProgress> nodes;  // that have had a part, in order of coming
   std::uint32_t nodes_lost = 0;
 };
 
@@ -31,6 +35,7 @@ class RunOwner {
   virtual ~RunOwner() = default;
   virtual void progressed(const RunProgress& now) = 0;
   virtual void stored(const TileDone& tile) = 0;
+  virtual void said(const std::string& line) = 0;  // for the job's log
   // Always called in the end, once; the coordinator does not know its owner any more then.
   virtual void ended(RunEnded end) noexcept = 0;
 };

@@ -45,8 +45,7 @@ Member::behavior_type Member::make_behavior() {
       },
       [this](const Welcome& message) { welcome(message); },
       [this](const Refused& refused) {
-        if (last_trouble_ != refused.why) options_.cluster.log("refused by the cluster's coordinator: " + refused.why);
-        last_trouble_ = refused.why;
+        tell_trouble("refused by the cluster's coordinator: " + refused.why);
         lost_registry();
       },
       [this](const Renewed&) { answered_ = Clock::now(); },
@@ -67,7 +66,23 @@ void Member::seek() {
   if (options_.registry) return greet(options_.registry);
   const auto& join = options_.cluster.join;
   if (join.empty()) return;
-  ask(join[next_address_++ % join.size()]);
+  if (to_ask_.empty()) {
+    auto addresses = addresses_of(join[next_name_++ % join.size()]);
+    if (!addresses) {
+      tell_trouble("nobody of the cluster is reached yet: " + addresses.error().where);
+      return seek_later();
+    }
+    to_ask_.assign(addresses.value().begin(), addresses.value().end());
+  }
+  const HostPort next = to_ask_.front();
+  to_ask_.pop_front();
+  ask(next);
+}
+
+// Once, as long as it is the same.
+void Member::tell_trouble(const std::string& trouble) {
+  if (last_trouble_ != trouble) options_.cluster.log(trouble);
+  last_trouble_ = trouble;
 }
 
 void Member::ask(const HostPort& address) {
@@ -80,8 +95,7 @@ void Member::ask(const HostPort& address) {
         seek_later();  // if nothing comes of it
       },
       [this, address](const std::string& reason) {
-        if (std::exchange(last_trouble_, reason) != reason)
-          options_.cluster.log("nobody of the cluster is reached at " + to_string(address) + " yet (" + reason + ")");
+        tell_trouble("nobody of the cluster is reached at " + to_string(address) + " yet (" + reason + ")");
         seek_later();
       });
 }

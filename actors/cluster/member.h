@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <set>
@@ -45,6 +46,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
 
   void failed(const std::exception_ptr& exception) noexcept override;
   void seek();
+  void tell_trouble(const std::string& trouble);
   void seek_later();
   void ask(const HostPort& address);
   void greet(const caf::actor& registry);
@@ -58,7 +60,8 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
 
   MemberOptions options_;
   State state_ = State::seeking;
-  std::size_t next_address_ = 0;
+  std::size_t next_name_ = 0;
+  std::deque<HostPort> to_ask_;  // addresses of the last name
   std::string last_trouble_;
   RegistryHandle registry_;
   std::string coordinator_address_;

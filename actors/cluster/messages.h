@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 2;
+inline constexpr std::uint32_t wire_version = 3;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {
@@ -56,9 +56,9 @@ struct Unreachable {
   std::string from, to;
 };
 
-// whoever runs a job -> coordinator of the cluster: tell that job's coordinator of nodes that come and go.
+// whoever runs a job -> coordinator of the cluster: tell this actor of nodes that come and go.
 struct Follow {
-  caf::actor coordinator;
+  caf::actor follower;
 };
 // -> coordinator of the cluster: take all work from a node, and let it go. By name or uuid.
 struct Drain {
@@ -96,7 +96,7 @@ TESSERA_MESSAGE(Renew, x.uuid, x.memory_used)
 TESSERA_MESSAGE(Renewed)
 TESSERA_MESSAGE(Expelled, x.why, x.again)
 TESSERA_MESSAGE(Unreachable, x.from, x.to)
-TESSERA_MESSAGE(Follow, x.coordinator)
+TESSERA_MESSAGE(Follow, x.follower)
 TESSERA_MESSAGE(Drain, x.node)
 TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)

@@ -41,14 +41,14 @@ Registry::behavior_type Registry::make_behavior() {
         if (!members_.reached_all(reached.uuid)) return;
         const Actors& actors = actors_.at(reached.uuid);
         options_.log(known_as(members_.find(reached.uuid)->info) + " has joined");
-        for (const CoordinatorHandle& job : jobs_) send(job, NodeJoined{actors.node});
+        for (const FollowerHandle& job : jobs_) send(job, NodeJoined{actors.node});
       },
       [this](const Renew& renew) {
         const bool member = members_.renew(renew.uuid, renew.memory_used, Clock::now());
         if (member) send(actors_.at(renew.uuid).member, Renewed{});
       },
       [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
-      [this](const Follow& job) { follow(job.coordinator); },
+      [this](const Follow& job) { follow(job.follower); },
       [this](const Drain& wanted) { return drain(wanted.node); },
       [this](const AskMembers&) { return list(); },
       [this](const Leave&) { quit(); },
@@ -95,16 +95,16 @@ void Registry::lose(const Members::Loss& loss, bool again) {
   const Actors actors = found->second;
   actors_.erase(found);
   demonitor(actors.member.address());
-  for (const CoordinatorHandle& job : jobs_) send(job, NodeLost{actors.node});
+  for (const FollowerHandle& job : jobs_) send(job, NodeLost{actors.node, loss.why});
   send(actors.member, Expelled{loss.why, again});
 }
 
 void Registry::follow(const caf::actor& job) {
-  const auto coordinator = caf::actor_cast<CoordinatorHandle>(job);
-  if (!jobs_.insert(coordinator).second) return;
-  monitor(coordinator);
+  const auto follower = caf::actor_cast<FollowerHandle>(job);
+  if (!jobs_.insert(follower).second) return;
+  monitor(follower);
   for (const auto& [uuid, member] : members_.all()) {
-    if (member.free) send(coordinator, NodeJoined{actors_.at(uuid).node});
+    if (member.free) send(follower, NodeJoined{actors_.at(uuid).node});
   }
 }
 
@@ -121,7 +121,7 @@ Drained Registry::drain(const std::string& node) {
 }
 
 void Registry::gone(const caf::down_msg& down) {
-  std::erase_if(jobs_, [&](const CoordinatorHandle& job) { return job.address() == down.source; });
+  std::erase_if(jobs_, [&](const FollowerHandle& job) { return job.address() == down.source; });
   const auto found = std::find_if(actors_.begin(), actors_.end(),
                                   [&](const auto& entry) { return entry.second.member.address() == down.source; });
   if (found == actors_.end()) return;

@@ -50,7 +50,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   ClusterOptions options_;
   Members members_;
   std::map<NodeUuid, Actors> actors_;
-  std::set<CoordinatorHandle> jobs_;
+  std::set<FollowerHandle> jobs_;
   std::uint64_t lost_ = 0;
 };
 

@@ -99,7 +99,7 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
   return {};
 }
 
-void Seat::follow(const CoordinatorHandle& job) const { caf::anon_send(registry_, Follow{as_actor(job)}); }
+void Seat::follow(const FollowerHandle& job) const { caf::anon_send(registry_, Follow{as_actor(job)}); }
 
 Result<bool> Seat::drain(const std::string& node) const {
   caf::scoped_actor self{*system_, true};

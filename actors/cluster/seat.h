@@ -22,7 +22,7 @@ class Seat final : public Membership {
   std::vector<NodeState> members() const override;
   std::uint64_t lost() const override { return list().lost; }
   std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const override;
-  void follow(const CoordinatorHandle& job) const override;
+  void follow(const FollowerHandle& job) const override;
   Result<bool> drain(const std::string& node) const override;
 
  private:

@@ -34,7 +34,10 @@ void show(const RunProgress& from, double opened_s, Progress& to) {
   to.updates_processed = sum.updates_processed;
   to.points_sent = sum.points_sent;
   to.memory_bytes = sum.memory_bytes;
+  to.bytes_between = sum.gates.bytes;
+  to.credit_waits = sum.gates.waits;
   to.nodes_lost = from.nodes_lost;
+  to.set_nodes(from.nodes);
   for (const WorkSpan& span : sum.spans) {
     to.add_span({phase_of(span.work), span.tile, span.thread, opened_s + static_cast<double>(span.begin_us) * 1e-6,
                  opened_s + static_cast<double>(span.end_us) * 1e-6});

@@ -18,6 +18,7 @@ class Caller final : public RunOwner {
 
   void progressed(const RunProgress& now) override;
   void stored(const TileDone& tile) override { done_.push_back(tile); }
+  void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override;
 
   RunEnded wait() { return end_->get_future().get(); }

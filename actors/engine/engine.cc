@@ -8,6 +8,7 @@
 
 #include "actors/coordinator.h"
 #include "actors/engine/caller.h"
+#include "actors/engine/cluster_router.h"
 #include "actors/engine/membership.h"
 #include "actors/failing.h"
 #include "actors/node_actor.h"
@@ -44,6 +45,7 @@ struct Engine::Impl {
         system(config) {
     if (seat && !seat->options().node) return;
     NodeOptions own;
+    if (seat) own.name = seat->options().node_name;
     own.threads = threads;
     own.memory_bytes = memory_bytes;
     own.used = used;
@@ -179,6 +181,11 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   // Once: where damage follows damage, nothing should go on.
   if (again) summary = impl_->run(run, out, options, progress, stop, again);
   return summary;
+}
+
+std::unique_ptr<StretchRouter> Engine::router(std::uint64_t memory_bytes) const {
+  if (!impl_->seat) return nullptr;
+  return std::make_unique<ClusterRouter>(impl_->system, *impl_->seat, memory_bytes);
 }
 
 std::uint32_t Engine::threads() const {

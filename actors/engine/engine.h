@@ -41,6 +41,9 @@ class Engine {
   Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, std::stop_token stop);
 
+  // Who routes a large input beside this process; null: nobody. The engine outlives it.
+  std::unique_ptr<StretchRouter> router(std::uint64_t memory_bytes) const;
+
   // That work on jobs, of all nodes there are now.
   std::uint32_t threads() const;
 

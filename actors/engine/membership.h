@@ -38,8 +38,8 @@ class Membership {
   // Nodes free for work; waits until there is one. None: `stop` was requested. `gathering`: a job goes on that others
   // may still be working on, so give all of them the time to come back.
   virtual std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const = 0;
-  // A job's coordinator hears of nodes from now on.
-  virtual void follow(const CoordinatorHandle& job) const = 0;
+  // It hears of nodes from now on, and first of those there are.
+  virtual void follow(const FollowerHandle& job) const = 0;
   // As Engine::drain().
   virtual Result<bool> drain(const std::string& node) const = 0;
 };

@@ -41,6 +41,7 @@ class Life final : private Misfortune {
   class Owner final : public RunOwner {
    public:
     void progressed(const RunProgress&) override {}
+    void said(const std::string&) override {}
     void stored(const TileDone&) override {}
     void ended(RunEnded end) noexcept override { end_ = std::move(end); }
     const std::optional<RunEnded>& end() const { return end_; }

@@ -58,13 +58,13 @@ int run(std::size_t n, std::uint32_t tiles, unsigned seed, const std::filesystem
     bool written = true;
     std::uint64_t routed = 0;
     print("route " + name, n, seconds([&] {
-            TileWriter writer(run_folder, 3, 0, std::uint64_t{128} << 20);
+            TileWriter writer(run_folder, 0, 3, 0, std::uint64_t{128} << 20);
             for (std::size_t i = 0; i < n && written; i += batch) {
               const auto part = std::span(points).subspan(i, std::min(batch, n - i));
               written = writer.add(partition, part, {}).has_value();
             }
             written = written && writer.flush(partition).has_value();
-            for (const std::uint64_t count : writer.counts()) routed += count;
+            for (const Bundle& bundle : writer.routed().bundles) routed += bundle.points;
           }));
     std::filesystem::remove_all(run_folder);
     if (!written || routed != n || sum == 0) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
@@ -39,6 +40,14 @@ void set_progress(const proto::StatusInfo& job, Progress& progress) {
   progress.updates_processed = figures.updates_processed();
   progress.points_sent = figures.points_sent();
   progress.memory_bytes = figures.memory_bytes();
+  progress.bytes_between = figures.bytes_between();
+  progress.credit_waits = figures.credit_waits();
+  std::vector<NodeProgress> nodes;
+  for (const auto& node : figures.nodes()) {
+    nodes.push_back(
+        {node.name(), node.tiles(), node.tiles_triangulated(), node.tiles_stored(), node.memory_bytes(), node.lost()});
+  }
+  progress.set_nodes(std::move(nodes));
 }
 
 class Watch {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -41,6 +42,15 @@ class Timeline {
   double short_s_ = 0;
 };
 
+// What a node of a cluster does for a job.
+struct NodeProgress {
+  std::string name;
+  std::uint32_t tiles = 0, tiles_triangulated = 0, tiles_stored = 0;
+  std::uint64_t memory_bytes = 0;
+  bool lost = false;
+  friend bool operator==(const NodeProgress&, const NodeProgress&) = default;
+};
+
 struct Progress {
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   std::atomic<Phase> phase{Phase::planning};
@@ -55,11 +65,25 @@ struct Progress {
   std::atomic<std::uint64_t> updates_processed{0};
   std::atomic<std::uint64_t> points_sent{0};
   std::atomic<std::uint32_t> nodes_lost{0};
-  std::atomic<std::uint64_t> memory_bytes{0};  // what the node believes its tiles hold
+  std::atomic<std::uint64_t> memory_bytes{0};  // what the nodes believe their tiles hold
+  // Sent from node to node, and how often something had to wait for the receiver.
+  std::atomic<std::uint64_t> bytes_between{0}, credit_waits{0};
+
+  // For the job's log. Called from any thread.
+  std::function<void(const std::string&)> log = [](const std::string&) {};
 
   void add_span(const PhaseSpan& span) {
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
+  }
+  // Of a cluster, those that have had a part in the job, in order of coming.
+  void set_nodes(std::vector<NodeProgress> nodes) {
+    const std::lock_guard lock(mutex_);
+    nodes_.swap(nodes);
+  }
+  std::vector<NodeProgress> nodes() const {
+    const std::lock_guard lock(mutex_);
+    return nodes_;
   }
   std::vector<PhaseSpan> spans() const {
     const std::lock_guard lock(mutex_);
@@ -69,6 +93,7 @@ struct Progress {
  private:
   mutable std::mutex mutex_;
   Timeline timeline_;
+  std::vector<NodeProgress> nodes_;
 };
 
 }  // namespace tessera

@@ -20,13 +20,16 @@ struct HostPort {
 // "HOST:PORT" or "[V6]:PORT". Error usage.
 Result<HostPort> parse_host_port(const std::string& text);
 std::string to_string(const HostPort& address);
+// All numeric addresses that a name has now. May wait for a name server. Error io: it has none.
+Result<std::vector<HostPort>> addresses_of(const HostPort& named);
 
 struct ClusterOptions {
   std::string name = "tessera";  // of the cluster: others are refused
   std::string node_name;         // for people
   HostPort listen;               // port 0: any
   HostPort advertised;           // by which others reach it; no host: as `listen`
-  std::vector<HostPort> join;    // any node of the cluster; this process, too
+  // Any node of the cluster; this process, too. A name stands for all its addresses, and is looked up again each time.
+  std::vector<HostPort> join;
   // PEM. Whoever has no certificate of the same authority is not listened to.
   std::filesystem::path authority, certificate, key;
   bool coordinator = true, node = true;  // what it is

@@ -33,14 +33,22 @@ std::string token_of_process() {
   return "-" + std::to_string(::getpid()) + "-" + token;
 }
 
-fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
+fs::path numbered(const fs::path& folder, std::uint32_t number, const char* ending) {
   char name[32];
-  std::snprintf(name, sizeof name, "%06u%s", tile.value, ending);
+  std::snprintf(name, sizeof name, "%06u%s", number, ending);
   return folder / name;
 }
 
+fs::path numbered(const fs::path& folder, TileId tile, const char* ending) {
+  return numbered(folder, tile.value, ending);
+}
+
 fs::path numbered(const fs::path& folder, NodeId node, const char* ending) {
-  return folder / (of_node + numbered("", TileId{node.value}, ending).string());
+  return folder / (of_node + numbered("", node.value, ending).string());
+}
+
+fs::path numbered(const fs::path& folder, BundleId bundle) {
+  return folder / (numbered("", bundle.attempt, "-").string() + numbered("", bundle.number, ".bin").string());
 }
 
 std::string without_temporary_ending(const fs::path& file) {
@@ -61,6 +69,9 @@ const char* folder_name(ScratchKind kind) {
       return "duplicates";
     case ScratchKind::settled:
       return "settled";
+    case ScratchKind::routing:
+    case ScratchKind::stretch:
+      break;
   }
   return "";
 }
@@ -96,10 +107,14 @@ fs::path new_run_folder(const fs::path& out) { return out / (new_run + token_of_
 fs::path plan_file(const fs::path& run) { return run / "plan.json"; }
 fs::path points_folder(const fs::path& run) { return run / "points"; }
 fs::path attributes_folder(const fs::path& run) { return run / "attributes"; }
-fs::path points_file(const fs::path& run, TileId tile) { return numbered(points_folder(run), tile, ".bin"); }
-fs::path attributes_file(const fs::path& run, TileId tile) { return numbered(attributes_folder(run), tile, ".bin"); }
-fs::path split_points_file(const fs::path& run) { return points_folder(run) / "splitting.bin"; }
-fs::path split_attributes_file(const fs::path& run) { return attributes_folder(run) / "splitting.bin"; }
+fs::path segments_file(const fs::path& run) { return run / "segments.bin"; }
+fs::path points_file(const fs::path& run, BundleId bundle) { return numbered(points_folder(run), bundle); }
+fs::path attributes_file(const fs::path& run, BundleId bundle) { return numbered(attributes_folder(run), bundle); }
+fs::path routing_file(const fs::path& run) { return run / "routing.bin"; }
+fs::path stretches_folder(const fs::path& run) { return run / "stretches"; }
+fs::path stretch_file(const fs::path& run, std::uint32_t attempt) {
+  return numbered(stretches_folder(run), attempt, ".bin");
+}
 
 fs::path scratch_folder(const fs::path& run, ScratchKind kind) { return run / folder_name(kind); }
 fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
@@ -184,8 +199,8 @@ bool is_settled_name(const fs::path& file) {
 bool is_run_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
   return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
-         name == split_points_file("") || name == split_attributes_file("") || name == settled_marker("") ||
-         name == terms_folder("") ||
+         name == segments_file("") || name == routing_file("") || name == stretches_folder("") ||
+         name == settled_marker("") || name == terms_folder("") ||
          std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),
                      [&](ScratchKind kind) { return name == scratch_folder("", kind); });
 }

@@ -11,8 +11,11 @@
 //   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new-4711-.../ of its
 //                                  own for every process until points are routed
 //     plan.json                    what was routed; written last
-//     points/000042.bin            a tile's points (src/tiling/routed_run.h)
-//     attributes/000042.bin        their attributes; absent when nothing is carried
+//     segments.bin                 where a tile's points are (src/tiling/routed_run.h)
+//     points/000000-000007.bin     routed points, as many as a buffer held
+//     attributes/000000-000007.bin their attributes; absent when nothing is carried
+//     routing.bin                  while many nodes route: what they must know
+//     stretches/000003.bin         what one of them has routed
 //     state/000042.bin, finals/000042.bin, mail/000042.bin, duplicates/000042.bin
 //                                  scratch of a tile: frames (frame.h)
 //     settled/node-000000.bin      scratch of all tiles of node 0
@@ -24,9 +27,10 @@
 //
 //   DATA/format                    the number of the format of all this
 //   DATA/id                        tells this data folder from any other: nodes of a cluster share one
-//   DATA/scratch/NODE/             tiles that a node of a cluster does not have in memory, unless it has a disk of its
-//   own DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found DATA/tokens
-//   who may ask (src/http/tokens.h) DATA/forgotten.txt             the ids of jobs that were removed, a line each
+//   DATA/scratch/NODE/             tiles that a node of a cluster without a disk of its own does not have in memory
+//   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
+//   DATA/tokens                    who may ask (src/http/tokens.h)
+//   DATA/forgotten.txt             the ids of jobs that were removed, a line each
 //   DATA/events.json               which numbers events may have next
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
 //   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
@@ -73,11 +77,12 @@ std::filesystem::path new_run_folder(const std::filesystem::path& out);
 std::filesystem::path plan_file(const std::filesystem::path& run);
 std::filesystem::path points_folder(const std::filesystem::path& run);
 std::filesystem::path attributes_folder(const std::filesystem::path& run);
-std::filesystem::path points_file(const std::filesystem::path& run, TileId tile);
-std::filesystem::path attributes_file(const std::filesystem::path& run, TileId tile);
-// A tile's points and attributes while they are routed again, to more tiles.
-std::filesystem::path split_points_file(const std::filesystem::path& run);
-std::filesystem::path split_attributes_file(const std::filesystem::path& run);
+std::filesystem::path segments_file(const std::filesystem::path& run);
+std::filesystem::path points_file(const std::filesystem::path& run, BundleId bundle);
+std::filesystem::path attributes_file(const std::filesystem::path& run, BundleId bundle);
+std::filesystem::path routing_file(const std::filesystem::path& run);
+std::filesystem::path stretches_folder(const std::filesystem::path& run);
+std::filesystem::path stretch_file(const std::filesystem::path& run, std::uint32_t attempt);
 
 // What a tile puts on disk to take it back, as frames of this kind. Never renumber: a run may be resumed by a newer
 // program.
@@ -87,7 +92,11 @@ enum class ScratchKind : std::uint32_t {
   mail = 3,        // points that came for it while it was not in memory
   duplicates = 4,  // its duplicates
   settled = 5,     // the tile once nothing can change it
+  // And what many nodes that route tell each other, in files of their own.
+  routing = 6,
+  stretch = 7,
 };
+// Of tiles.
 inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind::finals, ScratchKind::mail,
                                                 ScratchKind::duplicates, ScratchKind::settled};
 std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKind kind);

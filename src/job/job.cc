@@ -56,8 +56,8 @@ Status check_finished(const Cloud& cloud, const ResultFolder& folder) {
 }
 
 // The routed points: those of the run that is resumed, or of a new one.
-Result<RoutedRun> routed_run(const JobOptions& options, const Cloud& cloud, ResultFolder& folder, Progress& progress,
-                             const std::stop_token& stop) {
+Result<RoutedRun> routed_run(const Engine& engine, const JobOptions& options, const Cloud& cloud, ResultFolder& folder,
+                             Progress& progress, const std::stop_token& stop) {
   const auto key = options_key(options);
   if (folder.resuming()) {
     BOOST_OUTCOME_TRY(run, open_run(folder.run()));
@@ -71,7 +71,8 @@ Result<RoutedRun> routed_run(const JobOptions& options, const Cloud& cloud, Resu
                                    .tiles = options.tiles,
                                    .memory_bytes = options.memory_bytes,
                                    .options_key = key};
-  BOOST_OUTCOME_TRY(routed, route(cloud, folder.new_run(), route_options, progress, stop));
+  const auto router = engine.router(options.memory_bytes);
+  BOOST_OUTCOME_TRY(routed, route(cloud, folder.new_run(), route_options, progress, stop, router.get()));
   BOOST_OUTCOME_TRYV(folder.accept_new_run());
   routed.folder = folder.run();
   return std::move(routed);
@@ -92,7 +93,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count();
   };
   const double began_s = elapsed_s();
-  BOOST_OUTCOME_TRY(run, routed_run(options, cloud, folder, progress, stop));
+  BOOST_OUTCOME_TRY(run, routed_run(engine, options, cloud, folder, progress, stop));
   auto warnings = cloud.warnings();
   cloud = {};  // with what was unpacked for it: tiles need that disk
   const double routed_s = elapsed_s();
@@ -172,6 +173,7 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
 Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
                                           ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
   try {
+    if (options.log) progress.log = options.log;
     return run(engine, std::move(options), open, folder, progress, stop);
   } catch (const std::bad_alloc&) {
     return worded([] { return error(Errc::memory, "the system has no more memory to give"); });

@@ -42,6 +42,17 @@ std::string figures(const ProgressSnapshot& before, const ProgressSnapshot& now)
   return text;
 }
 
+// "nodes a 3/12, b 4/13, c lost": of each how many of its tiles are as far as the phase goes.
+std::string nodes_text(const ProgressSnapshot& now) {
+  std::string text;
+  for (const NodeProgress& node : now.nodes) {
+    const auto done = now.phase >= Phase::collecting ? node.tiles_stored : node.tiles_triangulated;
+    text += (text.empty() ? "nodes " : ", ") + node.name +
+            (node.lost ? " lost" : " " + std::to_string(done) + "/" + std::to_string(node.tiles));
+  }
+  return text;
+}
+
 std::string cut(std::string line, int columns) {
   if (columns > 0 && line.size() > static_cast<std::size_t>(columns)) line.resize(static_cast<std::size_t>(columns));
   return line;
@@ -64,6 +75,9 @@ ProgressSnapshot look(const Progress& progress, double elapsed_s) {
   now.updates_sent = progress.updates_sent;
   now.points_sent = progress.points_sent;
   now.memory_bytes = progress.memory_bytes;
+  now.bytes_between = progress.bytes_between;
+  now.credit_waits = progress.credit_waits;
+  now.nodes = progress.nodes();
   return now;
 }
 
@@ -111,14 +125,18 @@ std::vector<std::string> progress_panel(const ProgressSnapshot& before, const Pr
       std::string(4 - std::min<std::size_t>(3, percent.size()), ' ') + percent + " %  " + human_seconds(now.elapsed_s);
   const int width = std::clamp(columns - name_width - static_cast<int>(tail.size()) - 4, 4, 50);
   const int filled = static_cast<int>(done * width);
-  return {cut(name + " [" + std::string(filled, '#') + std::string(width - filled, '.') + "]" + tail, columns),
-          cut("  " + figures(before, now), columns)};
+  std::vector<std::string> lines{
+      cut(name + " [" + std::string(filled, '#') + std::string(width - filled, '.') + "]" + tail, columns),
+      cut("  " + figures(before, now), columns)};
+  if (!now.nodes.empty()) lines.push_back(cut("  " + nodes_text(now), columns));
+  return lines;
 }
 
 std::string progress_text(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   const auto details = figures(before, now);
   return human_seconds(now.elapsed_s) + "   " + plain_phase(name_of(now.phase)) + "   " +
-         std::to_string(static_cast<int>(fraction_done(now) * 100)) + " %" + (details.empty() ? "" : "   " + details);
+         std::to_string(static_cast<int>(fraction_done(now) * 100)) + " %" + (details.empty() ? "" : "   " + details) +
+         (now.nodes.empty() ? "" : "   " + nodes_text(now));
 }
 
 std::string progress_json(const ProgressSnapshot& before, const ProgressSnapshot& now) {
@@ -138,6 +156,20 @@ std::string progress_json(const ProgressSnapshot& before, const ProgressSnapshot
                               {"messages_in_flight", in_flight(now)},
                               {"points_sent", now.points_sent},
                               {"memory_bytes", now.memory_bytes}};
+  if (!now.nodes.empty()) {
+    auto nodes = nlohmann::ordered_json::array();
+    for (const NodeProgress& node : now.nodes) {
+      nodes.push_back({{"name", node.name},
+                       {"tiles", node.tiles},
+                       {"tiles_triangulated", node.tiles_triangulated},
+                       {"tiles_stored", node.tiles_stored},
+                       {"memory_bytes", node.memory_bytes},
+                       {"lost", node.lost}});
+    }
+    json["nodes"] = std::move(nodes);
+    json["bytes_between_nodes"] = now.bytes_between;
+    json["credit_waits"] = now.credit_waits;
+  }
   const double left = seconds_left(now);
   json["eta_s"] = left < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(left);
   return json.dump();

@@ -15,7 +15,8 @@ struct ProgressSnapshot {
   std::uint64_t points_total = 0, points_routed = 0, points_triangulated = 0;
   std::uint32_t tiles_total = 0, tiles_triangulated = 0, tiles_stored = 0, tiles_asleep = 0;
   std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0;
-  std::uint64_t memory_bytes = 0;
+  std::uint64_t memory_bytes = 0, bytes_between = 0, credit_waits = 0;
+  std::vector<NodeProgress> nodes = {};
 };
 
 ProgressSnapshot look(const Progress& progress, double elapsed_s);
@@ -26,7 +27,7 @@ double fraction_done(const ProgressSnapshot& now);
 // Points a second in the current phase, between two looks; 0 when it moves no points.
 double points_per_second(const ProgressSnapshot& before, const ProgressSnapshot& now);
 
-// Two lines, at most `columns` wide, without line ends: a bar, and the figures.
+// Two lines, three in a cluster, at most `columns` wide, without line ends: a bar, and the figures.
 std::vector<std::string> progress_panel(const ProgressSnapshot& before, const ProgressSnapshot& now, int columns);
 // One line for logs: "12.3 s  triangulating  40 %  tiles 3/8 ...".
 std::string progress_text(const ProgressSnapshot& before, const ProgressSnapshot& now);

@@ -41,6 +41,17 @@ void add_progress(const proto::JobRecord& record, const Progress& progress, prot
     figures.set_updates_processed(now.updates_processed);
     figures.set_points_sent(now.points_sent);
     figures.set_memory_bytes(now.memory_bytes);
+    figures.set_bytes_between(now.bytes_between);
+    figures.set_credit_waits(now.credit_waits);
+    for (const NodeProgress& node : now.nodes) {
+      auto& to = *figures.add_nodes();
+      to.set_name(node.name);
+      to.set_tiles(node.tiles);
+      to.set_tiles_triangulated(node.tiles_triangulated);
+      to.set_tiles_stored(node.tiles_stored);
+      to.set_memory_bytes(node.memory_bytes);
+      to.set_lost(node.lost);
+    }
     status.set_memory_bytes(now.memory_bytes);
     status.set_nodes_lost(progress.nodes_lost);
   } else if (now.points_total > 0) {  // an export

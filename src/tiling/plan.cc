@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int format_version = 3;
+constexpr int format_version = 4;
 constexpr std::uint64_t plan_bytes_max = std::uint64_t{1} << 30;  // 1000 bytes for each of 2^20 tiles
 constexpr std::array<const char*, 10> type_names{"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
 
@@ -70,10 +70,12 @@ class PlanReader {
     BOOST_OUTCOME_TRYV(read_header());
     run_.folder = folder;
     BOOST_OUTCOME_TRYV(read_tiles());
+    BOOST_OUTCOME_TRYV(read_bundles());
     BOOST_OUTCOME_TRYV(read_seeds());
     BOOST_OUTCOME_TRYV(read_source());
     return std::move(run_);
   }
+  std::uint64_t segments_sum() const { return segments_sum_; }
 
  private:
   Error bad(const std::string& what) const { return damaged_run(path_, what); }
@@ -121,12 +123,7 @@ class PlanReader {
       if (!read_bounds(at(tile, "bounds"), bounds) || bounds.empty() != (points == 0)) {
         return bad(name + " has no possible bounds");
       }
-      TileSums sums;
-      if (!read_sum(at(tile, "points_xxh3"), sums.points) || !read_sum(at(tile, "attributes_xxh3"), sums.rows)) {
-        return bad(name + " has no checksums");
-      }
       sum += points;
-      run_.tile_sums.push_back(sums);
       run_.tile_points.push_back(points);
       run_.tile_bounds.push_back(bounds);
       run_.bounds.add(bounds);
@@ -134,6 +131,25 @@ class PlanReader {
     const CloudCounts& c = run_.counts;
     if (c.invalid > c.read || c.filtered > c.read - c.invalid || sum != c.read - c.invalid - c.filtered) {
       return bad("the tiles' points do not add up to what was read");
+    }
+    return success();
+  }
+
+  Status read_bundles() {
+    const json& bundles = at(root_, "bundles");
+    if (!bundles.is_array() || !read_sum(at(root_, "segments_xxh3"), segments_sum_))
+      return bad("does not tell where the tiles' points are");
+    for (const json& from : bundles) {
+      std::uint64_t attempt = 0, number = 0;
+      Bundle bundle;
+      if (!read_unsigned(at(from, "attempt"), attempt) || attempt > UINT32_MAX ||
+          !read_unsigned(at(from, "number"), number) || number > UINT32_MAX ||
+          !read_unsigned(at(from, "first_id"), bundle.first_id) || bundle.first_id > run_.counts.read ||
+          !read_unsigned(at(from, "points"), bundle.points) || bundle.points > run_.counts.read) {
+        return bad("bundle " + std::to_string(run_.bundles.size()) + " has no possible numbers");
+      }
+      bundle.id = {static_cast<std::uint32_t>(attempt), static_cast<std::uint32_t>(number)};
+      run_.bundles.push_back(bundle);
     }
     return success();
   }
@@ -199,16 +215,47 @@ class PlanReader {
   std::filesystem::path path_;
   const json& root_;
   RoutedRun run_;
+  std::uint64_t segments_sum_ = 0;
 };
+
+// The segments, and that they are of these tiles and bundles.
+Status read_segments(RoutedRun& run, std::uint64_t written) {
+  const auto path = segments_file(run.folder);
+  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
+  BOOST_OUTCOME_TRY(bytes, file.size());
+  if (bytes % sizeof(Segment) != 0) return damaged_run(path, "ends within a segment");
+  run.segments.resize(bytes / sizeof(Segment));
+  BOOST_OUTCOME_TRY(got, file.read(std::as_writable_bytes(std::span(run.segments))));
+  const auto sum = checksum(std::as_bytes(std::span(run.segments)));
+  if (got != bytes || sum != written)
+    return damaged_run(
+        path, "is damaged: its checksum is " + checksum_text(sum) + ", " + checksum_text(written) + " was written");
+  std::uint64_t end = 0;
+  for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
+    std::uint64_t points = 0;
+    for (; points < run.tile_points[t] && end < run.segments.size(); ++end) {
+      const Segment& s = run.segments[end];
+      if (s.bundle >= run.bundles.size() || s.count == 0 || s.begin > run.bundles[s.bundle].points ||
+          s.count > run.bundles[s.bundle].points - s.begin) {
+        return damaged_run(path, "segment " + std::to_string(end) + " is in no bundle");
+      }
+      points += s.count;
+    }
+    if (points != run.tile_points[t])
+      return damaged_run(path, "tile " + std::to_string(t) + " has not the points that the plan tells of");
+    run.segment_end.push_back(end);
+  }
+  return end == run.segments.size() ? success() : Status(damaged_run(path, "has segments of no tile"));
+}
 
 Status check_size(const std::filesystem::path& path, std::uint64_t records, std::size_t record_bytes) {
   std::error_code failed;
   const std::uint64_t bytes = std::filesystem::file_size(path, failed);
-  if (records == 0 && failed == std::errc::no_such_file_or_directory) return success();
   if (failed) return io_error(path, "cannot read its size", failed.value());
   // Divided, not multiplied: the number comes from a file.
   if (bytes % record_bytes == 0 && bytes / record_bytes == records) return success();
-  return wrong_size(path, bytes, records, record_bytes);
+  return damaged_run(path, "has " + std::to_string(bytes) + " bytes, but " + std::to_string(records) + " records of " +
+                               std::to_string(record_bytes) + " bytes were written");
 }
 
 }  // namespace
@@ -225,11 +272,15 @@ std::string sealed_plan(std::string_view json) {
 Status write_plan(const RoutedRun& run) {
   json tiles = json::array();
   for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
-    tiles.push_back({{"points", run.tile_points[t]},
-                     {"bounds", to_json(run.tile_bounds[t])},
-                     {"points_xxh3", checksum_text(run.tile_sums[t].points)},
-                     {"attributes_xxh3", checksum_text(run.tile_sums[t].rows)}});
+    tiles.push_back({{"points", run.tile_points[t]}, {"bounds", to_json(run.tile_bounds[t])}});
   }
+  json bundles = json::array();
+  for (const Bundle& b : run.bundles) {
+    bundles.push_back(
+        {{"attempt", b.id.attempt}, {"number", b.id.number}, {"first_id", b.first_id}, {"points", b.points}});
+  }
+  const auto segments = std::as_bytes(std::span(run.segments));
+  BOOST_OUTCOME_TRYV(write_whole(segments_file(run.folder), segments));
   json seeds = json::array();
   for (const Seed& s : run.seeds) {
     const json reach = std::isinf(s.reach) ? json(nullptr) : json(s.reach);
@@ -248,6 +299,8 @@ Status write_plan(const RoutedRun& run) {
       {"partition", json::parse(run.partition.to_json())},
       {"counts", {{"read", run.counts.read}, {"invalid", run.counts.invalid}, {"filtered", run.counts.filtered}}},
       {"tiles", std::move(tiles)},
+      {"bundles", std::move(bundles)},
+      {"segments_xxh3", checksum_text(checksum(segments))},
       {"seeds", std::move(seeds)},
       {"schema", std::move(schema)},
       {"inputs", std::move(inputs)},
@@ -271,12 +324,14 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
   BOOST_OUTCOME_TRYV(check_seal(path, text));
   const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (root.is_discarded()) return damaged_run(path, "is not JSON");
-  BOOST_OUTCOME_TRY(run, PlanReader(path, root).read(folder));
+  PlanReader reader(path, root);
+  BOOST_OUTCOME_TRY(run, reader.read(folder));
+  BOOST_OUTCOME_TRYV(read_segments(run, reader.segments_sum()));
   const std::size_t row = row_bytes(run.schema);
-  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
-    BOOST_OUTCOME_TRYV(check_size(points_file(folder, TileId{t}), run.tile_points[t], sizeof(LocalPoint)));
+  for (const Bundle& bundle : run.bundles) {
+    BOOST_OUTCOME_TRYV(check_size(points_file(folder, bundle.id), bundle.points, sizeof(LocalPoint)));
     if (row > 0) {
-      BOOST_OUTCOME_TRYV(check_size(attributes_file(folder, TileId{t}), run.tile_points[t], row));
+      BOOST_OUTCOME_TRYV(check_size(attributes_file(folder, bundle.id), bundle.points, row));
     }
   }
   run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());

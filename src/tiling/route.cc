@@ -17,7 +17,6 @@
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"
 #include "src/tiling/routed_run.h"
-#include "src/tiling/span_finder.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {
@@ -27,8 +26,9 @@ namespace {
 class RunFolder {
  public:
   explicit RunFolder(const std::filesystem::path& path)
-      : path_(path),
-        parts_{plan_file(path), temporary_name(plan_file(path)), points_folder(path), attributes_folder(path)} {}
+      : path_(path), parts_{plan_file(path),       temporary_name(plan_file(path)), segments_file(path),
+                            points_folder(path),   attributes_folder(path),         routing_file(path),
+                            stretches_folder(path)} {}
   RunFolder(const RunFolder&) = delete;
   RunFolder& operator=(const RunFolder&) = delete;
   ~RunFolder() {
@@ -49,7 +49,7 @@ class RunFolder {
 
  private:
   std::filesystem::path path_;
-  std::array<std::filesystem::path, 4> parts_;
+  std::array<std::filesystem::path, 7> parts_;
   bool keep_ = false;
 };
 
@@ -139,10 +139,26 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
   return refuse(why_flat(points, rank, dimension) + (plane ? " (try " + option("dim", "2") + ")" : ""));
 }
 
+// What the plan tells of the points, once all are where they stay.
+void settle(RoutedRun& run, RoutedPoints& routed) {
+  run.bundles = std::move(routed.bundles);
+  for (std::uint32_t t = 0; t < run.partition.tiles(); ++t) {
+    run.tile_points.push_back(routed.points_of(TileId{t}));
+    run.segments.insert(run.segments.end(), routed.segments[t].begin(), routed.segments[t].end());
+    run.segment_end.push_back(run.segments.size());
+  }
+  run.tile_bounds = std::move(routed.bounds);
+  run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
+  for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
+  std::vector<LocalPoint> everywhere = routed.span.span();
+  everywhere.push_back(routed.span.least());
+  run.seeds = routed.seeds.choose(run.partition, run.tile_bounds, everywhere);
+}
+
 }  // namespace
 
 Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
-                        Progress& progress, std::stop_token stop) {
+                        Progress& progress, std::stop_token stop, StretchRouter* router) {
   if (options.tiles > Partition::tiles_max) {
     return error(Errc::usage, std::to_string(options.tiles) + " tiles are more than the " +
                                   std::to_string(Partition::tiles_max) + " that can be made");
@@ -170,32 +186,33 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
 
   const std::uint64_t buffer =
       std::min(budget::route_buffer_bytes(options.memory_bytes), (points_max + 1) * TileWriter::bytes_per_point(row));
-  TileWriter writer(folder, run.dimension, row, buffer);
-  SpanFinder finder(run.dimension);
-  const auto visit = [&](CloudBatch& batch) -> Status {
-    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while points were routed");
-    BOOST_OUTCOME_TRYV(writer.add(run.partition, batch.points, batch.rows));
-    finder.add(batch.points);
-    progress.points_routed += batch.points.size();
-    return success();
-  };
-  BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(visit));
-  run.counts = counts;
-  BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, counts, finder.rank()));
-  BOOST_OUTCOME_TRYV(writer.flush(run.partition));
+  TileWriter writer(folder, 0, run.dimension, row, buffer);
+  RoutedPoints& routed = writer.routed();
+  std::vector<Stretch> stretches{cloud.whole()};
+  if (router) {
+    BOOST_OUTCOME_TRY(cut, cloud.stretches(router->stretch_points(progress.points_total)));
+    stretches = std::move(cut);
+  }
+  if (stretches.size() > 1) {
+    BOOST_OUTCOME_TRYV(make_directories(stretches_folder(folder)));
+    BOOST_OUTCOME_TRY(attempts, router->route(cloud, stretches, run.partition, folder, progress, stop));
+    for (const std::uint32_t attempt : attempts) {
+      BOOST_OUTCOME_TRY(next, read_stretch(folder, attempt, run.partition));
+      routed.append(next);
+    }
+    if (const auto failed = remove_tree(stretches_folder(folder)))
+      return io_error(stretches_folder(folder), "cannot remove", failed.value());
+  } else {
+    BOOST_OUTCOME_TRYV(write_stretch(cloud, stretches.front(), run.partition, writer, stop,
+                                     [&](std::uint64_t points) { progress.points_routed += points; }));
+  }
+  run.counts = routed.counts;
+  BOOST_OUTCOME_TRYV(check_span(cloud, run.dimension, run.counts, routed.span.rank()));
   if (options.tiles == 0 && options.max_points_per_tile > 0) {
     BOOST_OUTCOME_TRYV(split_large_tiles(run.partition, writer, folder, row, options.max_points_per_tile,
                                          budget::refine_bytes(options.memory_bytes), stop));
   }
-
-  run.tile_points = std::move(writer.counts());
-  run.tile_bounds = std::move(writer.bounds());
-  run.tile_sums = std::move(writer.sums());
-  run.checked = std::make_shared<std::vector<TileChecked>>(run.tile_points.size());
-  for (const Bounds& bounds : run.tile_bounds) run.bounds.add(bounds);
-  std::vector<LocalPoint> everywhere = finder.span();
-  everywhere.push_back(finder.least());
-  run.seeds = writer.seeds().choose(run.partition, run.tile_bounds, everywhere);
+  settle(run, routed);
   progress.points_total = progress.points_routed.load();
   progress.tiles_total = run.partition.tiles();
   BOOST_OUTCOME_TRYV(write_plan(run));

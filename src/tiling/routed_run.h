@@ -1,15 +1,17 @@
-// A cloud cut into per-tile files under a run folder: what the tile actors start from, and what --resume continues.
+// A cloud cut into tiles under a run folder: what the tile actors start from, and what --resume continues.
 //
 //   RUN/plan.json             everything below and its own checksum, written last: a run folder without it has not been
 //                             routed
-//   RUN/points/000042.bin     LocalPoint records (32 bytes) by ascending id
-//   RUN/attributes/000042.bin rows in the same order; absent when nothing is carried
+//   RUN/segments.bin          where the tiles' points are: Segments (40 bytes), of one tile after the other
+//   RUN/points/, attributes/  the bundles (bundle.h)
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -21,8 +23,9 @@
 #include "src/base/result.h"
 #include "src/files/names.h"
 #include "src/io/cloud/cloud.h"
+#include "src/tiling/bundle.h"
 #include "src/tiling/partition.h"
-#include "src/tiling/tile_sums.h"
+#include "src/tiling/stretch.h"
 
 namespace tessera {
 
@@ -33,13 +36,20 @@ struct InputFile {
   friend bool operator==(const InputFile&, const InputFile&) = default;
 };
 
+// Whether a tile's records have been found whole by this process.
+struct TileChecked {
+  std::atomic<bool> points = false, rows = false;
+};
+
 struct RoutedRun {
   std::filesystem::path folder;
   int dimension = 3;
   Partition partition;
   std::vector<std::uint64_t> tile_points;  // by tile, duplicates included
   std::vector<Bounds> tile_bounds;         // by tile: of its points; empty for an empty tile
-  std::vector<TileSums> tile_sums;         // by tile
+  std::vector<Bundle> bundles;
+  std::vector<Segment> segments;           // by tile
+  std::vector<std::uint64_t> segment_end;  // by tile: of its segments
   CloudCounts counts;
   Bounds bounds;
   // What tiles know from the start (seed_finder.h), by tile. All of them know the lexicographically least point, and
@@ -52,6 +62,12 @@ struct RoutedRun {
   std::string options_key;  // equal keys = the same job; a resume with another key is refused
   // By tile; copies of this run share it. Without it, load_rows() checks the files whenever it is called.
   std::shared_ptr<std::vector<TileChecked>> checked;
+
+  std::span<const Segment> segments_of(TileId tile) const {
+    const std::uint64_t begin = tile.value == 0 ? 0 : segment_end[tile.value - 1];
+    return std::span(segments).subspan(begin, segment_end[tile.value] - begin);
+  }
+  BundleFiles files() const { return {folder, bundles, row_bytes(schema)}; }
 };
 
 struct RouteOptions {
@@ -64,8 +80,9 @@ struct RouteOptions {
 
 // Streams the cloud into tile files. Refuses, with bad_input and one sentence, a cloud without points or whose points
 // all lie on one hyperplane (it tells which). Tiles above the limit are split again, except by identical points.
+// `router`: routes stretches of what is large enough to be cut; the run is the same without it, but for its bundles.
 Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
-                        Progress& progress, std::stop_token stop);
+                        Progress& progress, std::stop_token stop, StretchRouter* router = nullptr);
 
 // Reads plan.json, checks it, and the files' sizes. What is in the files is checked when it is read. Error corrupt
 // names the damaged file.

@@ -18,6 +18,8 @@ namespace {
 constexpr double drawn_reach = 0.7;
 constexpr double outermost_reach = 0.5;
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 // The axes and what lies between them: 26 directions in space, the first 8 of which are those of the plane.
 constexpr int directions(int dimension) { return dimension == 3 ? 26 : 8; }
 
@@ -71,8 +73,58 @@ void SeedFinder::add(TileId tile, const Box& box, const LocalPoint& p) {
   }
 }
 
+void SeedFinder::add(const SeedFinder& next, std::uint64_t first_id) {
+  tiles_.resize(std::max(tiles_.size(), next.tiles_.size()));
+  const auto take = [&](Candidate& best, const Candidate& other) {
+    if (other.key > best.key) best = {other.key, {other.point.at, {other.point.id.value + first_id}}};
+  };
+  for (std::size_t t = 0; t < next.tiles_.size(); ++t) {
+    const Part& from = next.tiles_[t];
+    Part& to = tiles_[t];
+    if (from.empty) continue;
+    if (to.empty) {  // whatever is there is more
+      to.empty = false;
+      to.drawn.key = -infinity;
+      for (const Outermost& o : from.outermost) to.outermost.push_back({o.direction, {-infinity, {}}});
+    }
+    take(to.drawn, from.drawn);
+    const std::size_t directions = std::min(to.outermost.size(), from.outermost.size());
+    for (std::size_t i = 0; i < directions; ++i) take(to.outermost[i].best, from.outermost[i].best);
+  }
+}
+
 void SeedFinder::restart(TileId tile) {
   if (tile.value < tiles_.size()) tiles_[tile.value] = {};
+}
+
+void SeedFinder::write(FlatWriter& to) const {
+  to.value(
+      static_cast<std::uint64_t>(std::count_if(tiles_.begin(), tiles_.end(), [](const Part& p) { return !p.empty; })));
+  for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
+    if (tiles_[t].empty) continue;
+    to.value(t);
+    to.value(tiles_[t].drawn);
+    to.list(tiles_[t].outermost);
+  }
+}
+
+bool SeedFinder::read(FlatReader& from, std::uint32_t tiles) {
+  tiles_.assign(tiles, {});
+  std::uint64_t filled = 0;
+  if (!from.value(filled)) return false;
+  for (std::uint64_t i = 0; i < filled; ++i) {
+    std::uint32_t t = 0;
+    if (!from.value(t) || t >= tiles || !tiles_[t].empty) return false;
+    Part& part = tiles_[t];
+    part.empty = false;
+    if (!from.value(part.drawn) || !from.list(part.outermost)) return false;
+    int last = -1;
+    for (const Outermost& o : part.outermost) {
+      if (o.direction <= last || o.direction >= directions(dimension_)) return false;
+      last = o.direction;
+    }
+  }
+  return true;
 }
 
 SeedFinder::Part SeedFinder::merged(const Part& a, const Part& b) const {
@@ -101,7 +153,6 @@ SeedFinder::Part SeedFinder::merged(const Part& a, const Part& b) const {
 
 std::vector<Seed> SeedFinder::choose(const Partition& partition, const std::vector<Bounds>& bounds,
                                      std::span<const LocalPoint> everywhere) const {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   std::map<PointId, Seed> found;  // by id
   const auto take = [&](const LocalPoint& p, double reach) {
     Seed& seed = found[p.id];

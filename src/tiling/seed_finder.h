@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/flat_codec.h"
 #include "src/base/point.h"
 #include "src/tiling/partition.h"
 
@@ -22,8 +23,13 @@ class SeedFinder {
 
   // A point of a tile; by ascending id. `box`: of the tile.
   void add(TileId tile, const Box& box, const LocalPoint& p);
+  // Points with higher ids, which are `first_id` more than they say.
+  void add(const SeedFinder& next, std::uint64_t first_id);
   // Forgets what a tile had.
   void restart(TileId tile);
+  void write(FlatWriter& to) const;
+  // False when it is not what write() gives of so many tiles.
+  bool read(FlatReader& from, std::uint32_t tiles);
 
   // By tile, and by id within. `bounds`: by tile, of its points. `everywhere`: known to all tiles in any case.
   std::vector<Seed> choose(const Partition& partition, const std::vector<Bounds>& bounds,

@@ -18,6 +18,22 @@ void SpanFinder::add(std::span<const LocalPoint> points) {
   }
 }
 
+void SpanFinder::add(const SpanFinder& next, std::uint64_t first_id) {
+  std::vector<LocalPoint> points = next.span_;
+  if (!points.empty()) points.push_back(next.least_);
+  for (LocalPoint& p : points) p.id.value += first_id;
+  add(points);
+}
+
+void SpanFinder::write(FlatWriter& to) const {
+  to.list(span_);
+  to.value(least_);
+}
+
+bool SpanFinder::read(FlatReader& from) {
+  return from.list(span_) && span_.size() <= static_cast<std::size_t>(dimension_) + 1 && from.value(least_);
+}
+
 bool SpanFinder::extends(const Point& p) const {
   // Points that agree with the span on enough axes are in its flat, whatever the predicates would say at a hundred
   // times the cost: a flat raster of 10^8 points is refused in seconds.

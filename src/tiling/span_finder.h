@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/flat_codec.h"
 #include "src/base/point.h"
 
 namespace tessera {
@@ -18,6 +19,12 @@ class SpanFinder {
   explicit SpanFinder(int dimension) : dimension_(dimension) {}
 
   void add(std::span<const LocalPoint> points);
+  // What the points that follow have shown, whose ids are `first_id` more than they say: of those that extend the span
+  // of these points, the first of each rank extended their own.
+  void add(const SpanFinder& next, std::uint64_t first_id);
+  void write(FlatWriter& to) const;
+  // False when it is not what write() gives.
+  bool read(FlatReader& from);
 
   // -1: no points; 0: all equal; 1: all on a line; 2: all in a plane; 3.
   int rank() const { return static_cast<int>(span_.size()) - 1; }

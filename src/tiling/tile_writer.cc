@@ -6,7 +6,7 @@
 
 #include "src/files/checksum.h"
 #include "src/files/disk_file.h"
-#include "src/tiling/routed_run.h"
+#include "src/files/names.h"
 
 namespace tessera {
 namespace {
@@ -15,15 +15,58 @@ constexpr std::uint64_t capacity_min = 4096;
 constexpr std::uint64_t capacity_max = std::uint64_t{1} << 31;
 constexpr std::size_t block_points = 16384;  // gathered, then written: 512 KB stay in the second-level cache
 
+// Records gathered into blocks, and their checksums by segment.
+class Gathered {
+ public:
+  Gathered(DiskFile& file, std::vector<std::byte>& block, std::size_t record_bytes)
+      : file_(file), block_(block), record_bytes_(record_bytes) {
+    block_.resize(block_points * record_bytes);
+  }
+
+  Status add(const std::byte* record) {
+    std::memcpy(block_.data() + used_, record, record_bytes_);
+    used_ += record_bytes_;
+    return used_ < block_.size() ? success() : write();
+  }
+
+  // Of the records since the last call.
+  std::uint64_t sum() {
+    summed();
+    return std::exchange(sum_, 0);
+  }
+
+  Status write() {
+    summed();
+    BOOST_OUTCOME_TRYV(file_.write(std::span(block_).first(used_)));
+    used_ = unsummed_ = 0;
+    return success();
+  }
+
+ private:
+  void summed() {
+    const auto records = std::span(block_).subspan(unsummed_, used_ - unsummed_);
+    if (records.empty()) return;
+    sum_ += record_checksum(records, record_bytes_, number_);
+    number_ += records.size() / record_bytes_;
+    unsummed_ = used_;
+  }
+
+  DiskFile& file_;
+  std::vector<std::byte>& block_;
+  std::size_t record_bytes_, used_ = 0, unsummed_ = 0;
+  std::uint64_t number_ = 0, sum_ = 0;
+};
+
 }  // namespace
 
-TileWriter::TileWriter(std::filesystem::path run_folder, int dimension, std::size_t row_bytes,
+TileWriter::TileWriter(std::filesystem::path run_folder, std::uint32_t attempt, int dimension, std::size_t row_bytes,
                        std::uint64_t buffer_bytes)
     : folder_(std::move(run_folder)),
+      attempt_(attempt),
       row_bytes_(row_bytes),
       capacity_(
           static_cast<std::size_t>(std::clamp(buffer_bytes / bytes_per_point(row_bytes), capacity_min, capacity_max))),
-      seeds_(dimension) {
+      routed_(dimension) {
   // Reserved, not touched: a small cloud uses a small part.
   points_.reserve(capacity_);
   rows_.reserve(capacity_ * row_bytes_);
@@ -33,9 +76,7 @@ TileWriter::TileWriter(std::filesystem::path run_folder, int dimension, std::siz
 
 Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> points,
                        std::span<const std::byte> rows) {
-  counts_.resize(partition.tiles());
-  bounds_.resize(partition.tiles());
-  sums_.resize(partition.tiles());
+  routed_.resize(partition.tiles());
   while (!points.empty()) {
     const std::size_t n = std::min(points.size(), capacity_ - points_.size());
     const std::size_t old = tiles_.size();
@@ -53,17 +94,31 @@ Status TileWriter::add(const Partition& partition, std::span<const LocalPoint> p
 }
 
 Status TileWriter::flush(const Partition& partition) {
-  std::vector<std::uint32_t> end(counts_.size() + 1);  // by tile: where its indices end, once they are placed
+  if (points_.empty()) return success();
+  std::vector<std::uint32_t> end(partition.tiles() + 1);  // by tile: where its indices end, once they are placed
   for (const TileId tile : tiles_) ++end[tile.value + 1];
   for (std::size_t t = 1; t < end.size(); ++t) end[t] += end[t - 1];
   by_tile_.resize(tiles_.size());
   for (std::size_t i = 0; i < tiles_.size(); ++i) by_tile_[end[tiles_[i].value]++] = static_cast<std::uint32_t>(i);
-  std::uint32_t begin = 0;
-  for (std::uint32_t t = 0; t < counts_.size(); ++t) {
-    if (end[t] > begin) {
-      BOOST_OUTCOME_TRYV(append(TileId{t}, partition.boxes()[t], std::span(by_tile_).subspan(begin, end[t] - begin)));
-    }
-    begin = end[t];
+
+  const auto bundle = static_cast<std::uint32_t>(routed_.bundles.size());
+  routed_.bundles.push_back({{attempt_, bundles_++}, 0, points_.size()});
+  std::vector<TileId> filled;
+  for (std::uint32_t t = 0, begin = 0; t < partition.tiles(); begin = end[t++]) {
+    if (end[t] == begin) continue;
+    filled.push_back(TileId{t});
+    Segment segment{.bundle = bundle, .count = end[t] - begin, .begin = begin};
+    segment.first_id = points_[by_tile_[begin]].id.value;
+    routed_.segments[t].push_back(segment);
+  }
+  const BundleId id = routed_.bundles.back().id;
+  BOOST_OUTCOME_TRYV(write(points_file(folder_, id), std::as_bytes(std::span(points_)), filled, &Segment::points_sum,
+                           [&](TileId tile, std::size_t i) {
+                             routed_.bounds[tile.value].add(points_[i].at);
+                             routed_.seeds.add(tile, partition.boxes()[tile.value], points_[i]);
+                           }));
+  if (row_bytes_ > 0) {
+    BOOST_OUTCOME_TRYV(write(attributes_file(folder_, id), rows_, filled, &Segment::rows_sum, [](auto...) {}));
   }
   points_.clear();
   rows_.clear();
@@ -71,46 +126,23 @@ Status TileWriter::flush(const Partition& partition) {
   return success();
 }
 
-Status TileWriter::append(TileId tile, const Box& box, std::span<const std::uint32_t> rows) {
-  Bounds& bounds = bounds_[tile.value];
-  TileSums& sums = sums_[tile.value];
-  const std::uint64_t first = counts_[tile.value];  // of these records in the files
-  block_.resize(block_points * std::max(sizeof(LocalPoint), row_bytes_));
-  {
-    BOOST_OUTCOME_TRY(file, DiskFile::open(points_file(folder_, tile), DiskFile::Mode::append));
-    for (std::size_t begin = 0; begin < rows.size(); begin += block_points) {
-      const auto part = rows.subspan(begin, std::min(block_points, rows.size() - begin));
-      for (std::size_t i = 0; i < part.size(); ++i) {
-        bounds.add(points_[part[i]].at);
-        seeds_.add(tile, box, points_[part[i]]);
-        std::memcpy(block_.data() + i * sizeof(LocalPoint), &points_[part[i]], sizeof(LocalPoint));
-      }
-      const auto records = std::span(block_).first(part.size() * sizeof(LocalPoint));
-      sums.points += record_checksum(records, sizeof(LocalPoint), first + begin);
-      BOOST_OUTCOME_TRYV(file.write(records));
+// A file of the last bundle. `seen` is told of each record.
+template <class Seen>
+Status TileWriter::write(const std::filesystem::path& path, std::span<const std::byte> records,
+                         std::span<const TileId> filled, std::uint64_t Segment::*sum, Seen seen) {
+  const std::size_t record_bytes = records.size() / points_.size();
+  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::replace));
+  Gathered gathered(file, block_, record_bytes);
+  for (const TileId tile : filled) {
+    Segment& segment = routed_.segments[tile.value].back();
+    for (const std::uint32_t i : std::span(by_tile_).subspan(segment.begin, segment.count)) {
+      seen(tile, i);
+      BOOST_OUTCOME_TRYV(gathered.add(records.data() + i * record_bytes));
     }
-    BOOST_OUTCOME_TRYV(file.close());
+    segment.*sum = gathered.sum();
   }
-  counts_[tile.value] += rows.size();
-  if (row_bytes_ == 0) return success();
-  BOOST_OUTCOME_TRY(file, DiskFile::open(attributes_file(folder_, tile), DiskFile::Mode::append));
-  for (std::size_t begin = 0; begin < rows.size(); begin += block_points) {
-    const auto part = rows.subspan(begin, std::min(block_points, rows.size() - begin));
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      std::memcpy(block_.data() + i * row_bytes_, rows_.data() + part[i] * row_bytes_, row_bytes_);
-    }
-    const auto records = std::span(block_).first(part.size() * row_bytes_);
-    sums.rows += record_checksum(records, row_bytes_, first + begin);
-    BOOST_OUTCOME_TRYV(file.write(records));
-  }
+  BOOST_OUTCOME_TRYV(gathered.write());
   return file.close();
-}
-
-void TileWriter::restart(TileId tile) {
-  counts_[tile.value] = 0;
-  bounds_[tile.value] = {};
-  sums_[tile.value] = {};
-  seeds_.restart(tile);
 }
 
 }  // namespace tessera

@@ -45,6 +45,7 @@ class NarrowParts final : public PartSource {
 // Waits for the end.
 class Waiting final : public RunOwner {
  public:
+  void said(const std::string&) override {}
   void progressed(const RunProgress&) override {}
   void stored(const TileDone&) override {}
   void ended(RunEnded end) noexcept override {

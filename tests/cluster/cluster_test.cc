@@ -5,10 +5,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <condition_variable>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -20,6 +23,7 @@
 #include "src/certs/certificates.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/generate/generate.h"
 #include "src/io/npy/array_source.h"
 #include "src/reference/clouds.h"
 
@@ -102,6 +106,34 @@ class Cluster : public ::testing::Test {
   }
 
   // Of each tile's file.
+  // A file that all see, of more points than one stretch has.
+  std::string file() {
+    const auto path = folder_.path() / "cloud.npy";
+    EXPECT_TRUE(generate({.points = 600'000}, path));
+    return path.string();
+  }
+  Result<RoutedRun> routed_by(const Engine& engine, const std::string& file, const std::string& name,
+                              Progress& progress, const std::stop_token& stop = {}) {
+    const auto out = folder_.path() / name;
+    std::filesystem::create_directory(out);
+    BOOST_OUTCOME_TRY(cloud, Cloud::open({file}, {.dimension = 3}));
+    const auto router = engine.router(memory);
+    return route(cloud, run_folder(out), {.tiles = 12}, progress, stop, router.get());
+  }
+
+  // But for who has routed what.
+  static void expect_same(const RoutedRun& a, const RoutedRun& b) {
+    EXPECT_EQ(a.tile_bounds, b.tile_bounds);
+    EXPECT_EQ(a.seeds, b.seeds);
+    EXPECT_EQ(a.counts.read, b.counts.read);
+    for (std::uint32_t t = 0; t < a.partition.tiles(); ++t) {
+      const auto in_a = load_tile(a, TileId{t}), in_b = load_tile(b, TileId{t});
+      ASSERT_TRUE(in_a && in_b) << (in_a ? in_b : in_a).error().where;
+      EXPECT_EQ(in_a.value().points, in_b.value().points);
+      EXPECT_EQ(in_a.value().ids, in_b.value().ids);
+    }
+  }
+
   static std::vector<std::uint64_t> run(Engine& engine, const RoutedRun& run) {
     Progress progress;
     const auto summary =
@@ -159,6 +191,71 @@ TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
   EXPECT_EQ(got, expected);
 }
 
+TEST_F(Cluster, RoutesAnInputOnAllNodes) {
+  const auto input = file();
+  Progress progress, other;
+  const Engine alone(2, memory);
+  const auto one = routed_by(alone, input, "one", progress);
+  ASSERT_TRUE(one) << one.error().where;
+  for (const bool also_node : {true, false}) {
+    const auto first = coordinator(also_node);
+    const auto second = start(options("second"));
+    wait_for("node second", "has joined");
+    const auto many = routed_by(*first, input, also_node ? "two" : "single", other);
+    ASSERT_TRUE(many) << many.error().where;
+    EXPECT_GE(many.value().bundles.size(), 4U);
+    expect_same(one.value(), many.value());
+    EXPECT_EQ(other.points_routed, 600'000U);
+    EXPECT_EQ(run(*first, many.value()).size(), 12U);
+    const std::lock_guard lock(mutex_);
+    said_.clear();
+  }
+}
+
+TEST_F(Cluster, RoutesWhileNodesComeAndGo) {
+  const auto input = file();
+  Progress progress;
+  const Engine alone(2, memory);
+  const auto one = routed_by(alone, input, "one", progress);
+  ASSERT_TRUE(one) << one.error().where;
+  const auto first = coordinator();
+  for (int i = 0; i < 4; ++i) {
+    const std::string name = "guest-" + std::to_string(i);
+    auto guest = start(options(name));
+    wait_for("node " + name, "has joined");
+    std::optional<Result<RoutedRun>> many;
+    Progress with_guests;
+    std::jthread routing([&] { many = routed_by(*first, input, name, with_guests); });
+    while (with_guests.points_routed == 0 && with_guests.tiles_total == 0) std::this_thread::yield();
+    guest.reset();
+    routing.join();
+    ASSERT_TRUE(*many) << many->error().where;
+    expect_same(one.value(), many->value());
+  }
+}
+
+TEST_F(Cluster, StopsRoutingAndTellsWhatIsWrongWithTheInput) {
+  const auto first = coordinator();
+  const auto second = start(options("second"));
+  wait_for("node second", "has joined");
+  const auto input = file();
+  Progress progress;
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(routed_by(*first, input, "stopped", progress, stop.get_token()).error().code, Errc::interrupted);
+  // A point that is not finite, in the last stretch.
+  {
+    std::fstream damaged(input, std::ios::binary | std::ios::in | std::ios::out);
+    damaged.seekp(-8, std::ios::end);
+    const double nan = std::nan("");
+    damaged.write(reinterpret_cast<const char*>(&nan), sizeof nan);
+  }
+  const auto refused = routed_by(*first, input, "damaged", progress);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::bad_input);
+  EXPECT_NE(refused.error().where.find("row 599999"), std::string::npos) << refused.error().where;
+}
+
 TEST_F(Cluster, WaitsForANodeAndIsInterruptedMeanwhile) {
   const auto first = coordinator(false);
   const RoutedRun cloud = routed("waiting");
@@ -182,6 +279,26 @@ TEST_F(Cluster, RefusesOthersWithASentence) {
   const auto b = start(elsewhere);
   wait_for("refused", "data folder is not the coordinator's");
   EXPECT_EQ(first->nodes().size(), 1U);
+}
+
+TEST_F(Cluster, IsFoundByNameAtWhicheverAddressItHas) {
+  const auto first = coordinator();
+  auto by_name = options("second");
+  by_name.join = {{"localhost", first_.port}};
+  const auto second = start(by_name);
+  wait_for("node second", "has joined");
+  auto nowhere = options("third");
+  nowhere.join = {{"no.such.host.invalid", first_.port}};
+  const auto third = start(nowhere);
+  wait_for("nobody of the cluster is reached yet", "no.such.host.invalid: ");
+}
+
+TEST(Addresses, AreAllOfAName) {
+  EXPECT_EQ(addresses_of({"127.0.0.1", 7}).value(), (std::vector<HostPort>{{"127.0.0.1", 7}}));
+  EXPECT_EQ(addresses_of({"::1", 7}).value(), (std::vector<HostPort>{{"::1", 7}}));
+  const auto local = addresses_of({"localhost", 7}).value();
+  for (const HostPort& address : local)
+    EXPECT_TRUE(address.host == "127.0.0.1" || address.host == "::1") << address.host;
 }
 
 // Whoever has a certificate of another authority is not spoken to.

@@ -102,6 +102,9 @@ class Cluster(DaemonTest):
         self.wait_until(lambda: self.status(job).get("phase") in phases or self.status(job)["status"] != "running" and
                         self.status(job)["status"] != "accepted", lambda: json.dumps(self.status(job)))
 
+    def nodes_of(self, job):
+        return {node["name"]: node for node in self.status(job).get("figures", {}).get("nodes", [])}
+
     def run_job(self, name):
         job = self.submit(name)
         self.wait_until(lambda: self.status(job)["status"] not in ("accepted", "running"),
@@ -147,6 +150,7 @@ class Cluster(DaemonTest):
     def test_a_node_that_was_stopped_for_longer_than_its_lease_begins_anew(self):
         job = self.submit("stopped")
         self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+        self.wait_until(lambda: "c" in self.nodes_of(job) or self.status(job)["status"] == "successful", lambda: "no c")
         node = self.nodes["c"]
         node.process.send_signal(signal.SIGSTOP)
         needed = self.status(job).get("phase") == "triangulating"

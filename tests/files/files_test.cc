@@ -159,13 +159,15 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            plan_file("r"),
                            points_folder("r"),
                            attributes_folder("r"),
-                           points_file("r", tile),
-                           attributes_file("r", tile),
-                           split_points_file("r"),
-                           split_attributes_file("r"),
+                           segments_file("r"),
+                           points_file("r", {1, 42}),
+                           attributes_file("r", {1, 42}),
+                           routing_file("r"),
+                           stretches_folder("r"),
+                           stretch_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 21;
+  std::size_t expected = 23;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));

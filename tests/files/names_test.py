@@ -5,7 +5,7 @@ import sys
 
 FOLDERS = "tiles|points|attributes|state|finals|mail|duplicates|settled"
 FORBIDDEN = re.compile(
-    r'"(manifest\.json|triangulation\.(pvtu|vtkhdf)|duplicates\.bin|report\.html|plan\.json|splitting\.bin|settled\.done'
+    r'"(manifest\.json|triangulation\.(pvtu|vtkhdf)|duplicates\.bin|report\.html|plan\.json|segments\.bin|routing\.bin|settled\.done'
     r'|\.run(\.new[^\"]*)?|\.lock|\.done|\.tmp[^"]*|%06u[^"]*|(ca)?\.(pem|key))"'  # a name alone, or how it is made
     rf'|/\s*"({FOLDERS})"|"({FOLDERS})/'                      # a folder in a path
 )

@@ -52,14 +52,15 @@ class Damage : public RunFixture {
   }
 
   fs::path folder_of(const char* kind) const { return run_folder() / kind; }
+  fs::path bundle(const char* kind) const { return folder_of(kind) / "000000-000000.bin"; }
 };
 
 TEST_F(Damage, OfAnyBitInAnyFileIsToldWithTheFileAndTheWayOut) {
-  std::vector<fs::path> files{run_folder() / "plan.json"};
+  std::vector<fs::path> files{run_folder() / "plan.json", run_folder() / "segments.bin"};
   for (const char* kind : {"points", "attributes"}) {
     for (const auto& file : fs::directory_iterator(folder_of(kind))) files.push_back(file.path());
   }
-  ASSERT_EQ(files.size(), 7u);
+  ASSERT_EQ(files.size(), 4u);
   for (const auto& file : files) {
     const std::string whole = read_text(file);
     for (std::size_t bit = 0; bit < 8 * whole.size(); bit += 8 * whole.size() / 100 + 1) {
@@ -79,8 +80,7 @@ TEST_F(Damage, OfAnyBitInAnyFileIsToldWithTheFileAndTheWayOut) {
 }
 
 TEST_F(Damage, OfTwoRecordsOrTwoRowsThatChangedPlacesIsTold) {
-  for (const auto& [file, record] :
-       {std::pair{folder_of("points") / "000001.bin", 32}, std::pair{folder_of("attributes") / "000001.bin", 5}}) {
+  for (const auto& [file, record] : {std::pair{bundle("points"), 32}, std::pair{bundle("attributes"), 5}}) {
     const std::string whole = read_text(file);
     auto damaged = whole;
     std::swap_ranges(damaged.begin(), damaged.begin() + record, damaged.begin() + 10 * record);
@@ -95,10 +95,9 @@ TEST_F(Damage, OfTwoRecordsOrTwoRowsThatChangedPlacesIsTold) {
 
 // Only the rows of a few points are wanted, and the damage is elsewhere.
 TEST_F(Damage, OfRowsIsToldAtTheFirstCallWhateverItAsksFor) {
-  const auto file = folder_of("attributes") / "000002.bin";
-  auto damaged = read_text(file);
+  auto damaged = read_text(bundle("attributes"));
   damaged.back() = static_cast<char>(damaged.back() ^ 1);
-  write_text(file, damaged);
+  write_text(bundle("attributes"), damaged);
   const auto run = open_run(run_folder()).value();
   const auto id = read_points(run, 2).front().id;
   EXPECT_EQ(load_rows(run, TileId{2}, {id}).error().code, Errc::corrupt);
@@ -106,30 +105,12 @@ TEST_F(Damage, OfRowsIsToldAtTheFirstCallWhateverItAsksFor) {
 }
 
 TEST_F(Damage, OfPointsIsToldAlsoWhereOnlyRowsAreWanted) {
-  const auto file = folder_of("points") / "000002.bin";
-  auto damaged = read_text(file);
+  auto damaged = read_text(bundle("points"));
   damaged[damaged.size() - 9] = static_cast<char>(damaged[damaged.size() - 9] ^ 1);
-  write_text(file, damaged);
   const auto run = open_run(run_folder()).value();
   const auto id = read_points(run, 2).front().id;
+  write_text(bundle("points"), damaged);
   EXPECT_EQ(load_rows(run, TileId{2}, {id}).error().code, Errc::corrupt);
-}
-
-TEST_F(Damage, SumsDependNeitherOnBuffersNorOnTilesThatWereSplit) {
-  auto options = in_dimension(3);
-  options.attributes = {"intensity", "class"};
-  const auto cloud = open_cloud((folder_ / "in.ply").string(), options);
-  for (const std::uint64_t memory : {std::uint64_t{1} << 20, std::uint64_t{1} << 28}) {
-    const auto folder = folder_ / std::to_string(memory);
-    const auto run = route(cloud, folder, {.max_points_per_tile = 40, .memory_bytes = memory}, progress_, {});
-    ASSERT_TRUE(run) << run.error().where;
-    for (std::uint32_t t = 0; t < run.value().partition.tiles(); ++t) {
-      EXPECT_TRUE(check_records(points_file(folder, TileId{t}), run.value().tile_points[t], sizeof(LocalPoint),
-                                run.value().tile_sums[t].points));
-      EXPECT_TRUE(check_records(attributes_file(folder, TileId{t}), run.value().tile_points[t], 5,
-                                run.value().tile_sums[t].rows));
-    }
-  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "src/files/checksum.h"
 #include "src/tiling/plan.h"
 #include "tests/tiling/run_fixture.h"
 
@@ -80,8 +81,11 @@ TEST_F(Plan, IsRefusedWhenItsNumbersDoNotAddUp) {
   refused("/tiles/1/points", 0);
   refused("/tiles/1/points", UINT64_MAX);
   refused("/tiles/1/bounds", nullptr);
-  refused("/tiles/1/points_xxh3", "0123456789abcde");
-  refused("/tiles/1/attributes_xxh3", nullptr);
+  refused("/bundles/0/points", UINT64_MAX);
+  refused("/bundles/0/first_id", 501);
+  refused("/bundles/0/attempt", UINT64_MAX);
+  refused("/bundles/0/number", nullptr);
+  refused("/segments_xxh3", "0123456789abcde");
   refused("/tiles/1/bounds/0/0", 1e9);
   refused("/seeds/0/id", 500);
   refused("/seeds/0/at/1", nullptr);
@@ -104,35 +108,67 @@ TEST_F(Plan, IsRefusedWhenAnyBitOfItIsFlipped) {
   EXPECT_TRUE(open_run(run_folder()));
 }
 
-TEST_F(Plan, IsRefusedWhenATileFileIsMissingOrOfAnotherSize) {
-  const auto file = run_folder() / "points" / "000001.bin";
-  const std::string content = read_text(file);
-  write_text(file, content + "x");
-  expect_refused(Errc::corrupt, "points/000001.bin");
-  write_text(file, content.substr(32));
-  expect_refused(Errc::corrupt, "points/000001.bin");
-  std::filesystem::remove(file);
-  expect_refused(Errc::io, "points/000001.bin");
-  write_text(file, content);
-  EXPECT_TRUE(open_run(run_folder()));
+TEST_F(Plan, IsRefusedWhenAFileIsMissingOrOfAnotherSize) {
+  for (const char* name : {"points/000000-000000.bin", "segments.bin"}) {
+    const auto file = run_folder() / name;
+    const std::string content = read_text(file);
+    write_text(file, content + "x");
+    expect_refused(Errc::corrupt, name);
+    write_text(file, content.substr(40));
+    expect_refused(Errc::corrupt, name);
+    std::filesystem::remove(file);
+    expect_refused(Errc::io, name);
+    write_text(file, content);
+    EXPECT_TRUE(open_run(run_folder()));
+  }
+}
+
+// With the right checksum, as nobody writes them.
+TEST_F(Plan, IsRefusedWithSegmentsThatCannotBe) {
+  const auto file = run_folder() / "segments.bin";
+  const auto segments = open_run(run_folder()).value().segments;
+  ASSERT_EQ(segments.size(), 3u);
+  const auto refused = [&](auto change) {
+    auto changed = segments;
+    change(changed);
+    const auto bytes = std::as_bytes(std::span(changed));
+    write_text(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    auto plan = unsealed();
+    plan["segments_xxh3"] = checksum_text(checksum(bytes));
+    write_plan_of(plan);
+    expect_refused(Errc::corrupt, "segments.bin");
+  };
+  refused([](auto& s) { s[1].bundle = 1; });
+  refused([](auto& s) { s[1].count = 0; });
+  refused([](auto& s) { s[1].count -= 1; });
+  refused([](auto& s) { s[1].begin = 500; });
+  refused([](auto& s) { s[1].begin = UINT64_MAX; });
+  refused([](auto& s) { s.pop_back(); });
+  refused([](auto& s) { s.push_back(s.back()); });
 }
 
 TEST_F(Plan, DoesNotHideARecordThatCannotBeInItsTile) {
-  const auto run = open_run(run_folder()).value();
-  const auto file = run_folder() / "points" / "000001.bin";
+  const auto file = run_folder() / "points" / "000000-000000.bin";
   const std::string content = read_text(file);
-  const auto refused = [&](std::string changed) {
+  auto run = open_run(run_folder()).value();
+  const auto begin = run.segments_of(TileId{1})[0].begin * 32;
+  Segment& segment = run.segments[1];
+  const auto refused = [&](std::size_t at, std::size_t bytes, const std::string& by) {
+    auto changed = content;
+    changed.replace(begin + at, bytes, by);
     write_text(file, changed);
+    EXPECT_EQ(load_tile(run, TileId{1}).error().code, Errc::corrupt) << "whatever the checksum";
+    const auto records = std::as_bytes(std::span(changed)).subspan(begin, segment.count * 32);
+    segment.points_sum = record_checksum(records, 32, segment.begin);
     const auto tile = load_tile(run, TileId{1});
     ASSERT_FALSE(tile);
     EXPECT_EQ(tile.error().code, Errc::corrupt);
     EXPECT_EQ(tile.error().where.find(file.string()), 0u);
   };
-  refused(std::string(content).replace(64, 32, 32, '\0'));
-  refused(std::string(content).replace(64, 8, 8, '\xff'));
-  refused(std::string(content).replace(64, 32, content, 0, 32));
-  refused(content.substr(32));
-  refused(read_text(run_folder() / "points" / "000000.bin"));
+  refused(64, 32, std::string(32, '\0'));
+  refused(64, 8, std::string(8, '\xff'));
+  refused(64, 32, content.substr(begin, 32));
+  refused(0, 64, content.substr(0, 64));
 }
 
 TEST_F(Plan, IsMissingInAFolderThatIsNotARun) {

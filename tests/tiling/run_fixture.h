@@ -62,16 +62,17 @@ class RunFixture : public testing::Test {
   }
 
   static std::vector<LocalPoint> read_points(const RoutedRun& run, std::uint32_t tile) {
-    std::vector<LocalPoint> points(run.tile_points.at(tile));
-    std::ifstream in(points_file(run.folder, TileId{tile}), std::ios::binary);
-    if (!points.empty())
-      in.read(reinterpret_cast<char*>(points.data()), static_cast<std::streamsize>(points.size() * 32));
-    EXPECT_TRUE(points.empty() || in.good());
-    EXPECT_TRUE(points.empty() || in.peek() == std::ifstream::traits_type::eof());
+    std::vector<LocalPoint> points;
+    EXPECT_TRUE(for_each_record({run.folder, run.bundles, 0}, run.segments_of(TileId{tile}), {},
+                                [&](std::span<const LocalPoint> some, auto) -> Status {
+                                  points.insert(points.end(), some.begin(), some.end());
+                                  return success();
+                                }));
+    EXPECT_EQ(points.size(), run.tile_points.at(tile));
     return points;
   }
 
-  // Every point is in the file of its tile, under its rank in the input; the run's numbers are those of its files.
+  // Every point is in its tile, under its rank in the input; the run's numbers are those of its files.
   static void expect_complete(const RoutedRun& run, const std::vector<Point>& points) {
     ASSERT_EQ(run.tile_points.size(), run.partition.tiles());
     ASSERT_EQ(run.tile_bounds.size(), run.partition.tiles());
@@ -133,7 +134,9 @@ class RunFixture : public testing::Test {
     EXPECT_EQ(a.partition.boxes(), b.partition.boxes());
     EXPECT_EQ(a.tile_points, b.tile_points);
     EXPECT_EQ(a.tile_bounds, b.tile_bounds);
-    EXPECT_EQ(a.tile_sums, b.tile_sums);
+    EXPECT_EQ(a.bundles, b.bundles);
+    EXPECT_EQ(a.segments, b.segments);
+    EXPECT_EQ(a.segment_end, b.segment_end);
     EXPECT_EQ(a.counts.read, b.counts.read);
     EXPECT_EQ(a.counts.invalid, b.counts.invalid);
     EXPECT_EQ(a.counts.filtered, b.counts.filtered);

@@ -153,6 +153,15 @@ Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, Cloud
   return cloud;
 }
 
+Cloud Cloud::of(std::vector<FileInfo> files, std::vector<Attribute> schema, CloudOptions options) {
+  Cloud cloud;
+  cloud.spooled_.resize(files.size());
+  cloud.files_ = std::move(files);
+  cloud.schema_ = std::move(schema);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
                                                    ReadHints hints) const {
   const FileInfo& file = files_[index];

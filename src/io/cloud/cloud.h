@@ -56,6 +56,28 @@ struct CloudCounts {
   // Of points that were filtered one by one: where they are, and their classes, when a class was asked for.
   Bounds outside = {};
   std::bitset<256> other_classes = {};
+
+  void add(const CloudCounts& more) {
+    read += more.read;
+    invalid += more.invalid;
+    filtered += more.filtered;
+    outside.add(more.outside);
+    other_classes |= more.other_classes;
+  }
+};
+
+// A part of the input that can be read by itself.
+struct Stretch {
+  // A file, or of one that can be entered in the middle points begin..begin+count-1, or these of its FileInfo::parts.
+  struct Range {
+    enum class Of : std::uint8_t { file, points, parts };
+    std::size_t file = 0;
+    Of of = Of::file;
+    std::uint64_t begin = 0, count = 0;
+    friend bool operator==(const Range&, const Range&) = default;
+  };
+  std::vector<Range> ranges;
+  bool here = false;  // by this process alone: what is read has no name
 };
 
 class Cloud {
@@ -69,6 +91,9 @@ class Cloud {
   // A cloud of one input that is not a file. Errors as above.
   static Result<Cloud> open_source(std::shared_ptr<const ByteSource> source, CloudOptions options);
 
+  // A cloud of files that another process has opened: of a stretch as much as for_each_batch() asks for.
+  static Cloud of(std::vector<FileInfo> files, std::vector<Attribute> schema, CloudOptions options);
+
   const std::vector<FileInfo>& files() const { return files_; }
   const std::vector<Attribute>& schema() const { return schema_; }
   const CloudOptions& options() const { return options_; }
@@ -80,6 +105,13 @@ class Cloud {
   // other large files are read by one thread (LAZ: as many as there are) while `visit` works. Batches, and the error if
   // there is one, do not depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
+  // The same of a stretch; ids count from its first point.
+  Result<CloudCounts> for_each_batch(const Stretch& stretch, const std::function<Status(CloudBatch&)>& visit) const;
+
+  // All of it in order, cut into stretches of about so many points where files can be entered. Looks at the files that
+  // are larger. Errors of the readers.
+  Result<std::vector<Stretch>> stretches(std::uint64_t points) const;
+  Stretch whole() const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
   // seek cheaply, everything else whole.

@@ -26,34 +26,47 @@ constexpr std::uint64_t rows_bytes_max = std::uint64_t{8} << 20;
 // A file, or a part of one, that one thread reads.
 struct Unit {
   std::size_t file;
-  std::optional<std::uint64_t> part;  // none: the whole file
-  bool ahead;                         // small enough to be read before it is needed
+  std::optional<std::uint64_t> part;            // none: not one of those
+  bool ahead;                                   // small enough to be read before it is needed
+  std::uint64_t begin = 0, count = UINT64_MAX;  // points
 };
 
-std::vector<Unit> units_of(const std::vector<FileInfo>& files, const std::vector<Attribute>& schema) {
+std::vector<Unit> units_of(const Stretch& stretch, const std::vector<FileInfo>& files,
+                           const std::vector<Attribute>& schema) {
   std::vector<Unit> units;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const FileInfo& file = files[i];
+  for (const Stretch::Range& range : stretch.ranges) {
+    const FileInfo& file = files[range.file];
+    const bool in_parts = row_bytes(schema) <= text_row_bytes_max;
     if (file.points) {
-      const bool small = *file.points <= batch_points_max && *file.points * row_bytes(schema) <= rows_bytes_max;
-      units.push_back({i, {}, small});
-    } else if (row_bytes(schema) > text_row_bytes_max) {
-      units.push_back({i, {}, false});
+      Unit unit{range.file, {}, false};
+      if (range.of == Stretch::Range::Of::points) unit = {range.file, {}, false, range.begin, range.count};
+      const std::uint64_t points = std::min(unit.count, *file.points);
+      unit.ahead = points <= batch_points_max && points * row_bytes(schema) <= rows_bytes_max;
+      units.push_back(unit);
+    } else if (range.of == Stretch::Range::Of::parts) {
+      for (std::uint64_t part = range.begin; part < range.begin + range.count; ++part)
+        units.push_back({range.file, part, in_parts});
+    } else if (!in_parts) {
+      units.push_back({range.file, {}, false});
     } else {
-      for (std::uint64_t part = 0; part < file.parts; ++part) units.push_back({i, part, true});
+      for (std::uint64_t part = 0; part < file.parts; ++part) units.push_back({range.file, part, true});
     }
   }
   return units;
 }
 
-// Gives `sink` what the filter keeps of a file whose points have ids from first_id on, and counts it.
-Status read_file(PointReader& reader, const PointFilter& filter, std::uint64_t first_id, CloudCounts& counts,
-                 const Sink& sink) {
+// Gives `sink` what the filter keeps of a unit whose points have ids from first_id on, and counts it.
+Status read_unit(PointReader& reader, const Unit& unit, const PointFilter& filter, std::uint64_t first_id,
+                 CloudCounts& counts, const Sink& sink) {
   PointBatch batch;
   CloudBatch kept;
-  while (true) {
+  if (unit.begin > 0) {
+    BOOST_OUTCOME_TRYV(reader.seek(unit.begin));
+  }
+  for (std::uint64_t left = unit.count;; left -= batch.points.size()) {
+    if (left == 0) return success();
     batch.passed_over = 0;
-    BOOST_OUTCOME_TRYV(reader.next(batch));
+    BOOST_OUTCOME_TRYV(reader.next(batch, std::min<std::uint64_t>(left, SIZE_MAX)));
     counts.read += batch.passed_over;
     counts.filtered += batch.passed_over;
     if (batch.points.empty()) return success();
@@ -67,12 +80,12 @@ Status read_file(PointReader& reader, const PointFilter& filter, std::uint64_t f
 }
 
 // The same with another thread that reads while this one is in `sink`.
-Status read_file_ahead(PointReader& reader, const PointFilter& filter, std::uint64_t first_id, CloudCounts& counts,
-                       const Sink& sink) {
+Status read_unit_ahead(PointReader& reader, const Unit& unit, const PointFilter& filter, std::uint64_t first_id,
+                       CloudCounts& counts, const Sink& sink) {
   BatchQueue queue;
   const auto read = [&]() -> Status {
     try {
-      return read_file(reader, filter, first_id, counts, [&](CloudBatch& batch) -> Status {
+      return read_unit(reader, unit, filter, first_id, counts, [&](CloudBatch& batch) -> Status {
         if (queue.push(batch)) return success();
         return error(Errc::interrupted, "nobody wants the batches any more");
       });
@@ -100,21 +113,19 @@ struct ReadUnit {
 }  // namespace
 
 Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&)>& visit) const {
+  return for_each_batch(whole(), visit);
+}
+
+Result<CloudCounts> Cloud::for_each_batch(const Stretch& stretch,
+                                          const std::function<Status(CloudBatch&)>& visit) const {
   const PointFilter filter(options_, schema_);
-  const std::vector<Unit> units = units_of(files_, filter.reader_schema());
+  const std::vector<Unit> units = units_of(stretch, files_, filter.reader_schema());
   CloudCounts counts;
-  const auto add = [&](const CloudCounts& more) {
-    counts.read += more.read;
-    counts.invalid += more.invalid;
-    counts.filtered += more.filtered;
-    counts.outside.add(more.outside);
-    counts.other_classes |= more.other_classes;
-  };
-  const auto read_unit = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
+  const auto read_whole = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
     ReadUnit made;
     const ReadHints hints{.threads = 1, .part = unit.part, .count_lines = count_lines};
     BOOST_OUTCOME_TRY(reader, reopen(unit.file, filter.reader_schema(), hints));
-    BOOST_OUTCOME_TRYV(read_file(*reader, filter, 0, made.counts, [&](CloudBatch& batch) -> Status {
+    BOOST_OUTCOME_TRYV(read_unit(*reader, unit, filter, 0, made.counts, [&](CloudBatch& batch) -> Status {
       made.batches.push_back(std::move(batch));
       batch = {};
       return success();
@@ -123,9 +134,9 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   };
   const auto read_ahead = [&](std::size_t i) -> Result<ReadUnit> {
     if (!units[i].ahead) return ReadUnit{};
-    auto made = read_unit(units[i], false);
+    auto made = read_whole(units[i], false);
     // Only an error is worth looking for its line.
-    if (made.has_error() && units[i].part.value_or(0) > 0) return read_unit(units[i], true);
+    if (made.has_error() && units[i].part.value_or(0) > 0) return read_whole(units[i], true);
     return made;
   };
   const auto deliver = [&](std::size_t i, ReadUnit made) -> Status {
@@ -134,11 +145,13 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
       BOOST_OUTCOME_TRYV(visit(batch));
     }
     if (!units[i].ahead) {
-      BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), ReadHints{.threads = options_.threads}));
-      const auto read = options_.threads > 1 ? read_file_ahead : read_file;
-      BOOST_OUTCOME_TRYV(read(*reader, filter, counts.read, made.counts, visit));
+      const ReadHints hints{
+          .threads = options_.threads, .part = units[i].part, .count_lines = units[i].part.value_or(0) > 0};
+      BOOST_OUTCOME_TRY(reader, reopen(units[i].file, filter.reader_schema(), hints));
+      const auto read = options_.threads > 1 ? read_unit_ahead : read_unit;
+      BOOST_OUTCOME_TRYV(read(*reader, units[i], filter, counts.read, made.counts, visit));
     }
-    add(made.counts);
+    counts.add(made.counts);
     return success();
   };
   BOOST_OUTCOME_TRYV(in_order(units.size(), options_.threads, read_ahead, deliver));

@@ -1,0 +1,120 @@
+#include "actors/engine/cluster_router.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "actors/failing.h"
+#include "actors/prepared.h"
+#include "actors/router.h"
+#include "src/run/routing.h"
+
+namespace tessera {
+namespace {
+
+// What comes from the router waits here for the thread that routes.
+class Desk final : public RoutingOwner {
+ public:
+  struct Here {
+    std::uint32_t stretch = 0, attempt = 0;
+    std::string why;
+  };
+  struct End {
+    std::vector<std::uint32_t> attempts;
+    Failure failure;
+  };
+
+  explicit Desk(Progress& progress) : progress_(progress) {}
+
+  void progressed(std::uint64_t points) override { progress_.points_routed = points; }
+  void route_here(std::uint32_t stretch, std::uint32_t attempt, std::string why) override {
+    const std::lock_guard lock(mutex_);
+    here_ = {stretch, attempt, std::move(why)};
+    changed_.notify_one();
+  }
+  void ended(std::vector<std::uint32_t> attempts, Failure failure) noexcept override {
+    const std::lock_guard lock(mutex_);
+    end_ = {std::move(attempts), std::move(failure)};
+    changed_.notify_one();
+  }
+
+  // What is to be routed here; none: it has ended.
+  std::optional<Here> next() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return here_ || end_; });
+    return end_ ? std::nullopt : std::exchange(here_, std::nullopt);
+  }
+  // Waits for it.
+  End end() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return end_.has_value(); });
+    return std::move(*end_);
+  }
+
+ private:
+  Progress& progress_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Here> here_;
+  std::optional<End> end_;
+};
+
+}  // namespace
+
+// Some for each node, so that those that are done early take more; large enough that a node is busy with it for a
+// while.
+std::uint64_t ClusterRouter::stretch_points(std::uint64_t total) const {
+  const std::uint64_t unknown = 2'000'000;
+  const std::uint64_t nodes = std::max<std::size_t>(1, seat_.members().size());
+  return total == 0 ? unknown : std::clamp<std::uint64_t>(total / (4 * nodes), 100'000, 8'000'000);
+}
+
+Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, const std::vector<Stretch>& stretches,
+                                                        const Partition& partition,
+                                                        const std::filesystem::path& run_folder, Progress& progress,
+                                                        const std::stop_token& stop) {
+  BOOST_OUTCOME_TRYV(write_routing(run_folder, cloud, stretches, partition));
+  RouterOptions options;
+  options.run_folder = std::filesystem::absolute(run_folder).string();
+  options.shares = seat_.options().jobs_at_once;
+  for (const Stretch& stretch : stretches) options.here.push_back(stretch.here);
+  const auto nodes = seat_.nodes(false, stop);
+  if (nodes.empty()) return error(Errc::interrupted, "interrupted while points were routed");
+  Desk desk(progress);
+  Prepared<Cancel> cancel, cancel_by_user;
+  const auto router = system_.spawn<Router>(std::move(options), desk, nodes);
+  // It knows the desk until it has ended.
+  struct Ending {
+    ~Ending() {
+      cancel.say(router);
+      desk.end();
+    }
+    Desk& desk;
+    Prepared<Cancel>& cancel;
+    const RouterHandle& router;
+  } const ending{desk, cancel, router};
+  seat_.follow(router);
+  {
+    const std::stop_callback when_stopped(stop, [&] { cancel_by_user.say(router); });
+    while (const auto here = desk.next()) {
+      if (!here->why.empty())
+        seat_.options().log("a node cannot route a part of the input, which is routed here: " + here->why);
+      StretchRouted routed;
+      routed.attempt = here->attempt;
+      routed.done = true;
+      const auto tell = [&](std::uint64_t more) { routed.points += more; };
+      const StretchWork work{run_folder, here->attempt, memory_bytes_, tell};
+      if (Status done = route_stretch(cloud, stretches[here->stretch], partition, work, stop); !done)
+        routed.failure = failure_of(std::move(done).error());
+      caf::anon_send(router, std::move(routed));
+    }
+  }
+  Desk::End end = desk.end();
+  if (end.failure) return error_of(std::move(end.failure));
+  return std::move(end.attempts);
+}
+
+}  // namespace tessera

@@ -1,0 +1,22 @@
+// What the nodes of a cluster must know to route stretches of a cloud, as one file of the run folder.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/tiling/stretch.h"
+
+namespace tessera {
+
+// Error io.
+Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud, const std::vector<Stretch>& stretches,
+                     const Partition& partition);
+
+// Routes one of these stretches with so many threads. Errors of route_stretch(), corrupt.
+Status route_stretch(const std::filesystem::path& run_folder, std::size_t stretch, std::uint32_t threads,
+                     const StretchWork& work, const std::stop_token& stop);
+
+}  // namespace tessera

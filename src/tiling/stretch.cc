@@ -1,0 +1,43 @@
+#include "src/tiling/stretch.h"
+
+#include "src/budget/budget.h"
+#include "src/files/frame.h"
+#include "src/files/names.h"
+#include "src/tiling/tile_writer.h"
+
+namespace tessera {
+
+Status write_stretch(const Cloud& cloud, const Stretch& stretch, const Partition& partition, TileWriter& writer,
+                     const std::stop_token& stop, const RoutedMore& more) {
+  RoutedPoints& routed = writer.routed();
+  routed.resize(partition.tiles());
+  const auto visit = [&](CloudBatch& batch) -> Status {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while points were routed");
+    BOOST_OUTCOME_TRYV(writer.add(partition, batch.points, batch.rows));
+    routed.span.add(batch.points);
+    more(batch.points.size());
+    return success();
+  };
+  BOOST_OUTCOME_TRY(counts, cloud.for_each_batch(stretch, visit));
+  routed.counts = counts;
+  return writer.flush(partition);
+}
+
+Status route_stretch(const Cloud& cloud, const Stretch& stretch, const Partition& partition, const StretchWork& work,
+                     const std::stop_token& stop) {
+  TileWriter writer(work.run_folder, work.attempt, partition.dimension(), row_bytes(cloud.schema()),
+                    budget::route_buffer_bytes(work.memory_bytes));
+  BOOST_OUTCOME_TRYV(write_stretch(cloud, stretch, partition, writer, stop, work.routed));
+  return write_frame(stretch_file(work.run_folder, work.attempt), ScratchKind::stretch, to_bytes(writer.routed()));
+}
+
+Result<RoutedPoints> read_stretch(const std::filesystem::path& run_folder, std::uint32_t attempt,
+                                  const Partition& partition) {
+  const auto path = stretch_file(run_folder, attempt);
+  BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::stretch));
+  RoutedPoints routed(partition.dimension());
+  if (!from_bytes(bytes, partition.tiles(), routed)) return damaged_run(path, "is not what a stretch leaves");
+  return routed;
+}
+
+}  // namespace tessera
