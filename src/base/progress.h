@@ -3,12 +3,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "src/base/ids.h"
+#include "src/base/tile_map.h"
 
 namespace tessera {
 
@@ -29,12 +31,20 @@ struct PhaseSpan {
   std::uint32_t times = 1;  // so many spans of this thread and phase, the first of which was for this tile
 };
 
+struct BusyThreads {
+  double until_s = 0;
+  std::vector<double> threads;  // by part of the time from 0 to until_s
+};
+
 // A hundred thousand tiles work a million times: of a timeline of any length some 50,000 spans are kept. Short ones of
 // a thread and a phase, with short pauses between them, become one.
 class Timeline {
  public:
   void add(const PhaseSpan& span);
   const std::vector<PhaseSpan>& spans() const { return spans_; }
+  // How many threads worked, on average, in each of `parts` equal parts of the time up to the last end of a span: what
+  // is being worked on is told when it ends.
+  BusyThreads busy(std::size_t parts) const;
 
  private:
   std::vector<PhaseSpan> spans_;
@@ -57,13 +67,21 @@ struct Progress {
   std::atomic<std::uint32_t> nodes_lost{0};
   std::atomic<std::uint64_t> memory_bytes{0};  // what the node believes its tiles hold
 
+  TileMap map;
+
   void add_span(const PhaseSpan& span) {
+    if (span.phase == Phase::triangulating) map.reached(span.tile, TileStage::triangulated);
+    if (span.phase == Phase::splaying) map.reached(span.tile, TileStage::splayed);
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
   }
   std::vector<PhaseSpan> spans() const {
     const std::lock_guard lock(mutex_);
     return timeline_.spans();
+  }
+  BusyThreads busy(std::size_t parts) const {
+    const std::lock_guard lock(mutex_);
+    return timeline_.busy(parts);
   }
 
  private:
