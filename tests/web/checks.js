@@ -6,6 +6,14 @@ window.checks = (() => {
       if (!entry.hadRecentInput) shifts.push([entry.value, ...entry.sources.map(s => s.node?.className || s.node?.nodeName || "")]);
   }).observe({type: "layout-shift", buffered: true});
 
+  let events = 0;
+  const parse = JSON.parse;
+  JSON.parse = (text, ...more) => {
+    const value = parse(text, ...more);
+    if (value?.kind && value.jobID) ++events;
+    return value;
+  };
+
   const channels = colour => {
     const found = /^rgba?\(([^)]+)\)$/.exec(colour);
     if (!found) throw new Error(`a colour that the check cannot read: ${colour}`);
@@ -30,6 +38,9 @@ window.checks = (() => {
   const visible = e => e.checkVisibility({checkOpacity: true, checkVisibilityCSS: true}) && e.getClientRects().length > 0;
 
   return {
+    // How many events of jobs the page has heard.
+    events: () => events,
+
     // What moved without having been told to, by how much (Layout Instability, 2: shares of the page), and what it was.
     shifts: () => shifts,
 

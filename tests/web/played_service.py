@@ -57,6 +57,9 @@ class PlayedService:
         self.stages = "w" * tiles
         self.streams = []  # of (Last-Event-ID, queue), one a connection
         self.changed = threading.Condition()
+        self.released = threading.Event()  # lists of jobs are sent once it is set; they are made before
+        self.released.set()
+        self.lists = 0     # that were made
         self.asked = []    # of each request, its path and query
         service = self
 
@@ -75,6 +78,7 @@ class PlayedService:
         threading.Thread(target=self.server.serve_forever, daemon=True).start()
 
     def close(self):
+        self.released.set()
         for _, events in self.streams:
             events.put(None)
         self.server.shutdown()
@@ -90,6 +94,10 @@ class PlayedService:
         with self.changed:
             self.changed.wait_for(lambda: len(self.streams) >= count)
 
+    def wait_for_lists(self, count):
+        with self.changed:
+            self.changed.wait_for(lambda: self.lists >= count)
+
     def end_stream(self):
         self.streams[-1][1].put(None)
 
@@ -103,6 +111,12 @@ class PlayedService:
             kind, policy, body = self.files[url.path.removeprefix("/ui/") or "index.html"]
             return self.send(request, 200, kind, body, {CSP: policy})
         found = self.find(url.path, query)
+        if url.path == "/v1/jobs":
+            found = json.loads(json.dumps(found))
+            with self.changed:
+                self.lists += 1
+                self.changed.notify_all()
+            self.released.wait()
         if isinstance(found, str):
             return self.send(request, 200, "text/plain", found.encode())
         self.send(request, 200 if found is not None else 404, "application/json", json.dumps(found or {"status": 404}).encode())

@@ -193,6 +193,24 @@ class Scale(unittest.TestCase):
         b.until_text("5 jobs")
         self.assertEqual(sum(path == "/v1/events" for path in service.asked), 4)
 
+    def test_what_happens_while_a_list_is_on_its_way_is_not_lost(self):
+        b = self.browser
+        self.play("", job=played_service.job(3, "running"), jobs=3)
+        b.until_text("3 jobs")
+        service = self.service
+        service.released.clear()
+        lists = service.lists
+        b.go("#/jobs?show=all")  # anew
+        service.wait_for_lists(lists + 1)
+        service.tell(7, "status", jobID="000000000003", status=played_service.job(3, "successful"))
+        service.tell(8, "status", jobID="000000000004", status=played_service.job(4, "accepted"))
+        b.until("return checks.events() === 2")
+        service.released.set()
+        b.until_text("4 jobs")
+        self.assertEqual(self.names(), ["block-4", "block-3", "block-2", "block-1"])
+        states = b.script("return [...document.querySelectorAll('.row .state')].map(e => e.innerText)")
+        self.assertEqual(states[:2], ["Waiting", "Done"])
+
     def until_streams(self, count):
         self.service.wait_for_streams(count)
         self.browser.until_text("Live", ".connection")

@@ -82,8 +82,9 @@ export class JobGraphs {
   private tell(tiles: Tiles): void {
     if (this.closed) return;
     if (tiles.stages) this.map.update(tiles);
-    show(this.again, tiles.begunAgain > 0);
-    say(this.again, `${count(tiles.begunAgain)} tiles were begun again after a loss.`);
+    // Of a job that has ended it is not told any more.
+    if (tiles.begunAgain > 0) say(this.again, `${count(tiles.begunAgain)} tiles were begun again after a loss.`);
+    if (tiles.begunAgain > 0) show(this.again, true);
     const busy = tiles.busyThreads ?? [];
     if (tiles.busy > 0 && busy.length > 0) {
       this.threads.update(busy.map((_, i) => (i + 0.5) * tiles.busy / busy.length), busy, 1, threads => threads.toFixed(1),

@@ -10,6 +10,7 @@ export class JobList {
   private known = new Map<string, Job>();
   private further: string | null = null;
   private loading: Promise<void> | null = null;
+  private heard: Job[] | null = null;  // while the list is on its way, which may have been made before
 
   // `states`: only jobs in these, all when empty. `changed` is told how many rows came above the first.
   constructor(private readonly states: string[], private readonly changed: (above: number) => void) {}
@@ -22,13 +23,17 @@ export class JobList {
     const first = new URL(address("jobs"));
     first.searchParams.set("limit", String(page));
     if (this.states.length) first.searchParams.set("status", this.states.join(","));
+    const heard: Job[] = this.heard = [];
     const list = await get<Answer>(first.href);
+    if (this.heard !== heard) return;  // loaded once more meanwhile
+    this.heard = null;
     this.ids = list.jobs.map(job => job.jobID);
     this.known = new Map(list.jobs.map(job => [job.jobID, job]));
     this.total = list.numberMatched;
     this.further = next(list, first.href);
     this.loaded = true;
     this.changed(0);
+    for (const job of heard) this.put(job);
   }
 
   // Until the row `to` is known, or all are.
@@ -52,7 +57,9 @@ export class JobList {
   }
 
   hear(event: JobEvent): void {
-    if (event.status) this.put(event.status);
+    if (!event.status) return;
+    this.heard?.push(event.status);
+    this.put(event.status);
   }
 
   put(job: Job): void {

@@ -32,6 +32,7 @@ export class JobPage implements Page {
   private readonly outcome = new Outcome();
   private readonly leave: () => void;
   private job: Job | null = null;
+  private heard = false;
   private announced = "";
   private deeds = "";
   private seenTiles = 0;
@@ -59,14 +60,20 @@ export class JobPage implements Page {
 
   private load(): void {
     void this.notice.attempt(async () => {
-      this.update(await get<Job>(address("jobs", this.id)));
+      this.heard = false;
+      const job = await get<Job>(address("jobs", this.id));
+      // What was heard meanwhile may be newer; if it is older, what is newer will be heard.
+      if (!this.heard) this.update(job);
       await this.log.load();
     });
   }
 
   private hear(event: JobEvent): void {
     if (event.jobID !== this.id) return;
-    if (event.status) this.update(event.status);
+    if (event.status) {
+      this.heard = true;
+      this.update(event.status);
+    }
     this.log.hear(event);
   }
 
@@ -131,6 +138,7 @@ export class JobPage implements Page {
     const seconds = f?.elapsed ?? secondsBetween(job.started, job.finished);
     all.elapsed.set(seconds === null || !job.started ? "–" : duration(seconds));
     all.lost.set(count(job.nodesLost));
+    all.lost.value.classList.toggle("warns", job.nodesLost > 0);
     all.starts.set(job.starts === 0 ? "not yet" : job.starts === 1 ? "once" : `${job.starts} times`);
     all.by.set(job.submitter ?? "–");
   }

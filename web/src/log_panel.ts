@@ -10,6 +10,7 @@ export class LogPanel {
   private readonly text = h("pre", {class: "log", tabindex: 0, "aria-label": "Log"});
   private readonly cut: HTMLElement;
   private lines: string[] = [];
+  private heard: JobEvent[] = [];  // since the log was asked for: in what came of it or not
   private due = 0;
 
   constructor(private readonly job: string) {
@@ -23,19 +24,28 @@ export class LogPanel {
   }
 
   async load(): Promise<void> {
+    this.heard = [];
     const answer = await send("GET", address("jobs", this.job, "log"), {headers: {Range: `bytes=-${bytesKept}`}});
     const text = await answer.text();
     const part = answer.status === 206 && text.length >= bytesKept - 3;
     this.lines = text.split("\n");
     if (part) this.lines.shift();  // half of one
     if (this.lines.at(-1) === "") this.lines.pop();
+    const end = this.lines.slice(-this.heard.length - 1);
+    for (const event of this.heard.splice(0)) {
+      const at = end.findIndex(line => line.endsWith(` ${event.text}`));
+      if (at < 0) this.lines.push(lineOf(event));
+      else end.splice(0, at + 1);
+    }
     show(this.cut, part);
     this.draw();
   }
 
   hear(event: JobEvent): void {
     if (event.kind !== "log" || event.text === undefined) return;
-    this.lines.push(`${event.time ?? ""} ${event.text}`);
+    this.heard.push(event);
+    if (this.heard.length > linesKept) this.heard.shift();
+    this.lines.push(lineOf(event));
     if (!this.due) this.due = requestAnimationFrame(() => this.draw());
   }
 
@@ -50,6 +60,10 @@ export class LogPanel {
     replace(this.text, this.lines.join("\n") || "Nothing yet.");
     if (follows) this.text.scrollTop = this.text.scrollHeight;
   }
+}
+
+function lineOf(event: JobEvent): string {
+  return `${event.time ?? ""} ${event.text}`;
 }
 
 // What a job that is no triangulation has found.
