@@ -17,6 +17,7 @@ build=(
   robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
   libgtest-dev python3 python3-numpy
   pybind11-dev python3-dev                  # the Python package
+  esbuild                                   # bundles the dashboard
 )
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
@@ -26,6 +27,7 @@ test=(
   systemd python3-yaml                      # judge the unit, read the manifest
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
   spin                                      # searches the models of the cluster
+  chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )
 demo=(xvfb xauth)
 clang=(clang clang-tidy clang-format libclang-rt-14-dev)

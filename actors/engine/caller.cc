@@ -50,6 +50,11 @@ double seconds(std::uint64_t microseconds) { return static_cast<double>(microsec
 
 void Caller::progressed(const RunProgress& now) { show(now, opened_s_, progress_); }
 
+void Caller::stored(const TileDone& tile) {
+  done_.push_back(tile);
+  progress_.map.reached(tile.entry.tile, TileStage::stored);
+}
+
 void Caller::ended(RunEnded end) noexcept {
   const auto told = end_;  // whoever waits may be gone before this returns
   told->set_value(std::move(end));

@@ -17,7 +17,7 @@ class Caller final : public RunOwner {
   explicit Caller(Progress& progress) : progress_(progress) {}
 
   void progressed(const RunProgress& now) override;
-  void stored(const TileDone& tile) override { done_.push_back(tile); }
+  void stored(const TileDone& tile) override;
   void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override;
 

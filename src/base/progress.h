@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "src/base/ids.h"
+#include "src/base/tile_map.h"
 
 namespace tessera {
 
@@ -30,12 +32,20 @@ struct PhaseSpan {
   std::uint32_t times = 1;  // so many spans of this thread and phase, the first of which was for this tile
 };
 
+struct BusyThreads {
+  double until_s = 0;
+  std::vector<double> threads;  // by part of the time from 0 to until_s
+};
+
 // A hundred thousand tiles work a million times: of a timeline of any length some 50,000 spans are kept. Short ones of
 // a thread and a phase, with short pauses between them, become one.
 class Timeline {
  public:
   void add(const PhaseSpan& span);
   const std::vector<PhaseSpan>& spans() const { return spans_; }
+  // How many threads worked, on average, in each of `parts` equal parts of the time up to the last end of a span: what
+  // is being worked on is told when it ends.
+  BusyThreads busy(std::size_t parts) const;
 
  private:
   std::vector<PhaseSpan> spans_;
@@ -72,7 +82,11 @@ struct Progress {
   // For the job's log. Called from any thread.
   std::function<void(const std::string&)> log = [](const std::string&) {};
 
+  TileMap map;
+
   void add_span(const PhaseSpan& span) {
+    if (span.phase == Phase::triangulating) map.reached(span.tile, TileStage::triangulated);
+    if (span.phase == Phase::splaying) map.reached(span.tile, TileStage::splayed);
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
   }
@@ -88,6 +102,10 @@ struct Progress {
   std::vector<PhaseSpan> spans() const {
     const std::lock_guard lock(mutex_);
     return timeline_.spans();
+  }
+  BusyThreads busy(std::size_t parts) const {
+    const std::lock_guard lock(mutex_);
+    return timeline_.busy(parts);
   }
 
  private:

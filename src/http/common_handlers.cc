@@ -4,6 +4,7 @@
 #include "src/http/handlers.h"
 #include "src/http/openapi.h"
 #include "src/http/processes.h"
+#include "src/http/tokens.h"
 
 namespace tessera::http {
 namespace {
@@ -25,7 +26,9 @@ constexpr Entry entries[] = {
     {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
     {"/v1/triangulations", "data", json, "The results"},
     {"/v1/nodes", "nodes", json, "Who works on the jobs"},
-    {"/v1/events", "events", "text/event-stream", "What happens"}};
+    {"/v1/caller", "caller", json, "Who you are"},
+    {"/v1/events", "events", "text/event-stream", "What happens"},
+    {"/ui/", "alternate", "text/html", "The dashboard"}};
 
 Answer landing(const Call& call) {
   if (prefers_html(call.request)) {
@@ -74,6 +77,13 @@ Answer process(const Call& call) {
     return problem(404, "there is no process '" + call.arguments[0] + "'", 0,
                    "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/no-such-process");
   return json_answer(200, process_description(*found, call.context.links, call.request).dump());
+}
+
+Answer caller(const Call& call) {
+  proto::CallerInfo told;
+  told.set_name(call.request.caller.name);
+  told.set_role(std::string(word_of(call.request.caller.role)));
+  return message_answer(call.request, 200, told);
 }
 
 Answer text_answer(int status, std::string text, const char* type = "text/plain; charset=utf-8") {
@@ -137,6 +147,13 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared) {
                     "What goes in and what comes out",
                     {{200, json, "Process", "The process"}},
                     process});
+  routes.push_back({"GET",
+                    "/v1/caller",
+                    Role::read,
+                    "getCaller",
+                    "Who asks, and what that token may do",
+                    {{200, json, "CallerInfo", "Name and role of the token"}},
+                    caller});
   for (std::size_t at = first; at < routes.size(); ++at) routes[at].waits = false;
 }
 
@@ -176,6 +193,7 @@ std::vector<Route> all_routes(Shared& shared) {
   add_job_routes(routes, shared);
   add_result_routes(routes);
   add_node_routes(routes);
+  add_dashboard_routes(routes);
   add_operations_routes(routes, shared);
   shared.openapi = openapi_document(routes, "..");
   shared.metrics = std::make_unique<Metrics>(routes);

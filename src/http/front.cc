@@ -56,12 +56,16 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
     answer.headers.emplace_back("Allow", "DELETE, GET, HEAD, OPTIONS, POST, PUT");
     return answer;
   }
-  // Clients of the standard ask for the landing page with a slash at its end, which its links are then relative to.
-  const bool landing = target == "/v1/" || target.starts_with("/v1/?");
-  Result<Target> parsed = parse_target(landing ? "/v1" + std::string(target.substr(4)) : target);
+  // Clients of the standard ask for the landing page with a slash at its end, which its links are then relative to; so
+  // are those of the dashboard.
+  std::string without(target);
+  const std::size_t end = std::min(target.find('?'), target.size());
+  const bool slash = target.substr(0, end) == "/v1/" || target.substr(0, end) == "/ui/";
+  if (slash) without.erase(end - 1, 1);
+  Result<Target> parsed = parse_target(without);
   if (!parsed) return bad_request(parsed.error());
   request.target = std::move(parsed.value());
-  if (landing) request.target.path += '/';
+  if (slash) request.target.path += '/';
   std::vector<std::string> allowed;
   admitted.route = router_.find(place, request.method, request.target.segments, admitted.arguments, allowed);
   if (allowed.empty()) return problem(404, "there is nothing at this address");
@@ -119,12 +123,14 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
   headers.emplace_back("X-Frame-Options", "DENY");
   headers.emplace_back("Referrer-Policy", "no-referrer");
   headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
-  // A report brings its own style and pictures; nothing runs in it, and nothing is fetched.
-  headers.emplace_back("Content-Security-Policy",
-                       is_page(headers)
-                           ? "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
-                             "form-action 'none'; frame-ancestors 'none'"
-                           : "default-src 'none'; frame-ancestors 'none'");
+  // A report brings its own style and pictures; nothing runs in it, and nothing is fetched. The dashboard says itself
+  // what it needs.
+  if (!has(headers, "Content-Security-Policy"))
+    headers.emplace_back("Content-Security-Policy",
+                         is_page(headers)
+                             ? "default-src 'none'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; "
+                               "form-action 'none'; frame-ancestors 'none'"
+                             : "default-src 'none'; frame-ancestors 'none'");
   const std::size_t place =
       admitted.route ? static_cast<std::size_t>(admitted.route - router_.routes().data()) : router_.routes().size();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - admitted.began;

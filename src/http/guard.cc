@@ -145,7 +145,7 @@ std::optional<Answer> Guard::exchange(const Request& request) {
   if (session.empty()) return refuse(request, true);
   Answer answer;
   answer.status = 303;
-  answer.headers = {{"Location", "./"},
+  answer.headers = {{"Location", prefers_html(request) ? "ui/" : "./"},
                     {"Cache-Control", "no-store"},
                     {"Set-Cookie", cookie_name(request) + "=" + session + "; Path=/; HttpOnly; SameSite=Strict" +
                                        (request.tls ? "; Secure" : "")}};

@@ -57,7 +57,7 @@ class Guard {
   std::optional<Answer> check_role(const Request& request, const Shown& shown, Role needed);
   // A browser sends its cookie for every page that asks it to; only our own pages may.
   std::optional<Answer> check_origin(const Request& request, const Shown& shown) const;
-  // GET /?token=...: the cookie, and the way back to the page without it.
+  // GET /?token=...: the cookie, and the way back to the page without it, or to the dashboard.
   std::optional<Answer> exchange(const Request& request);
 
  private:

@@ -24,6 +24,7 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared);
 void add_job_routes(std::vector<Route>& routes, Shared& shared);
 void add_result_routes(std::vector<Route>& routes);
 void add_node_routes(std::vector<Route>& routes);
+void add_dashboard_routes(std::vector<Route>& routes);
 void add_operations_routes(std::vector<Route>& routes, Shared& shared);
 
 // The number in a query: usage when it is none, or below 1; at most `max`.

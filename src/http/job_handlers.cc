@@ -138,6 +138,13 @@ Answer results(const Call& call) {
   return json_answer(200, told.dump());
 }
 
+Answer tiles(const Call& call) {
+  const auto layout = call.request.target.parameter("layout").value_or("false");
+  if (layout != "true" && layout != "false") return problem(400, "layout: must be true or false", 2);
+  const Reply<proto::JobTiles> found = call.context.backend.tiles(call.arguments[0], layout == "true");
+  return found ? message_answer(call.request, 200, found.value()) : problem(found.error());
+}
+
 Answer log(const Call& call) {
   const Reply<ServedFile> file = call.context.backend.log(call.arguments[0]);
   return file ? file_answer(call.request, file.value()) : problem(file.error());
@@ -255,6 +262,14 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
       {"GET", "/v1/events", Role::read, "watchAll", "What happens to all jobs", {stream}, [&shared](const Call& call) {
          return events(call, shared, {});
        }});
+  routes.push_back({"GET",
+                    "/v1/jobs/{job}/tiles",
+                    Role::read,
+                    "getTiles",
+                    "How far the tiles of a triangulation are",
+                    {{200, json, "JobTiles", "A letter for each"}},
+                    tiles,
+                    {{"layout", "boolean", "Also how they lie"}}});
   routes.push_back({"GET",
                     "/v1/jobs/{job}/log",
                     Role::read,

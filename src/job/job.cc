@@ -95,6 +95,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   const double began_s = elapsed_s();
   BOOST_OUTCOME_TRY(run, routed_run(engine, options, cloud, folder, progress, stop));
   auto warnings = cloud.warnings();
+  progress.map.begin(layout_of(run.partition, run.bounds), run.tile_points);
   cloud = {};  // with what was unpacked for it: tiles need that disk
   const double routed_s = elapsed_s();
   if (options.log) {

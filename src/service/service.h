@@ -92,6 +92,8 @@ class Backend {
   virtual Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) = 0;
   virtual Reply<ServedFile> log(std::string_view id) = 0;
   virtual Reply<ServedFile> report(std::string_view id) = 0;
+  // How far the tiles of a triangulation are that runs or has succeeded; with the planes between them when asked.
+  virtual Reply<proto::JobTiles> tiles(std::string_view id, bool with_layout) = 0;
   // What a verify, export or info job found, as JSON; 404 result-not-ready before.
   virtual Reply<std::string> outcome(std::string_view id) = 0;
 
@@ -163,6 +165,7 @@ class Service final : public Backend {
   Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
   Reply<ServedFile> log(std::string_view id) override;
   Reply<ServedFile> report(std::string_view id) override;
+  Reply<proto::JobTiles> tiles(std::string_view id, bool with_layout) override;
   Reply<std::string> outcome(std::string_view id) override;
   Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
   Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;

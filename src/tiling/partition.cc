@@ -127,4 +127,11 @@ bool Partition::split(TileId tile, std::vector<Point> points) {
   return true;
 }
 
+TileLayout layout_of(const Partition& partition, const Bounds& bounds) {
+  TileLayout layout{partition.dimension(), bounds, {}};
+  for (const SplitNode& node : partition.splits())
+    layout.cuts.push_back({node.value, node.axis, node.child[0], node.child[1]});
+  return layout;
+}
+
 }  // namespace tessera

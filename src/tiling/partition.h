@@ -9,6 +9,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/base/tile_map.h"
 #include "src/tiling/split_tree.h"
 
 namespace tessera {
@@ -69,5 +70,8 @@ class Partition {
   std::vector<SplitNode> nodes_;  // empty with one tile, and with `random`
   std::vector<Box> boxes_;        // by tile
 };
+
+// For those who watch.
+TileLayout layout_of(const Partition& partition, const Bounds& bounds);
 
 }  // namespace tessera

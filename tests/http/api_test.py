@@ -37,6 +37,10 @@ class Api(serving.ServerTest):
             ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
+            ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",
+                                              f"/v1/jobs/{job}/tiles?layout=2", "/v1/jobs/none/tiles"],
+            ("GET", "/v1/caller"): ["/v1/caller"], ("GET", "/ui"): ["/ui", "/ui/"],
+            ("GET", "/ui/{file}"): ["/ui/app.js", "/ui/none"],
             ("GET", "/v1/nodes"): ["/v1/nodes"],
             ("POST", "/v1/nodes/{node}/drain"): ["/v1/nodes/a/drain", "/v1/nodes/b/drain", "/v1/nodes/none/drain"],
         }

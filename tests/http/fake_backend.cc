@@ -177,6 +177,15 @@ Reply<ServedFile> FakeBackend::report(std::string_view id) {
   return open(folder_ / "page.html", "text/html", "");
 }
 
+Reply<proto::JobTiles> FakeBackend::tiles(std::string_view id, bool with_layout) {
+  if (auto found = job(id); !found) return found.error();
+  proto::JobTiles tiles;
+  tiles.set_job_id(std::string(id));
+  tiles.set_stages("wtsd");
+  if (with_layout) tiles.mutable_layout()->set_dimension(2);
+  return tiles;
+}
+
 Reply<std::string> FakeBackend::outcome(std::string_view) { return std::string(R"({"proved":true})"); }
 
 Reply<std::unique_ptr<Backend::Subscription>> FakeBackend::subscribe(std::string_view id, std::uint64_t last,

@@ -44,6 +44,7 @@ class FakeBackend final : public Backend {
   Reply<proto::StatusInfo> resume(std::string_view id, const Caller& caller) override;
   Reply<ServedFile> log(std::string_view id) override;
   Reply<ServedFile> report(std::string_view id) override;
+  Reply<proto::JobTiles> tiles(std::string_view id, bool with_layout) override;
   Reply<std::string> outcome(std::string_view id) override;
   Reply<std::unique_ptr<Subscription>> subscribe(std::string_view id, std::uint64_t last, OnEvent on_event) override;
   Reply<proto::TriangulationList> triangulations(std::uint32_t limit, std::string_view after) override;

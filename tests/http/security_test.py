@@ -19,7 +19,7 @@ class Security(serving.ServerTest):
         seen = 0
         for method, path, role in self.routes():
             if role == "none":
-                self.assertIn(path, ("/livez", "/readyz", "/metrics"))
+                self.assertIn(path, ("/livez", "/readyz", "/metrics", "/ui", "/ui/x"))
                 continue
             seen += 1
             body = b"{}" if method in ("PUT", "POST") else None
@@ -35,6 +35,29 @@ class Security(serving.ServerTest):
                 if not path.endswith("events"):
                     self.assertNotIn(self.ask(method, path, body, token=role).status, (401, 403))
         self.assertGreater(seen, 20)
+
+    def test_the_dashboard_is_the_same_for_everybody_and_runs_only_what_is_its_own(self):
+        for path in ("/ui/", "/ui/app.js", "/ui/style.css", "/ui/icon.svg"):
+            stranger, admin = self.ask("GET", path, token=None), self.ask("GET", path)
+            self.assertEqual((stranger.status, stranger.body, stranger.headers["ETag"]), (200, admin.body, admin.headers["ETag"]))
+            policy = stranger.headers["Content-Security-Policy"]
+            self.assertEqual(stranger.headers.get_all("Content-Security-Policy"), [policy])
+            self.assertIn("default-src 'self'", policy)
+            self.assertNotIn("unsafe", policy)
+            self.assertNotIn("http", policy)
+            again = self.ask("GET", path, token=None, headers={"If-None-Match": stranger.headers["ETag"]})
+            self.assertEqual((again.status, again.body), (304, b""))
+        page = self.ask("GET", "/ui/", token=None).body.decode()
+        self.assertNotRegex(page, r"<script(?![^>]* src=)|<style| style=| on\w+=")
+        moved = self.ask("GET", "/ui", token=None)
+        self.assertEqual((moved.status, moved.headers["Location"]), (303, "ui/"))
+        self.assertEqual(self.ask("GET", "/ui/none", token=None).status, 404)
+        self.assertEqual(self.ask("GET", "/?token=" + self.server.tokens["read"], token=None,
+                                  headers={"Accept": "text/html"}).headers["Location"], "ui/")
+
+    def test_who_asks_is_told_their_name_and_role(self):
+        for role in ("read", "submit", "admin"):
+            self.assertEqual(self.ask("GET", "/v1/caller", token=role).json(), {"name": role + "er", "role": role})
 
     def test_a_refused_submission_makes_no_job(self):
         before = len(self.ask("GET", "/v1/jobs").json()["jobs"])

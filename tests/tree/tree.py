@@ -9,7 +9,7 @@ import pathlib
 import re
 
 CODE = (".cc", ".h")
-SOURCES = (*CODE, ".py", ".sh", ".cmake", "CMakeLists.txt")
+SOURCES = (*CODE, ".py", ".sh", ".cmake", "CMakeLists.txt", ".ts", ".css", ".js")
 NOT_OURS = ("build", "demo-out", "out")  # beside names that begin with a dot; `build` also as the begin of a name
 INCLUDE = re.compile(r'^#include (?:"([^"]+)"|<(tessera/[^>]+)>)', re.MULTILINE)
 

@@ -1,0 +1,42 @@
+#include "src/base/tile_map.h"
+
+#include <utility>
+
+namespace tessera {
+
+void TileMap::begin(TileLayout layout, const std::vector<std::uint64_t>& tile_points) {
+  std::string stages;
+  stages.reserve(tile_points.size());
+  for (const auto points : tile_points) stages += static_cast<char>(points > 0 ? TileStage::waiting : TileStage::empty);
+  const std::lock_guard lock(mutex_);
+  layout_ = std::move(layout);
+  stages_ = std::move(stages);
+  begun_again_ = 0;
+}
+
+void TileMap::reached(TileId tile, TileStage stage) {
+  const std::lock_guard lock(mutex_);
+  if (tile.value >= stages_.size()) return;  // of a run that nobody has told the tiles of
+  char& now = stages_[tile.value];
+  if (stage == TileStage::triangulated && now != static_cast<char>(TileStage::waiting)) ++begun_again_;
+  // The span in which a tile was stored may be told after that it is.
+  if (stage == TileStage::splayed && now == static_cast<char>(TileStage::stored)) return;
+  now = static_cast<char>(stage);
+}
+
+TileLayout TileMap::layout() const {
+  const std::lock_guard lock(mutex_);
+  return layout_;
+}
+
+std::string TileMap::stages() const {
+  const std::lock_guard lock(mutex_);
+  return stages_;
+}
+
+std::uint64_t TileMap::begun_again() const {
+  const std::lock_guard lock(mutex_);
+  return begun_again_;
+}
+
+}  // namespace tessera

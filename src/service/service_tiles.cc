@@ -1,0 +1,88 @@
+// How far the tiles of a job are.
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+#include "src/service/problem.h"
+#include "src/service/service_impl.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+namespace {
+
+constexpr char letter(TileStage stage) { return static_cast<char>(stage); }
+
+constexpr std::size_t parts_of_time = 240;  // as many as a curve on a page shows
+
+void tell_layout(const TileLayout& layout, proto::TileLayout& told) {
+  told.set_dimension(layout.dimension);
+  if (!layout.bounds.empty()) {
+    for (const Point& corner : {layout.bounds.lo, layout.bounds.hi})
+      for (int axis = 0; axis < 3; ++axis) told.add_bounds(corner[axis]);
+  }
+  for (const TileCut& cut : layout.cuts) {
+    told.add_axis(cut.axis);
+    told.add_place(cut.at);
+    told.add_below(cut.below);
+    told.add_above(cut.above);
+  }
+}
+
+void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& tiles) {
+  const Phase phase = progress.phase;  // before the stages: what is settled stays so
+  std::string stages = progress.map.stages();
+  if (phase >= Phase::collecting) {
+    for (char& stage : stages)
+      if (stage != letter(TileStage::empty) && stage != letter(TileStage::stored)) stage = letter(TileStage::settled);
+  }
+  tiles.set_stages(std::move(stages));
+  tiles.set_begun_again(progress.map.begun_again());
+  tiles.set_elapsed_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count());
+  const BusyThreads busy = progress.busy(parts_of_time);
+  tiles.mutable_busy_threads()->Add(busy.threads.begin(), busy.threads.end());
+  tiles.set_busy_s(busy.until_s);
+  if (with_layout && !tiles.stages().empty()) tell_layout(progress.map.layout(), *tiles.mutable_layout());
+}
+
+Status tell_stored(const Manifest& manifest, bool with_layout, proto::JobTiles& tiles) {
+  std::string stages(std::max<std::size_t>(1, manifest.boxes.size()), letter(TileStage::empty));
+  for (const TileEntry& entry : manifest.tiles) {
+    if (entry.tile.value < stages.size()) stages[entry.tile.value] = letter(TileStage::stored);
+  }
+  tiles.set_stages(std::move(stages));
+  for (const auto& [phase, seconds] : manifest.seconds) tiles.set_elapsed_s(tiles.elapsed_s() + seconds);
+  if (!with_layout || manifest.partition.empty()) return success();
+  BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));
+  tell_layout(layout_of(partition, manifest.bounds), *tiles.mutable_layout());
+  return success();
+}
+
+}  // namespace
+
+Reply<proto::JobTiles> Service::tiles(std::string_view id, bool with_layout) {
+  proto::JobTiles tiles;
+  std::shared_ptr<Running> running;
+  std::string state, name;
+  {
+    const std::lock_guard lock(impl_->mutex);
+    BOOST_OUTCOME_TRY(job, impl_->find(id));
+    if (!job->record.inputs().has_triangulate())
+      return problem(404, "job " + std::string(id) + " has no tiles: it is no triangulation", Errc::usage);
+    state = job->record.state();
+    name = job->record.triangulation();
+    if (job->is(job_state::running)) running = job->running;
+  }
+  tiles.set_job_id(std::string(id));
+  if (running) {
+    tell_running(running->progress, with_layout, tiles);
+    return tiles;
+  }
+  if (state != job_state::successful) return result_not_ready(id, state);
+  const auto manifest = impl_->results.manifest(name);
+  if (!manifest || manifest.value()->command != Results::command_of(std::string(id), "triangulate"))
+    return problem(410, "the triangulation of job " + std::string(id) + " was removed or replaced", Errc::usage);
+  if (const auto told = tell_stored(*manifest.value(), with_layout, tiles); !told) return problem_of(told.error());
+  return tiles;
+}
+
+}  // namespace tessera

@@ -1,0 +1,86 @@
+// What watchers are told of the tiles of a job.
+#include <set>
+
+#include "tests/service/service_testing.h"
+
+namespace tessera::testing {
+namespace {
+
+using Tiles = ServiceTest;
+
+proto::Inputs in_tiles(const std::string& input, const std::string& output, std::uint32_t tiles) {
+  proto::Inputs inputs;
+  inputs.mutable_triangulate()->add_inputs(input);
+  inputs.mutable_triangulate()->set_output(output);
+  inputs.mutable_triangulate()->set_tiles(tiles);
+  return inputs;
+}
+
+// The children of all rows: every row but the first, and every tile, once.
+void expect_a_tree(const proto::TileLayout& layout, int tiles) {
+  ASSERT_EQ(layout.axis_size(), tiles - 1);
+  ASSERT_EQ(layout.place_size(), tiles - 1);
+  ASSERT_EQ(layout.below_size(), tiles - 1);
+  ASSERT_EQ(layout.above_size(), tiles - 1);
+  std::multiset<std::int32_t> children(layout.below().begin(), layout.below().end());
+  children.insert(layout.above().begin(), layout.above().end());
+  for (int row = 1; row < tiles - 1; ++row) EXPECT_EQ(children.count(row), 1U);
+  for (int tile = 0; tile < tiles; ++tile) EXPECT_EQ(children.count(-1 - tile), 1U);
+}
+
+TEST_F(Tiles, AreToldWhileAJobRunsAndAfterwards) {
+  make_cloud("a.npy", 400'000);
+  open();
+  const auto id = submit(in_tiles("a.npy", "block", 40));
+  const auto seen = wait(id, [&](const auto& now) { return now.tiles().triangulated() > 0 || now.progress() == 100; });
+  if (seen.status() == "running") {
+    const auto running = service->tiles(id, true);
+    ASSERT_TRUE(running) << running.error().detail();
+    EXPECT_EQ(running.value().stages().size(), 40U);
+    EXPECT_EQ(running.value().stages().find_first_not_of("wtsqd"), std::string::npos);
+    EXPECT_NE(running.value().stages(), std::string(40, 'w'));
+    EXPECT_GT(running.value().elapsed_s(), 0);
+    EXPECT_LE(running.value().busy_s(), running.value().elapsed_s());
+    for (const double threads : running.value().busy_threads()) EXPECT_LE(threads, 2.001);
+    expect_a_tree(running.value().layout(), 40);
+  }
+  ASSERT_EQ(ended(id).status(), "successful");
+  const auto stored = service->tiles(id, true);
+  ASSERT_TRUE(stored) << stored.error().detail();
+  EXPECT_EQ(stored.value().stages(), std::string(40, 'd'));
+  EXPECT_EQ(stored.value().layout().bounds_size(), 6);
+  expect_a_tree(stored.value().layout(), 40);
+  EXPECT_FALSE(service->tiles(id, false).value().has_layout());
+}
+
+TEST_F(Tiles, OfOneTileAndOfARandomPartitionHaveNoPlanes) {
+  make_cloud("a.xyz", 2000);
+  open();
+  const auto one = submit(in_tiles("a.xyz", "one", 1));
+  ASSERT_EQ(ended(one).status(), "successful");
+  EXPECT_EQ(service->tiles(one, true).value().stages(), "d");
+  auto inputs = in_tiles("a.xyz", "scattered", 5);
+  inputs.mutable_triangulate()->set_partition("random");
+  const auto scattered = submit(inputs);
+  ASSERT_EQ(ended(scattered).status(), "successful");
+  const auto told = service->tiles(scattered, true);
+  ASSERT_TRUE(told) << told.error().detail();
+  EXPECT_EQ(told.value().stages(), "ddddd");
+  EXPECT_EQ(told.value().layout().axis_size(), 0);
+}
+
+TEST_F(Tiles, ThatThereAreNotAreAProblem) {
+  make_cloud("a.xyz", 1000);
+  open();
+  EXPECT_EQ(service->tiles("none", false).error().status(), 404);
+  const auto id = submit(triangulate("a.xyz", "block"));
+  ASSERT_EQ(ended(id).status(), "successful");
+  const auto proof = submit(verify("block"));
+  EXPECT_EQ(service->tiles(proof, false).error().status(), 404);
+  ended(proof);
+  ASSERT_TRUE(service->remove_triangulation("block", alice));
+  EXPECT_EQ(service->tiles(id, false).error().status(), 410);
+}
+
+}  // namespace
+}  // namespace tessera::testing

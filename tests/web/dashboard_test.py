@@ -1,0 +1,241 @@
+"""The dashboard on the real daemon: submit, watch, stop, resume, look; wrong input; a daemon that goes away; a token that only reads."""
+import shutil
+import signal
+import unittest
+
+from selenium.webdriver import ActionChains, Keys
+
+import browser
+import daemon
+
+TOKENS = {"admin": "a" * 64, "read": "r" * 64}
+
+
+class Dashboard(daemon.DaemonTest):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = browser.Browser()
+        cls.addClassCleanup(cls.browser.quit)
+
+    def setUp(self):
+        super().setUp()
+        data = self.folder / "data"
+        data.mkdir()
+        (data / "tokens").touch(0o600)
+        (data / "tokens").write_text("".join(f"{role}er {role} {token}\n" for role, token in TOKENS.items()))
+        inputs = self.folder / "inputs"
+        inputs.mkdir()
+        for file in daemon.IGN.glob("*.las"):
+            shutil.copy(file, inputs)
+        self.browser.driver.delete_all_cookies()
+        self.forgive = ()  # what the console may be told in this test
+
+    def serve(self, listen="127.0.0.1:0"):
+        self.daemon = self.start(inputs=self.folder / "inputs", listen=listen)
+        return self.daemon
+
+    def enter(self, role="admin"):
+        self.browser.open(f"{self.daemon.url}?token={TOKENS[role]}")
+        self.assertEqual(self.browser.driver.current_url, self.daemon.url + "ui/")
+        self.browser.until_text("Live", ".connection")
+
+    def tearDown(self):
+        complaints, hosts = self.browser.complaints(), self.browser.hosts()
+        self.browser.open("about:blank")  # before the daemon ends, which would be complained of in the next test
+        self.assertEqual([text for text in complaints if not any(known in text for known in self.forgive)], [])
+        self.assertLessEqual(hosts, {f"127.0.0.1:{self.daemon.port}"})
+
+    def submit(self, **fields):
+        b = self.browser
+        b.go("#/submit")
+        for name, value in fields.items():
+            b.fill(name, value)
+        b.press("Submit")
+        return b.until("return /^#\\/jobs\\/(.+)$/.exec(location.hash)?.[1]")
+
+    def make_cloud(self, points):
+        self.tessera("generate", "uniform", "-n", points, "-o", self.folder / "inputs" / "cloud.npy", "--quiet")
+
+    def test_a_job_from_its_form_to_its_files(self):
+        self.serve()
+        self.enter()
+        b = self.browser
+        b.until_text("No jobs yet")
+        b.look(self, "jobs-empty")
+        b.press("New job")
+        b.until("return document.getElementById('field-inputs')")
+        # Every input of the process has a field.
+        described = self.daemon.request("GET", "/v1/processes/triangulate")[2]["inputs"]
+        fields = b.script("return [...document.querySelectorAll('.fields [name]')].map(e => e.name)")
+        self.assertEqual(sorted(fields), sorted(described))
+        b.fill("inputs", "*.las")
+        b.until_text("This daemon would take it.", ".costs")
+        estimate = self.daemon.request("POST", "/v1/processes/triangulate/estimate", {"inputs": {"inputs": ["*.las"]}})[2]
+        self.assertIn(f"{estimate['points']:,}", b.text(".costs"))
+        b.look(self, "submit")
+        b.fill("output", "block")
+        b.fill("tiles", "12")
+        b.press("Submit")
+        b.until_text("Done", ".status-line")
+        b.until("return document.querySelector('.map .number') && [...document.querySelectorAll('.legend li')].at(-1).innerText.endsWith('12')")
+        b.until_text("successful: is done", ".log")
+        self.assertEqual(b.script("return document.title"), "block · Tessera")
+        # The tiles are drawn in the colour that the legend gives to what is stored.
+        self.assertTrue(b.script("""
+            const canvas = document.querySelector('.map canvas'), pen = canvas.getContext('2d');
+            const [r, g, b] = pen.getImageData(canvas.width / 2 | 0, canvas.height / 3 | 0, 1, 1).data;
+            return getComputedStyle(document.querySelector('.tile-d')).backgroundColor === `rgb(${r}, ${g}, ${b})`"""))
+        b.look(self, "job-done")
+        b.press("Open the result")
+        made = self.daemon.request("GET", "/v1/triangulations/block")[2]
+        b.until_text(f"{made['cells']:,}")
+        b.until_text(made["digest"])
+        b.look(self, "result")
+        link = b.script("return [...document.querySelectorAll('.files a')].find(a => a.innerText === 'manifest.json').href")
+        self.assertEqual(b.script("return fetch(arguments[0]).then(a => a.json()).then(m => m.digest2)", link), made["digest"])
+        b.press("Verify")
+        b.until_text("Done", ".status-line")
+        b.until_text("Outcome")
+        b.look(self, "job-verify")
+        b.go("#/results")
+        b.until("return document.querySelectorAll('.results .row .name').length === 1")
+        b.look(self, "results")
+        b.go("#/jobs")
+        b.until("return document.querySelectorAll('.jobs .row .name').length === 2")
+        b.look(self, "jobs")
+        b.go("#/nodes")
+        b.until_text("this daemon")
+        b.look(self, "nodes")
+
+    def test_a_wrong_input_is_a_sentence_at_its_field(self):
+        self.forgive = ("status of 422", "status of 400")
+        self.serve()
+        self.enter()
+        b = self.browser
+        b.go("#/submit")
+        b.fill("inputs", "nothing-*.las")
+        b.until("return document.querySelector('.costs [data-state=failed]')")
+        b.press("Submit")
+        b.until("return document.activeElement.id === 'field-inputs' && document.activeElement.ariaInvalid === 'true'")
+        told = self.daemon.request("POST", "/v1/processes/triangulate/execution", {"inputs": {"inputs": ["nothing-*.las"]}})[2]["detail"]
+        self.assertEqual("inputs: " + b.text("#field-inputs-wrong").rstrip(".").lower(), told.rstrip(".").lower())
+        b.look(self, "submit-wrong")
+        b.fill("inputs", "*.las")
+        b.fill("tiles", "many")
+        b.press("Submit")
+        b.until("return document.activeElement.id === 'field-tiles'")
+        self.assertIn("not a whole number", b.text("#field-tiles-wrong"))
+        self.assertEqual(self.daemon.request("GET", "/v1/jobs")[2]["numberMatched"], 0)
+        # What only the job finds out stands at the job.
+        b.fill("tiles", "12")
+        b.fill("crop", "1, 2, 3, 4, 5, 6")
+        b.press("Submit")
+        b.until_text("no points are left of 262813", "section .notice")
+        b.until_text("Failed", ".status-line")
+        b.look(self, "job-failed")
+
+    def test_a_job_is_stopped_and_resumed(self):
+        self.make_cloud(2_000_000)  # some seconds' work for one thread: far longer than it takes to stop it
+        self.serve()
+        self.enter()
+        b = self.browser
+        job = self.submit(inputs="cloud.npy", output="cloud", tiles="60", threads="1")
+        b.until("return document.querySelector('.map canvas')?.getAttribute('aria-label').includes('triangulated')")
+        b.picture("job-running")
+        b.press("Stop")
+        b.until("return document.querySelector('dialog[open]')")
+        b.picture("dialog")
+        self.assertEqual(b.unnamed(), [])
+        b.press("Stop the job", "dialog")
+        b.until_text("Stopped", ".status-line")
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}")[2]["status"], "dismissed")
+        b.until_text("dismissed", ".log")
+        b.press("Resume")
+        b.until_text("Done", ".status-line")
+        self.assertIn("2 times", b.text(".figures"))
+        self.assertEqual(b.script("return [...document.querySelectorAll('.legend li')].at(-1).innerText.trim().split(/\\s+/).at(-1)"), "60")
+        log = self.daemon.request("GET", f"/v1/jobs/{job}/log")[2].decode()
+        shown = b.script("return document.querySelector('.log').textContent")
+        self.assertEqual(shown.split("\n")[-1][24:], log.rstrip("\n").split("\n")[-1][24:])
+        b.press("Forget")
+        b.press("Forget the job", "dialog")
+        b.until_text("No jobs yet")
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}")[0], 410)
+
+    def test_a_daemon_that_goes_away_is_missed_and_found_again(self):
+        self.forgive = ("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE")
+        daemon_ = self.serve()
+        self.enter()
+        b = self.browser
+        b.until_text("No jobs yet")
+        self.assertEqual(daemon_.end(signal.SIGKILL), -signal.SIGKILL)
+        b.until_text("cannot be reached", ".lost")
+        b.until_text("Not connected", ".connection")
+        b.look(self, "lost")
+        again = self.serve(f"127.0.0.1:{daemon_.port}")
+        job = again.request("POST", "/v1/processes/info/execution", {"inputs": {"inputs": ["*.las"]}},
+                            {"Prefer": "respond-async"})[2]["jobID"]
+        b.until_text("Live", ".connection")
+        self.assertFalse(b.driver.find_element("css selector", ".lost").is_displayed())
+        b.until("return document.querySelector('.row .name')?.getAttribute('href') === `#/jobs/${arguments[0]}`", job)
+        b.until_text("Done", ".row")
+
+    def test_a_token_that_reads_sees_and_changes_nothing(self):
+        daemon_ = self.serve()
+        daemon_.wait(daemon_.request("POST", "/v1/processes/triangulate/execution",
+                                     {"inputs": {"inputs": ["*.las"], "output": "block"}})[2]["jobID"])
+        self.enter("read")
+        b = self.browser
+        for page, wanted in (("#/jobs", "block"), ("#/results/block", "Tetrahedra"), ("#/nodes", "this daemon"), ("#/jobs", "block")):
+            b.go(page)
+            b.until_text(wanted)
+            for name in ("New job", "Stop", "Resume", "Forget", "Verify", "Export", "Remove", "Drain"):
+                self.assertFalse(b.has_button(name), (page, name))
+        b.script("document.querySelector('.row .name').click()")
+        b.until_text("Done", ".status-line")
+        self.assertTrue(b.has_button("Report"))
+        b.until_text("is done", ".log")
+        self.assertFalse(b.has_button("Forget"))
+        b.go("#/submit")
+        b.until_text("There is no such page")
+
+    def test_who_has_no_cookie_is_asked_for_a_token(self):
+        self.forgive = ("status of 401",)
+        self.serve()
+        b = self.browser
+        b.open(self.daemon.url + "ui")
+        b.until_text("Sign in")
+        b.look(self, "sign-in")
+        token = b.driver.find_element("id", "token")
+        token.send_keys("w" * 64)
+        b.press("Enter")
+        b.until_text("not one of this service's")
+        token.clear()
+        token.send_keys(TOKENS["admin"] + "\n")
+        b.until_text("No jobs yet")
+        self.assertNotIn(TOKENS["admin"], b.script("return JSON.stringify({...localStorage, ...sessionStorage}) + document.cookie"))
+
+    def test_all_of_it_is_reached_by_keys(self):
+        self.serve()
+        self.enter()
+        b = self.browser
+        b.until_text("No jobs yet")
+        reached = []
+        for _ in range(20):
+            ActionChains(b.driver).send_keys(Keys.TAB).perform()
+            name = b.script("const e = document.activeElement; return e === document.body ? '' : e.innerText.trim()")
+            if name in reached or not name:
+                break
+            reached.append(name)
+            # What has the focus is seen to have it.
+            self.assertNotEqual(b.script("return getComputedStyle(document.activeElement).outlineStyle"), "none", name)
+        for name in ("Skip to the content", "Tessera", "Jobs", "Results", "Nodes", "New job", "All", "Failed", "Submit the first one"):
+            self.assertIn(name, reached)
+        theme = b.driver.find_element("css selector", ".theme")
+        for expected in ("light", "dark", None):
+            theme.send_keys(Keys.ENTER)
+            self.assertEqual(b.script("return document.documentElement.dataset.theme ?? null"), expected)
+
+
+if __name__ == "__main__":
+    unittest.main()
