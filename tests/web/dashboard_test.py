@@ -75,6 +75,8 @@ class Dashboard(daemon.DaemonTest):
         b.look(self, "submit")
         b.fill("output", "block")
         b.fill("tiles", "12")
+        b.fill("dim", "3")
+        b.fill("neighbors", "true")
         b.press("Submit")
         b.until_text("Done", ".status-line")
         b.until("return document.querySelector('.map .number') && [...document.querySelectorAll('.legend li')].at(-1).innerText.endsWith('12')")
