@@ -134,6 +134,7 @@ class Dashboard(daemon.DaemonTest):
         b.press("Submit")
         b.until_text("no points are left of 262813", "section .notice")
         b.until_text("Failed", ".status-line")
+        self.assertFalse(b.driver.find_element("css selector", ".graphs").is_displayed())
         b.look(self, "job-failed")
 
     def test_a_job_is_stopped_and_resumed(self):
