@@ -1,6 +1,7 @@
 #include "src/http/schema.h"
 
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "service.pb.h"
@@ -33,15 +34,29 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
   return fields;
 }
 
-ordered_json value_schema(const FieldDescriptor& field) {
+// Where not every value of the type is one: of inputs by the field's name, which all processes call alike.
+ordered_json values_of(const FieldDescriptor& field) {
+  static const std::map<std::string, ordered_json> inputs{
+      {"dim", {2, 3}},
+      {"partition", {"kdtree", "grid", "octree", "random"}},
+      {"kernel", {"flat", "cgal"}},
+      {"returns", {"all", "first", "last", "single"}},
+      {"without", {"withheld", "synthetic", "overlap", "key_point"}}};
+  static const std::map<std::string, ordered_json> others{
+      {"tessera.proto.StatusInfo.status", {"accepted", "running", "successful", "failed", "dismissed"}},
+      {"tessera.proto.NodeInfo.state", {"joining", "free", "draining"}},
+      {"tessera.proto.CallerInfo.role", {"read", "submit", "admin"}}};
+  const bool is_input = field.containing_type()->name().ends_with("Inputs");
+  const auto& among = is_input ? inputs : others;
+  const auto found = among.find(is_input ? field.name() : field.full_name());
+  return found == among.end() ? ordered_json() : found->second;
+}
+
+ordered_json type_of(const FieldDescriptor& field) {
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_BOOL:
       return {{"type", "boolean"}};
     case FieldDescriptor::CPPTYPE_STRING:
-      if (field.full_name() == "tessera.proto.StatusInfo.status")
-        return {{"type", "string"}, {"enum", {"accepted", "running", "successful", "failed", "dismissed"}}};
-      if (field.full_name() == "tessera.proto.NodeInfo.state")
-        return {{"type", "string"}, {"enum", {"joining", "free", "draining"}}};
       return {{"type", "string"}};
     case FieldDescriptor::CPPTYPE_INT32:
       return {{"type", "integer"}, {"format", "int32"}};
@@ -60,6 +75,13 @@ ordered_json value_schema(const FieldDescriptor& field) {
       return {{"$ref", "#/components/schemas/" + field.message_type()->name()}};
   }
   return ordered_json::object();
+}
+
+ordered_json value_schema(const FieldDescriptor& field) {
+  ordered_json schema = type_of(field);
+  ordered_json values = values_of(field);
+  if (!values.is_null()) schema["enum"] = std::move(values);
+  return schema;
 }
 
 ordered_json message_schema(const Descriptor& message) {

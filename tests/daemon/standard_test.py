@@ -45,6 +45,28 @@ class Standard(DaemonTest):
         self.assertEqual(requests.get(job, headers=head).status_code, 410)
         self.assertEqual(daemon.end(), 0)
 
+    def test_what_a_schema_lists_is_taken_and_nothing_else(self):
+        daemon = self.start()
+
+        def refusal(name, value):
+            body = {"inputs": {"inputs": ["*.las"], name: value}}
+            status, _, told = daemon.request("POST", "/v1/processes/triangulate/estimate", body)
+            # Of the values themselves; these files have no such flag.
+            return None if status == 200 or "has no overlap" in told["detail"] else status
+
+        listed = 0
+        for name, described in daemon.request("GET", "/v1/processes/triangulate")[2]["inputs"].items():
+            schema = described["schema"]
+            of_one = schema.get("items", schema)
+            for value in of_one.get("enum", ()):
+                listed += 1
+                self.assertIsNone(refusal(name, [value] if schema is not of_one else value), (name, value))
+            if "enum" in of_one:
+                other = 4 if of_one["type"] == "integer" else "none"
+                self.assertEqual(refusal(name, [other] if schema is not of_one else other), 400, name)
+        self.assertGreaterEqual(listed, 16)
+        self.assertEqual(daemon.end(), 0)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -72,6 +72,9 @@ class Browser:
     def fill(self, field, value):
         element = self.until("return document.getElementById(arguments[0])", f"field-{field}")
         self.script("const folded = arguments[0].closest('details'); if (folded) folded.open = true", element)
+        if element.tag_name == "select":
+            self.script("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('input', {bubbles: true}))", element, value)
+            return
         element.clear()
         element.send_keys(value)
 

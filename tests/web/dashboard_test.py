@@ -75,6 +75,8 @@ class Dashboard(daemon.DaemonTest):
         b.look(self, "submit")
         b.fill("output", "block")
         b.fill("tiles", "12")
+        b.fill("dim", "3")
+        b.fill("neighbors", "true")
         b.press("Submit")
         b.until_text("Done", ".status-line")
         b.until("return document.querySelector('.map .number') && [...document.querySelectorAll('.legend li')].at(-1).innerText.endsWith('12')")
@@ -132,6 +134,7 @@ class Dashboard(daemon.DaemonTest):
         b.press("Submit")
         b.until_text("no points are left of 262813", "section .notice")
         b.until_text("Failed", ".status-line")
+        self.assertFalse(b.driver.find_element("css selector", ".graphs").is_displayed())
         b.look(self, "job-failed")
 
     def test_a_job_is_stopped_and_resumed(self):

@@ -41,7 +41,8 @@ export class JobGraphs {
     const has = job.processID === "triangulate" && (job.status === "running" || job.status === "successful");
     const comes = job.processID === "triangulate" && job.status === "accepted";
     this.seen ||= has || comes;
-    show(this.element, this.seen);
+    // Of one that was stopped the map stays as it was last seen; if it never was, there is none.
+    show(this.element, this.seen && (has || comes || !this.map.needsLayout));
     const f = job.figures;
     // Of one that had ended before the page was opened nothing is told but the map.
     const charts = comes || job.status === "running" || this.times.length > 0;

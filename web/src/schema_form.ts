@@ -107,7 +107,7 @@ function controlFor(schema: Schema, attributes: Record<string, string | boolean>
     const choices = schema.enum?.map(String) ?? ["true", "false"];
     const select = h("select", {...attributes, autocomplete: null, spellcheck: null}, h("option", {value: ""}, "Default"),
       ...choices.map(choice => h("option", {value: choice}, schema.enum ? choice : choice === "true" ? "Yes" : "No")));
-    select.dataset.type = schema.enum ? "string" : type;
+    select.dataset.type = type;
     return select;
   }
   const control = type === "array" && schema.items?.type === "string"
