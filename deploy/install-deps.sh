@@ -25,6 +25,7 @@ test=(
   gdal-bin python3-gdal python3-gmsh        # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest
+  iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
   spin                                      # searches the models of the cluster
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types

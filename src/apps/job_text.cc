@@ -59,11 +59,11 @@ std::string results_text(const std::vector<proto::TriangulationInfo>& results) {
 
 std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
   if (nodes.empty()) return "there are no nodes\n";
-  std::vector<Row> rows{{"NODE", "ADDRESS", "STATE", "THREADS", "MEMORY", "USED", "SINCE", "HEARD"}};
+  std::vector<Row> rows{{"NODE", "ADDRESS", "STATE", "THREADS", "MEMORY", "USED", "TILES", "SINCE", "HEARD"}};
   for (const auto& node : nodes) {
     rows.push_back({node.name(), node.address(), node.state() + (node.coordinator() ? ", coordinator" : ""),
                     grouped(node.threads()), human_bytes(node.memory_bytes()), human_bytes(node.memory_used_bytes()),
-                    human_seconds(static_cast<double>(node.seconds())),
+                    grouped(node.tiles()), human_seconds(static_cast<double>(node.seconds())),
                     human_seconds(static_cast<double>(node.silent_ms()) / 1000) + " ago"});
   }
   return table(rows);
@@ -158,6 +158,7 @@ nlohmann::ordered_json node_json(const proto::NodeInfo& node) {
           {"threads", node.threads()},
           {"memory_bytes", node.memory_bytes()},
           {"memory_used_bytes", node.memory_used_bytes()},
+          {"tiles", node.tiles()},
           {"state", node.state()},
           {"seconds", node.seconds()},
           {"silent_ms", node.silent_ms()},

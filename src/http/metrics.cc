@@ -37,6 +37,8 @@ struct Metrics::Impl {
   prometheus::Family<prometheus::Counter>* phases = nullptr;
   prometheus::Family<prometheus::Gauge>* nodes = nullptr;
   prometheus::Counter* nodes_lost = nullptr;
+  prometheus::Counter* bytes_between = nullptr;
+  prometheus::Counter* credit_waits = nullptr;
   prometheus::Gauge* memory_budget = nullptr;
   prometheus::Gauge* memory_used = nullptr;
   prometheus::Gauge* disk_free = nullptr;
@@ -89,6 +91,9 @@ Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl
   my.phases = &BuildCounter().Name("tessera_phase_seconds_total").Help("Time spent, by phase").Register(my.registry);
   my.nodes = &BuildGauge().Name("tessera_nodes").Help("Nodes that work on jobs, by state").Register(my.registry);
   my.nodes_lost = my.counter("tessera_nodes_lost_total", "Nodes that were lost; not those drained");
+  my.bytes_between = my.counter("tessera_node_bytes_total", "Bytes sent from node to node for jobs");
+  my.credit_waits =
+      my.counter("tessera_credit_waits_total", "Times that what was for another node waited for its window");
   my.points = my.counter("tessera_points_total", "Points triangulated");
   my.memory_budget = my.gauge("tessera_memory_budget_bytes", "Memory that jobs may use together");
   my.memory_used = my.gauge("tessera_memory_used_bytes", "Memory that running jobs may use now");
@@ -121,6 +126,8 @@ std::string Metrics::text(const Backend::Figures& figures) {
   raise_to(*my.points, static_cast<double>(figures.points));
   for (const auto& [state, count] : figures.nodes) my.nodes->Add({{"state", state}}).Set(static_cast<double>(count));
   raise_to(*my.nodes_lost, static_cast<double>(figures.nodes_lost));
+  raise_to(*my.bytes_between, static_cast<double>(figures.bytes_between));
+  raise_to(*my.credit_waits, static_cast<double>(figures.credit_waits));
   my.memory_budget->Set(static_cast<double>(figures.memory_budget_bytes));
   my.memory_used->Set(static_cast<double>(figures.memory_used_bytes));
   my.disk_free->Set(static_cast<double>(figures.disk_free_bytes));

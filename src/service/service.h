@@ -141,6 +141,7 @@ class Backend {
     std::uint64_t subscribers = 0;
     std::vector<std::pair<std::string, std::uint64_t>> nodes = {};  // by state
     std::uint64_t nodes_lost = 0;                                   // since the start
+    std::uint64_t bytes_between = 0, credit_waits = 0;  // sent from node to node, and waited for, since the start
   };
   virtual Figures figures() const = 0;
   // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.

@@ -80,6 +80,8 @@ struct Service::Impl {
   // service.cc
   void tick();
   void tell_progress();
+  // Of running jobs, not stored yet.
+  std::map<std::string, std::uint64_t> tiles_by_node();
   void write_again();
   void forget_old();
 

@@ -1,6 +1,8 @@
 // Who works on the jobs: the nodes of a cluster, or this process alone.
 #include <algorithm>
 #include <chrono>
+#include <map>
+#include <string>
 
 #include "src/job/machine.h"
 #include "src/service/problem.h"
@@ -26,10 +28,27 @@ proto::NodeInfo info_of(const NodeState& node) {
 
 }  // namespace
 
+std::map<std::string, std::uint64_t> Service::Impl::tiles_by_node() {
+  const std::lock_guard lock(mutex);
+  std::map<std::string, std::uint64_t> tiles;
+  for (const auto& id : active) {
+    const auto& running = jobs.at(id)->running;
+    if (!running) continue;
+    for (const NodeProgress& node : running->progress.nodes()) {
+      if (!node.lost) tiles[node.name] += node.tiles - std::min(node.tiles, node.tiles_stored);
+    }
+  }
+  return tiles;
+}
+
 Reply<proto::NodeList> Service::nodes() {
   proto::NodeList list;
   if (impl_->options.cluster) {
     for (const NodeState& node : impl_->engine->nodes()) *list.add_nodes() = info_of(node);
+    const auto tiles = impl_->tiles_by_node();
+    for (auto& node : *list.mutable_nodes()) {
+      if (const auto found = tiles.find(node.name()); found != tiles.end()) node.set_tiles(found->second);
+    }
     return list;
   }
   NodeState self;

@@ -153,6 +153,8 @@ Service::Figures Service::figures() const {
     if (!job.running) continue;
     const auto& progress = job.running->progress;
     figures.memory_used_bytes += progress.memory_bytes;
+    figures.bytes_between += progress.bytes_between;
+    figures.credit_waits += progress.credit_waits;
     // In this order: what is sent meanwhile counts as waiting, and the difference is never below 0.
     const std::uint64_t processed = progress.updates_processed;
     figures.updates_waiting += std::max(processed, progress.updates_sent.load()) - processed;

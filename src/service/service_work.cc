@@ -154,6 +154,8 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
       if (done)
         for (const auto& [phase, seconds] : done.value().seconds) phase_seconds[phase] += seconds;
     }
+    since_start.bytes_between += job->running->progress.bytes_between;
+    since_start.credit_waits += job->running->progress.credit_waits;
     job->running.reset();
     std::string().swap(job->told);  // jobs that have ended are many
     --held;

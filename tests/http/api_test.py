@@ -167,6 +167,8 @@ class Api(serving.ServerTest):
         self.assertRegex(text, r'tessera_phase_seconds_total\{phase="triangulating"\} 1.5')
         self.assertRegex(text, r'tessera_nodes\{state="free"\} 2\n')
         self.assertRegex(text, r"\ntessera_nodes_lost_total 3\n")
+        self.assertRegex(text, r"\ntessera_node_bytes_total 4096\n")
+        self.assertRegex(text, r"\ntessera_credit_waits_total 5\n")
         self.assertIn("\nready\n", self.ask("GET", "/readyz?verbose", token=None, port=self.server.operations).body.decode())
 
 

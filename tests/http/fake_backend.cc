@@ -292,6 +292,8 @@ Backend::Figures FakeBackend::figures() const {
   figures.subscribers = watchers_.size();
   figures.nodes = {{"free", 2}};
   figures.nodes_lost = 3;
+  figures.bytes_between = 4096;
+  figures.credit_waits = 5;
   return figures;
 }
 

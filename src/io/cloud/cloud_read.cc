@@ -63,12 +63,18 @@ Status read_unit(PointReader& reader, const Unit& unit, const PointFilter& filte
   if (unit.begin > 0) {
     BOOST_OUTCOME_TRYV(reader.seek(unit.begin));
   }
+  const bool range = unit.count != UINT64_MAX;
   for (std::uint64_t left = unit.count;; left -= batch.points.size()) {
-    if (left == 0) return success();
+    if (left == 0) {  // at the end readers look whether the file is still the one that was opened
+      BOOST_OUTCOME_TRYV(reader.seek(UINT64_MAX));
+      return reader.next(batch, 1);
+    }
     batch.passed_over = 0;
     BOOST_OUTCOME_TRYV(reader.next(batch, std::min<std::uint64_t>(left, SIZE_MAX)));
     counts.read += batch.passed_over;
     counts.filtered += batch.passed_over;
+    if (batch.points.empty() && range)
+      return error(Errc::bad_input, reader.info().path.string() + ": was changed by another program while it was read");
     if (batch.points.empty()) return success();
     kept.points.clear();
     kept.rows.clear();
