@@ -97,8 +97,8 @@ Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::sto
     for (const Point& p : batch.points) {
       if (!places_[unit].whole && unit + 1 < list_.size() && rank == places_[unit + 1].first) ++unit;
       const Point at = without_negative_zero({p.x, p.y, cloud_.options().dimension == 2 ? 0 : p.z});
-      const bool here = places_[unit].whole || (rank >= places_[unit].first &&
-                                                rank - places_[unit].first < list_[unit].points);
+      const bool here =
+          places_[unit].whole || (rank >= places_[unit].first && rank - places_[unit].first < list_[unit].points);
       if (here && is_finite(at)) list_[unit].bounds.add(at);
       ++rank;
     }
@@ -113,9 +113,9 @@ Status CloudUnits::read(std::span<const std::size_t> units,
   std::sort(order.begin(), order.end());  // by file, then by place: each file is opened once
   for (std::size_t i = 0; i < order.size();) {
     const std::size_t file = places_[order[i]].file;
-    BOOST_OUTCOME_TRY(reader, cloud_.reopen_whole(file, filter_.reader_schema(),
-                                                  ReadHints{.threads = places_[order[i]].whole ? cloud_.options().threads
-                                                                                               : 1}));
+    BOOST_OUTCOME_TRY(
+        reader, cloud_.reopen_whole(file, filter_.reader_schema(),
+                                    ReadHints{.threads = places_[order[i]].whole ? cloud_.options().threads : 1}));
     for (; i < order.size() && places_[order[i]].file == file; ++i) {
       BOOST_OUTCOME_TRYV(read_unit(*reader, order[i], visit));
     }
@@ -170,11 +170,10 @@ Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size
     const std::string path = cloud_.files()[file].path.string();
     const std::string record = ", record " + std::to_string(p.id.value - first_ids_[file]) + ": ";
     if (places_[unit].seen) return error(Errc::bad_input, path + record + "was changed while it was read");
-    return error(Errc::bad_input,
-                 path + record + text_of(p.at, dimension) + " is not in the box that the file states for it, " +
-                     text_of(lo, dimension) + " to " + text_of(hi, dimension) +
-                     ", so what it states cannot be relied on; " + option("scan", "true") +
-                     " reads all files once and relies on what it has seen");
+    return error(Errc::bad_input, path + record + text_of(p.at, dimension) +
+                                      " is not in the box that the file states for it, " + text_of(lo, dimension) +
+                                      " to " + text_of(hi, dimension) + ", so what it states cannot be relied on; " +
+                                      option("scan", "true") + " reads all files once and relies on what it has seen");
   }
   return success();
 }

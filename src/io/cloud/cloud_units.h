@@ -40,8 +40,7 @@ class CloudUnits : public PointUnits {
   explicit CloudUnits(Cloud cloud);
   Status add_file(std::size_t file, bool scan, const std::stop_token& stop);
   Status scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop);
-  Status read_unit(PointReader& reader, std::size_t unit,
-                   const std::function<Status(std::size_t, CloudBatch&)>& visit);
+  Status read_unit(PointReader& reader, std::size_t unit, const std::function<Status(std::size_t, CloudBatch&)>& visit);
   Status check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const;
 
   Cloud cloud_;
