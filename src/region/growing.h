@@ -24,6 +24,7 @@ class GrowingTriangulation {
   int rank() const { return kernel_->dimension(); }  // of the points: below dimension() there are no cells
   std::size_t points() const { return points_; }     // that were added, equal ones counted
   CellList cells() const { return kernel_->cells(); }
+  Vertex vertices() const { return kernel_->vertices(); }
   Point point(Vertex v) const { return kernel_->point(v); }
   PointId id(Vertex v) const { return ids_[v - 1]; }
 

@@ -19,6 +19,8 @@ class Judge {
         unread_(unread),
         corners_(static_cast<std::size_t>(triangulation.dimension()) + 1) {
     judgement_.states.resize(cells.vertices.size() / corners_, CellState::elsewhere);
+    sides_.push_back(everywhere);
+    for (Vertex v = 1; v <= triangulation.vertices(); ++v) sides_.push_back(sides_of(triangulation.point(v)));
   }
 
   Judgement judge() {
@@ -35,6 +37,7 @@ class Judge {
 
  private:
   using Simplex = std::array<Point, 4>;
+  static constexpr std::uint8_t everywhere = 0xFF;
 
   // The place of the infinite vertex; corners_ when there is none.
   std::size_t infinite(std::size_t c) const {
@@ -50,7 +53,20 @@ class Judge {
   }
   std::span<const Point> points(const Simplex& simplex) const { return std::span(simplex).first(corners_); }
 
+  // On which sides of the region a point is beyond it. Most cells have all vertices beyond one: a byte of each tells.
+  std::uint8_t sides_of(const Point& p) const {
+    unsigned sides = 0;
+    for (int axis = 0; axis + 1 < static_cast<int>(corners_); ++axis) {
+      sides |= unsigned{p[axis] < region_.lo[axis]} << (2 * axis);
+      sides |= unsigned{p[axis] > region_.hi[axis]} << (2 * axis + 1);
+    }
+    return static_cast<std::uint8_t>(sides);
+  }
+
   void finite_cell(std::size_t c) {
+    std::uint8_t beyond = everywhere;
+    for (std::size_t i = 0; i < corners_; ++i) beyond &= sides_[cells_.vertices[c * corners_ + i]];
+    if (beyond != 0) return;
     const Simplex cell = simplex(c);
     if (!meets(points(cell), region_)) return;
     ++judgement_.met;
@@ -81,6 +97,7 @@ class Judge {
   const Bounds& region_;
   const UnitTree& unread_;
   std::size_t corners_;
+  std::vector<std::uint8_t> sides_;  // by vertex
   Judgement judgement_;
 };
 
