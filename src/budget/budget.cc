@@ -41,7 +41,7 @@ Needs needs(int dimension, KernelKind kernel) {
 std::uint64_t foreign_point_bytes(int dimension, KernelKind) { return dimension == 3 ? 1000 : 450; }
 
 std::uint64_t region_bytes(int dimension, std::uint64_t points, std::uint64_t row_bytes) {
-  return points * ((dimension == 3 ? 900 : 330) + row_bytes);
+  return points * ((dimension == 3 ? 800 : 330) + row_bytes);
 }
 
 std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel) {

@@ -16,15 +16,15 @@
 #include "src/reference/reference.h"
 #include "src/region/meets.h"
 #include "src/region/regions.h"
-#include "tests/io/copc_file.h"
 #include "tests/io/shared_data.h"
+#include "tests/region/copc_file.h"
 
 namespace tessera {
 namespace {
 
-using testing_io::CopcFile;
 using testing_io::sentence;
 using testing_io::TempFolder;
+using testing_region::CopcFile;
 
 // A made-up block: hills in steps of a centimetre, a corner of which is a lattice. `from`: where x begins, in steps.
 CopcFile block(std::int32_t from, std::size_t points, std::uint64_t seed) {

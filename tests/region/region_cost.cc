@@ -18,7 +18,7 @@
 #include "src/generate/generate.h"
 #include "src/io/cloud/cloud_units.h"
 #include "src/region/regions.h"
-#include "tests/io/copc_file.h"
+#include "tests/region/copc_file.h"
 
 namespace tessera {
 namespace {
@@ -27,7 +27,7 @@ int fail(const Error& error) { return std::fprintf(stderr, "%s\n", in_plain_word
 
 int make(std::uint64_t points, const std::string& path) {
   PointGenerator generator({.shape = CloudShape::terrain, .points = points});
-  testing_io::CopcFile file;
+  testing_region::CopcFile file;
   const Bounds bounds = generator.bounds();
   for (std::size_t axis = 0; axis < 3; ++axis) file.offset[axis] = std::floor(bounds.lo[static_cast<int>(axis)]);
   std::vector<Point> batch;

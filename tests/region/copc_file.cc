@@ -1,4 +1,4 @@
-#include "tests/io/copc_file.h"
+#include "tests/region/copc_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,14 @@
 #include "tests/io/las_file.h"
 #include "tests/io/laz_encoder.h"
 
-namespace tessera::testing_io {
+namespace tessera::testing_region {
+
+using testing_io::ArithmeticEncoder;
+using testing_io::IntegerEncoder;
+using testing_io::LasFile;
+using testing_io::push;
+using testing_io::put;
+
 namespace {
 
 using Record = std::array<std::int32_t, 3>;
@@ -197,4 +204,4 @@ Bytes CopcFile::bytes() const {
   return file;
 }
 
-}  // namespace tessera::testing_io
+}  // namespace tessera::testing_region

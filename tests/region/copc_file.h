@@ -8,7 +8,9 @@
 
 #include "tests/io/io_testing.h"
 
-namespace tessera::testing_io {
+namespace tessera::testing_region {
+
+using testing_io::Bytes;
 
 struct CopcFile {
   std::array<double, 3> scale{0.01, 0.01, 0.01}, offset{};
@@ -21,4 +23,4 @@ struct CopcFile {
   Bytes bytes() const;
 };
 
-}  // namespace tessera::testing_io
+}  // namespace tessera::testing_region
