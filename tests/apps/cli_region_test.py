@@ -48,6 +48,17 @@ class RegionTest(CliTest):
             corners = np.array([at[i] for i in cell])
             self.assertTrue((corners.max(0) >= (x0, y0)).all() and (corners.min(0) <= (x1, y1)).all())
 
+    def test_of_everything_is_the_whole(self):
+        """With its indices, whatever is left out, and points that two files have."""
+        more = self.write("more.xyz", b"770540 6277560 30\n770545 6277561 31\n")
+        args = (*BLOCK, more, BLOCK[0], "--dim", "2")
+        whole = self.folder / "whole"
+        self.ok("triangulate", *args, "-o", whole, "--quiet")
+        self.ok("region", *args, "--bbox", "0,0,1e9,1e9", "-o", self.out, "--quiet")
+        whole, part = (json.loads(self.ok("info", folder, "--json")) for folder in (whole, self.out))
+        self.assertEqual(part["digest"], whole["digest"])
+        self.assertEqual(part["points"], whole["points"])
+
     def test_tells_that_it_is_a_region(self):
         self.ok("region", *BLOCK, "--dim", "2", "--bbox", text(BOX), "-o", self.out, "--quiet")
         info = json.loads(self.ok("info", self.out, "--json"))
@@ -71,7 +82,7 @@ class RegionTest(CliTest):
 
     def test_beyond_its_limits(self):
         args = ("region", *BLOCK, "--bbox", text(BOX), "--dim", "2", "-o", self.out)
-        self.refused(MEMORY, *args, "--max-points", "1000", says=["--max-points", "more units are needed", "ign_77050"])
+        self.refused(MEMORY, *args, "--max-points", "1000", says=["--max-points", "more units are needed", "ign_77050", ".las, in (770499.98, 6277"])
         self.assertFalse(self.out.exists())
         self.refused(MEMORY, *args, "--max-points", "1000", "--partial", says="--max-points")
 

@@ -23,10 +23,10 @@ Bounds widened(Bounds bounds, const Point& step) {
   return bounds;
 }
 
-// The shortest digits that read back as the same double.
+// Twelve digits: a tenth of a millimetre in metres on the earth.
 std::string text_of(double value) {
   char text[32];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 12).ptr};
 }
 
 std::string text_of(const Point& p, int dimension) {
@@ -180,10 +180,13 @@ Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size
 
 std::string CloudUnits::name(std::size_t unit) const {
   const Place& place = places_[unit];
-  const std::string path = cloud_.files()[place.file].path.string();
-  if (place.whole) return path;
-  return path + ", records " + std::to_string(place.first) + " to " +
-         std::to_string(place.first + list_[unit].points - 1);
+  const int dimension = cloud_.options().dimension;
+  std::string text = cloud_.files()[place.file].path.string();
+  if (!place.whole) {
+    text += ", records " + std::to_string(place.first) + " to " + std::to_string(place.first + list_[unit].points - 1);
+  }
+  const auto& [lo, hi] = list_[unit].bounds;
+  return text + ", in " + text_of(lo, dimension) + " to " + text_of(hi, dimension);
 }
 
 }  // namespace tessera

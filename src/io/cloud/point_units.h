@@ -29,7 +29,7 @@ class PointUnits {
   // error, too, when a point is not in its unit's bounds: what is not read rests on them.
   virtual Status read(std::span<const std::size_t> units,
                       const std::function<Status(std::size_t unit, CloudBatch& batch)>& visit) = 0;
-  // What people are told of a unit: its file, and where in it.
+  // What people are told of a unit: its file, where in it, and its bounds.
   virtual std::string name(std::size_t unit) const = 0;
   // Bytes that were read so far.
   virtual std::uint64_t bytes_read() const = 0;
