@@ -24,7 +24,7 @@ Result<KernelKind> parse_kernel(const std::string& text) {
 
 }  // namespace
 
-void add_cloud_options(Command& command) {
+void add_point_options(Command& command) {
   add_value(
       command, "input-list", "FILE",
       "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
@@ -32,14 +32,8 @@ void add_cloud_options(Command& command) {
   add_switch(command, "recursive", "take the files in subfolders of input folders, too");
   add_value(command, "dim", "2|3",
             "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
-  add_value(command, "max-points-per-tile", "N",
-            "most points a tile may hold, as 500k; default: from memory and threads");
-  add_value(command, "tiles", "N", "the number of tiles, instead of their size");
-  add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
-  add_choices(command, "partition", "kdtree, grid, octree, random");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
-  add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
@@ -52,6 +46,16 @@ void add_cloud_options(Command& command) {
   add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
+}
+
+void add_cloud_options(Command& command) {
+  add_point_options(command);
+  add_value(command, "max-points-per-tile", "N",
+            "most points a tile may hold, as 500k; default: from memory and threads");
+  add_value(command, "tiles", "N", "the number of tiles, instead of their size");
+  add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
+  add_choices(command, "partition", "kdtree, grid, octree, random");
+  add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
 }
 
 Status read_cloud_options(Settings& settings, JobOptions& options) {

@@ -20,8 +20,10 @@ struct TriangulateOptions {
   OutputOptions output;
 };
 
-// Options that say what the cloud and the tiles are: `info` has them too.
+// Options that say what the cloud is; and also what the tiles are: `info` has them too.
+void add_point_options(Command& command);
 void add_cloud_options(Command& command);
+// Of those options that the command has.
 Status read_cloud_options(Settings& settings, JobOptions& options);
 
 void add_triangulate_options(Command& command);

@@ -40,6 +40,10 @@ Needs needs(int dimension, KernelKind kernel) {
 // Not what one costs on average: the scratch of a large conflict zone stays with the tile, so few may cost much.
 std::uint64_t foreign_point_bytes(int dimension, KernelKind) { return dimension == 3 ? 1000 : 450; }
 
+std::uint64_t region_bytes(int dimension, std::uint64_t points, std::uint64_t row_bytes) {
+  return points * ((dimension == 3 ? 800 : 330) + row_bytes);
+}
+
 std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel) {
   return kernel == KernelKind::cgal ? held * 45 / 100 : held * 12 / 10;
 }

@@ -30,6 +30,10 @@ std::uint64_t foreign_point_bytes(int dimension, KernelKind kernel);
 std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel);
 std::uint64_t waking_bytes(std::uint64_t held, KernelKind kernel);
 
+// What a region takes that is triangulated from `points` points: they, what they carry, their triangulation by the flat
+// kernel, which grows, and the list of its cells.
+std::uint64_t region_bytes(int dimension, std::uint64_t points, std::uint64_t row_bytes);
+
 // Resident memory of a process that has no tiles: program, libraries, log, what each thread keeps at hand.
 std::uint64_t fixed_bytes(std::uint32_t threads);
 // What a process keeps for each tile of a job, also while it sleeps: its actor, its counters, its place in plan and

@@ -94,6 +94,9 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
   };
   if (manifest.dimension == 3 && !format.in_3d)
     return advise(std::string("is a 3D result, and ") + format.name + " has no tetrahedra");
+  if (manifest.region && !manifest.region->complete && !format.final)
+    return error(Errc::usage, out.string() + ": is a part whose cells are not all final, and " + format.name +
+                                  " cannot tell which are; vtu, npy and geojson can");
   if (std::max(manifest.vertices, manifest.cells) > format.most)
     return advise("has more vertices or cells than the " + std::to_string(format.most) + " that readers of " +
                   format.name + " can number");

@@ -31,6 +31,7 @@ struct Format {
   bool heights_apart = false;  // in 2D, z stays an attribute
   bool neighbors = false;      // wants CellView::neighbors
   bool edge_lengths = false;   // wants CellView::longest_edge
+  bool final = false;          // holds CellView::final
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;

@@ -132,6 +132,7 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
     if (!source.filter.keeps(mesh, i)) continue;
     if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
     cell.own = 0;
+    cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
       cell.ids[k] = mesh.ids[v];
@@ -189,6 +190,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.parts = selection.parts;
   head.ids = manifest.points_read;
   head.neighbors = source.format.neighbors && manifest.neighbors;
+  head.final = source.manifest.region && !source.manifest.region->complete;
   head.spatial_index = source.options.spatial_index;
   if (looks_like_crs(manifest.crs)) head.crs = manifest.crs;
   head.software_version = manifest.software_version;

@@ -34,6 +34,7 @@ struct MeshHead {
   std::vector<Part> parts;  // vertices and cells come in their order
   std::uint64_t ids = 0;    // every id is less
   bool neighbors = false;
+  bool final = false;  // of a part of a triangulation: CellView::final says something
   bool spatial_index = true;
   std::vector<Column> columns;
   std::string crs;
@@ -58,6 +59,7 @@ struct CellView {
   std::array<const std::byte*, 4> rows{};  // the same: as VertexView::row
   // Numbers of cells, `outside`, or `elsewhere`: perhaps a cell of another tile. Formats that want them.
   std::array<std::int64_t, 4> neighbors{};
+  bool final = true;        // for sure a cell of the whole triangulation
   double longest_edge = 0;  // in the plane in 2D; formats that want it
 };
 

@@ -27,7 +27,7 @@ std::string quoted(const std::string& text) {
 class GeoJsonWriter : public StreamWriter {
  public:
   GeoJsonWriter(OutputFile file, const MeshHead& head, const std::string& crs)
-      : StreamWriter(std::move(file)), heights_(head.heights), columns_(head.columns) {
+      : StreamWriter(std::move(file)), heights_(head.heights), final_(head.final), columns_(head.columns) {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
                  "}},\"features\":[");
     // As different from each other as the attributes' names; "tile" and "v0" end otherwise.
@@ -44,6 +44,7 @@ class GeoJsonWriter : public StreamWriter {
       stream_.text(names[k]);
       stream_.digits(cell.ids[k].value);
     }
+    if (final_) stream_.text(cell.final ? ",\"final\":1" : ",\"final\":0");
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       for (std::size_t k = 0; k < 3; ++k) {
         stream_.text(keys_[3 * c + k]);
@@ -78,7 +79,7 @@ class GeoJsonWriter : public StreamWriter {
     stream_.digits(value);
   }
   static constexpr const char* names[] = {",\"v0\":", ",\"v1\":", ",\"v2\":"};
-  bool heights_;
+  bool heights_, final_;
   std::vector<Column> columns_;
   std::vector<std::string> keys_;  // three of each column
   std::uint64_t cells_ = 0;

@@ -2,6 +2,7 @@
 //   points.npy     f8 n x dimension      ids.npy        u8 n        <attribute>.npy  n; in 2D also z.npy
 //   cells.npy      i8 m x (d+1)          tile.npy       u4 m, the tile whose main cell it is
 //   neighbors.npy  i8 m x (d+1), across the facet opposite each vertex; -1 the outside; if the result has neighbours
+//   final.npy      u1 m, whether each cell is one of the whole triangulation for sure; of parts of one
 #include <algorithm>
 #include <deque>
 #include <set>
@@ -50,11 +51,14 @@ class NpyWriter : public MeshWriter {
     if (head.neighbors) {
       BOOST_OUTCOME_TRYV(writer->add("neighbors", AttributeType::i64, head.cells, d + 1));
     }
-    std::set<std::string> taken{"points", "ids", "cells", "tile", "neighbors"};
+    std::set<std::string> taken{"points", "ids", "cells", "tile", "neighbors", "final"};
     for (const auto& column : head.columns) {
       std::string name = column.name;
       while (!taken.insert(name).second) name += '_';
       BOOST_OUTCOME_TRYV(writer->add(name, column.type, head.vertices, 0));
+    }
+    if (head.final) {
+      BOOST_OUTCOME_TRYV(writer->add("final", AttributeType::u8, head.cells, 0));
     }
     return std::unique_ptr<MeshWriter>(std::move(writer));
   }
@@ -70,6 +74,7 @@ class NpyWriter : public MeshWriter {
     const std::size_t corners = head_.corners();
     for (std::size_t k = 0; k < corners; ++k) arrays_[cells].stream.value(static_cast<std::int64_t>(cell.numbers[k]));
     arrays_[tile].stream.value(cell.tile);
+    if (head_.final) arrays_.back().stream.value(static_cast<std::uint8_t>(cell.final));
     if (head_.neighbors) {
       for (std::size_t k = 0; k < corners; ++k) {
         // Until its other side is found, a facet between tiles counts as one of the outside.

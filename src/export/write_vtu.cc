@@ -33,7 +33,8 @@ class VtuWriter : public MeshWriter {
       : file_(std::move(file)),
         columns_(head.columns),
         corners_(head.corners()),
-        cell_type_(store::vtk_cell_type(head.dimension)) {
+        cell_type_(store::vtk_cell_type(head.dimension)),
+        final_(head.final) {
     std::vector<VtuArray> arrays{{"Points", AttributeType::f64, 3, head.vertices * 24},
                                  {"connectivity", AttributeType::i64, 1, head.cells * corners_ * 8},
                                  {"offsets", AttributeType::i64, 1, head.cells * 8},
@@ -43,6 +44,7 @@ class VtuWriter : public MeshWriter {
                                  {"id", AttributeType::u64, 1, head.vertices * 8}};
     for (const auto& column : columns_)
       arrays.push_back({column.name, column.type, 1, head.vertices * size_of(column.type)});
+    if (head.final) arrays.push_back({"final", AttributeType::u8, 1, head.cells});
     const std::string text = header(head, arrays);
     std::uint64_t at = 0;
     for (std::size_t i = 0; i < arrays.size(); ++i) {
@@ -67,6 +69,7 @@ class VtuWriter : public MeshWriter {
     streams_[3].value(cell_type_);
     streams_[4].value(cell.tile);
     streams_[5].value(cell.longest_edge);
+    if (final_) streams_.back().value(static_cast<std::uint8_t>(cell.final));
   }
   Status check() override {
     for (const auto& stream : streams_) {
@@ -98,8 +101,9 @@ class VtuWriter : public MeshWriter {
                        "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(head.vertices) +
                        "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" + declarations[0] +
                        "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
-                       "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] + "</CellData>\n<PointData>\n";
-    for (std::size_t i = 6; i < declarations.size(); ++i) text += declarations[i];
+                       "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] +
+                       (head.final ? declarations.back() : "") + "</CellData>\n<PointData>\n";
+    for (std::size_t i = 6; i < declarations.size() - (head.final ? 1 : 0); ++i) text += declarations[i];
     return text + "</PointData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   }
 
@@ -108,6 +112,7 @@ class VtuWriter : public MeshWriter {
   std::vector<Column> columns_;
   std::size_t corners_;
   std::uint8_t cell_type_;
+  bool final_;
   std::int64_t connectivity_ = 0;
   std::uint64_t end_ = 0;
 };
@@ -129,7 +134,9 @@ std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& fil
         std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) + "\"/>\n";
   text +=
       "</PPointData>\n<PCellData>\n<PDataArray type=\"UInt32\" Name=\"tile\"/>\n"
-      "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n</PCellData>\n";
+      "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n";
+  if (head.final) text += "<PDataArray type=\"UInt8\" Name=\"final\"/>\n";
+  text += "</PCellData>\n";
   for (const auto& file : files) text += "<Piece Source=\"" + xml_text(file) + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }

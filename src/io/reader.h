@@ -24,6 +24,7 @@ struct FileInfo {
   std::optional<std::uint64_t> points;   // that the reader gives, when the header says
   std::uint64_t points_passed_over = 0;  // that it does not give, because of its hints
   std::optional<Bounds> bounds;          // when the header says; not to be trusted
+  Point step;                            // LAS: the scale, to which the header's bounds may be rounded; else 0
   std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
   std::string crs_note;                  // why it is unknown although the file says something
   std::vector<Attribute> attributes;     // what the file could give

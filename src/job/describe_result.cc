@@ -1,3 +1,4 @@
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "src/crs/crs.h"
@@ -23,6 +24,12 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
   for (const auto& input : manifest.inputs) inputs.push_back({{"path", input.path}, {"bytes", input.bytes}});
   for (const auto& attribute : manifest.schema) names.push_back(attribute.name);
   const auto& box = manifest.bounds;
+  Json region;
+  if (const auto& part = manifest.region) {
+    const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
+    const auto corner = [&](const Point& p) { return Json{finite(p.x), finite(p.y), finite(p.z)}; };
+    region = Json{{"min", corner(part->box.lo)}, {"max", corner(part->box.hi)}, {"complete", part->complete}};
+  }
   return Json{{"result", folder},
               {"format_version", manifest.format_version},
               {"software_version", manifest.software_version},
@@ -40,6 +47,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"vertices", manifest.vertices},
               {"cells", manifest.cells},
               {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
+              {"region", region},
               {"neighbors", manifest.neighbors},
               {"attributes", names},
               {"seconds", manifest.seconds},

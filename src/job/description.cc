@@ -84,6 +84,19 @@ std::string box_text_or(const Json& bounds, const char* otherwise) {
   return bounds.is_null() ? otherwise : box_text(bounds, 3);
 }
 
+// Of a part of a triangulation: the box that its cells meet.
+std::string region_text(const Json& region, std::size_t dimension) {
+  std::string text;
+  for (std::size_t axis = 0; axis < dimension; ++axis) {
+    const auto end = [&](const char* name) {
+      const auto& value = region.at(name).at(axis);
+      return value.is_null() ? "any" : coordinate(value.get<double>());
+    };
+    text += (text.empty() ? "" : "   ") + end("min") + " .. " + end("max");
+  }
+  return text + (region.at("complete").get<bool>() ? ", all cells that meet it" : ", not all cells are final");
+}
+
 std::string joined(const Json& names) {
   std::string text;
   for (const auto& name : names) text += (text.empty() ? "" : ", ") + name.get<std::string>();
@@ -193,6 +206,8 @@ std::string result_text(const Json& result) {
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
+  if (const auto region = result.find("region"); region != result.end() && !region->is_null())
+    lines.add("a region", region_text(*region, dimension));
   lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
                          (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));

@@ -20,10 +20,12 @@ struct TileMesh {
   std::vector<std::uint8_t> point_ghost;  // n: 1 = foreign
   BigVector<std::int32_t> cells;          // m x (d+1) indices into points
   BigVector<std::uint8_t> cell_ghost;     // m: 1 = not main here
+  BigVector<std::uint8_t> cell_final;     // m: 1 = for sure a cell of the whole triangulation; or empty: all are
   BigVector<std::int32_t> neighbors;      // m x (d+1): across the facet opposite each vertex; -1 outside, -2 elsewhere
 
   std::size_t bytes() const {
-    return points.size() * (sizeof(Point) + 13) + cell_ghost.size() + (cells.size() + neighbors.size()) * 4;
+    return points.size() * (sizeof(Point) + 13) + cell_ghost.size() + cell_final.size() +
+           (cells.size() + neighbors.size()) * 4;
   }
 };
 

@@ -133,6 +133,10 @@ Manifest to_manifest(const json& value) {
   for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
   if (manifest.format_version > 1) manifest.partition = partition_text(value.at("partition"), manifest);
   manifest.bounds = to_corners<Bounds>(value.at("bounds"));
+  if (value.contains("region")) {
+    const auto& region = value.at("region");
+    manifest.region = {to_corners<Box>(region), region.at("complete").get<bool>()};
+  }
   manifest.neighbors = value.at("neighbors").get<bool>();
   for (const auto& attribute : value.at("attributes")) {
     const auto type = attribute.at("type").get<std::string>();
@@ -178,6 +182,10 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["dimension"] = manifest.dimension;
   value["crs"] = manifest.crs;
   value["bounds"] = corners(manifest.bounds);
+  if (manifest.region) {
+    value["region"] = corners(manifest.region->box);
+    value["region"]["complete"] = manifest.region->complete;
+  }
   value["neighbors"] = manifest.neighbors;
   value["attributes"] = json::array();
   for (const auto& attribute : manifest.schema)

@@ -28,6 +28,8 @@ Status check_values(const TileMesh& mesh, const CorruptArray& corrupt) {
     if (mesh.cell_ghost[i] > 1)
       return corrupt("CellData/vtkGhostType", "cell " + std::to_string(i) + " is neither 0 nor 1");
   }
+  for (std::size_t i = 0; i < mesh.cell_final.size(); ++i)
+    if (mesh.cell_final[i] > 1) return corrupt("CellData/final", "cell " + std::to_string(i) + " is neither 0 nor 1");
   for (std::size_t i = 0; i < mesh.neighbors.size(); ++i)
     if (mesh.neighbors[i] < -2 || (mesh.neighbors[i] >= 0 && static_cast<std::size_t>(mesh.neighbors[i]) >= m))
       return corrupt("CellData/neighbors", "cell " + std::to_string(i / corners) + " has neighbour " +

@@ -41,6 +41,7 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
   const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
   const bool consistent = (mesh.dimension == 2 || mesh.dimension == 3) && mesh.ids.size() == n &&
                           mesh.owners.size() == n && mesh.point_ghost.size() == n && mesh.cells.size() == m * corners &&
+                          (mesh.cell_final.empty() || mesh.cell_final.size() == m) &&
                           (!options.neighbors || mesh.neighbors.size() == m * corners) &&
                           rows.size() == n * row_bytes(options.schema);
   if (!consistent) return error(Errc::internal, "a tile's arrays do not fit together");
@@ -63,6 +64,7 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&type, 1)), header.cells));
   packed.push_back(PackedArray::runs(bytes_of(mesh.cell_ghost), 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&tile, 1)), header.cells));
+  if (header.final) packed.push_back(PackedArray::runs(bytes_of(mesh.cell_final), 1));
   if (header.neighbors) packed.push_back(PackedArray::plain(bytes_of(mesh.neighbors)));
   return packed;
 }
@@ -97,6 +99,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                     .tile = tile,
                     .points = mesh.points.size(),
                     .cells = mesh.cell_ghost.size(),
+                    .final = !mesh.cell_final.empty(),
                     .neighbors = options.neighbors,
                     .schema = std::move(schema),
                     .offsets = {}};

@@ -38,7 +38,7 @@ std::string storable_name(std::string_view name) {
 
 }  // namespace
 
-std::vector<ArrayInfo> tile_arrays(int dimension, bool neighbors, const std::vector<Attribute>& schema) {
+std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema) {
   const auto corners = static_cast<std::uint64_t>(dimension + 1);
   std::vector<ArrayInfo> arrays{
       {Section::points, "Points", AttributeType::f64, ArrayOf::points, 3, Packing::plain},
@@ -53,6 +53,7 @@ std::vector<ArrayInfo> tile_arrays(int dimension, bool neighbors, const std::vec
   arrays.push_back({Section::cells, "types", AttributeType::u8, ArrayOf::cells, 1, Packing::deflated});
   arrays.push_back({Section::cell_data, "vtkGhostType", AttributeType::u8, ArrayOf::cells, 1, Packing::deflated});
   arrays.push_back({Section::cell_data, "tile", AttributeType::u32, ArrayOf::cells, 1, Packing::deflated});
+  if (final) arrays.push_back({Section::cell_data, "final", AttributeType::u8, ArrayOf::cells, 1, Packing::deflated});
   if (neighbors)
     arrays.push_back({Section::cell_data, "neighbors", AttributeType::i32, ArrayOf::cells, corners, Packing::plain});
   return arrays;

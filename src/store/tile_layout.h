@@ -26,7 +26,8 @@ struct ArrayInfo {
 };
 
 // All arrays in the order in which they stand in the file.
-std::vector<ArrayInfo> tile_arrays(int dimension, bool neighbors, const std::vector<Attribute>& schema);
+// `final`: of a part of a triangulation, whether each cell is one of the whole for sure.
+std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema);
 inline constexpr std::size_t first_attribute = 4;  // where those of the schema begin in that list
 
 constexpr std::uint8_t vtk_cell_type(int dimension) { return dimension == 2 ? 5 : 10; }  // triangle, tetrahedron

@@ -46,6 +46,9 @@ class TileReader {
     if (with_cells) {
       BOOST_OUTCOME_TRYV(read_array(Section::cells, "connectivity", mesh.cells));
       BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "vtkGhostType", mesh.cell_ghost));
+      if (header_.final) {
+        BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "final", mesh.cell_final));
+      }
       if (header_.neighbors) {
         BOOST_OUTCOME_TRYV(read_array(Section::cell_data, "neighbors", mesh.neighbors));
       }

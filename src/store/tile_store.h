@@ -83,6 +83,12 @@ struct Manifest {
   // As Partition::to_json() gives it, for Partition::from_json(): tile_of() of the result. Empty in format 1.
   std::string partition;
   Bounds bounds;
+  // There when the tiles are not a whole triangulation, but those of its cells that meet a closed box.
+  struct Region {
+    Box box;
+    bool complete = true;  // all of those, and no others; else the tiles tell which cells are final
+  };
+  std::optional<Region> region;
   bool neighbors = true;
   std::vector<Attribute> schema;
   std::vector<TileEntry> tiles;  // of non-empty tiles, by tile id

@@ -141,6 +141,7 @@ std::optional<TileHeader> parse_header(std::string_view text) {
     if (found == type_names.end()) return std::nullopt;
     if (point_data && header.offsets.size() > first_attribute)
       header.schema.push_back({unescaped(name), static_cast<AttributeType>(found - type_names.begin())});
+    header.final |= !point_data && name == "final";
     header.neighbors |= !point_data && name == "neighbors";
   }
   // Whatever this did not look at shows here.
@@ -155,7 +156,8 @@ std::string master_text(const Manifest& manifest) {
       "<?xml version=\"1.0\"?>\n<!-- Tessera, format 2 -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
       "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
   // Neighbours are indices into one tile: of no use here, and as large as the cells.
-  const auto arrays = tile_arrays(manifest.dimension, false, manifest.schema);
+  const auto arrays =
+      tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false, manifest.schema);
   for (const Section section : {Section::points, Section::point_data, Section::cell_data}) {
     const std::string element = "P" + std::string(section_names[static_cast<std::size_t>(section)]);
     text += "<" + element + ">\n";

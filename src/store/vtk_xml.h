@@ -19,11 +19,12 @@ struct TileHeader {
   TileId tile;
   std::uint64_t points = 0;
   std::uint64_t cells = 0;
+  bool final = false;
   bool neighbors = true;
   std::vector<Attribute> schema;
   std::vector<std::uint64_t> offsets;  // of tile_arrays(), from the end of the header
 
-  std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, neighbors, schema); }
+  std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, final, neighbors, schema); }
   // How many bytes an array of this tile has before it is packed. REQUIRES: points, cells < 2^32.
   std::uint64_t bytes_of(const ArrayInfo& array) const;
 };

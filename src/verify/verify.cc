@@ -62,6 +62,10 @@ std::uint64_t largest_tile(const Manifest& manifest) {
 
 Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  if (manifest.region)
+    return error(Errc::usage, out.string() +
+                                  ": holds a region of a triangulation; its cells were compared, when they were made, "
+                                  "with points that it does not hold, so that it cannot be proved by itself");
   VerifyReport report;
   fs::path scratch = options.scratch;
   if (scratch.empty()) {

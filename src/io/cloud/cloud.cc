@@ -162,17 +162,27 @@ Cloud Cloud::of(std::vector<FileInfo> files, std::vector<Attribute> schema, Clou
   return cloud;
 }
 
+Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
+  const FileInfo& file = files_[index];
+  if (spooled_[index]) return share(spooled_[index]);
+  BOOST_OUTCOME_TRY(source, open_file(file.path));
+  // What was chosen by the first look at the file, a partition or units, would be wrong for another content.
+  if (source->stored_bytes() != file.bytes || source->modified_ns() != file.modified_ns)
+    return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
+  return std::move(source);
+}
+
 Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
                                                    ReadHints hints) const {
-  const FileInfo& file = files_[index];
   hints.crop = options_.crop;
   hints.resolution = options_.resolution;
-  if (spooled_[index]) return open_reader(share(spooled_[index]), schema, hints);
-  BOOST_OUTCOME_TRY(reader, open_reader(file.path, schema, hints));
-  // The partition was chosen by the first look at the file; another content would be routed by a wrong one.
-  if (reader->info().bytes != file.bytes || reader->info().modified_ns != file.modified_ns)
-    return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
-  return std::move(reader);
+  return reopen_whole(index, schema, hints);
+}
+
+Result<std::unique_ptr<PointReader>> Cloud::reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
+                                                         const ReadHints& hints) const {
+  BOOST_OUTCOME_TRY(bytes, source(index));
+  return open_reader(std::move(bytes), schema, hints);
 }
 
 }  // namespace tessera

@@ -118,9 +118,14 @@ class Cloud {
   Result<std::vector<Point>> sample(std::size_t wanted) const;
 
  private:
+  friend class CloudUnits;
   // The reader of file `index`; `hints` without what the options say.
   Result<std::unique_ptr<PointReader>> reopen(std::size_t index, const std::vector<Attribute>& schema,
                                               ReadHints hints) const;
+  // The same of the whole file, whatever the options say; and what its bytes are read from.
+  Result<std::unique_ptr<PointReader>> reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
+                                                    const ReadHints& hints) const;
+  Result<std::unique_ptr<ByteSource>> source(std::size_t index) const;
 
   std::vector<FileInfo> files_;
   std::vector<std::shared_ptr<const ByteSource>> spooled_;  // by file: none where the file itself is read again

@@ -1,6 +1,7 @@
 #include "src/io/las/las_reader.h"
 
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -131,6 +132,7 @@ Result<std::unique_ptr<PointReader>> open_las(std::unique_ptr<ByteSource> source
                 " 1." + std::to_string(header.minor) + ", point format " + std::to_string(header.point_format);
   info.points = header.points;
   if (!header.bounds.empty()) info.bounds = header.bounds;
+  info.step = {std::abs(header.scale[0]), std::abs(header.scale[1]), std::abs(header.scale[2])};
   info.crs = header.crs;
   info.crs_note = header.crs_note;
   info.levels = header.compressed && !header.copc.empty();

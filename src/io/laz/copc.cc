@@ -22,15 +22,36 @@ struct Octree {
   double side = 0, slack = 0;  // slack: what rounding may put a point beyond its cube
   std::int32_t finest = level_max;
 
-  bool meets(const Box& box, std::int32_t level, const std::array<std::int32_t, 3>& key) const {
+  Bounds cube(std::int32_t level, const std::array<std::int32_t, 3>& key) const {
     const double width = std::ldexp(side, -level);
+    Bounds bounds;
     for (int axis = 0; axis < 3; ++axis) {
       const double begin = lo[static_cast<std::size_t>(axis)] + key[static_cast<std::size_t>(axis)] * width;
-      if (begin + width + slack < box.lo[axis] || begin - slack > box.hi[axis]) return false;
+      bounds.lo[axis] = begin - slack;
+      bounds.hi[axis] = begin + width + slack;
     }
-    return true;
+    return bounds;
   }
 };
+
+bool meets(const Bounds& bounds, const Box& box) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (bounds.hi[axis] < box.lo[axis] || bounds.lo[axis] > box.hi[axis]) return false;
+  return true;
+}
+
+// What of `cube` is in the header's box, which the same rounding may have made too small. All of it when nothing is:
+// one of the two is wrong then.
+Bounds clipped(const Bounds& cube, const Bounds& header, double slack) {
+  if (header.empty()) return cube;
+  Bounds both;
+  for (int axis = 0; axis < 3; ++axis) {
+    both.lo[axis] = std::max(cube.lo[axis], header.lo[axis] - slack);
+    both.hi[axis] = std::min(cube.hi[axis], header.hi[axis] + slack);
+    if (both.lo[axis] > both.hi[axis]) return cube;
+  }
+  return both;
+}
 
 }  // namespace
 
@@ -88,12 +109,14 @@ Result<std::vector<CopcNode>> read_copc_nodes(const ByteSource& source, const La
       if (level < 0 || level > level_max || points < -1 || bytes < 0)
         return bad_page("entry " + std::to_string(at / entry_bytes) + " is at level " + std::to_string(level) +
                         " with " + std::to_string(points) + " points in " + std::to_string(bytes) + " bytes");
-      if (level > octree.finest || points == 0 || !octree.meets(box, level, key)) continue;
+      const Bounds cube = octree.cube(level, key);
+      if (level > octree.finest || points == 0 || !meets(cube, box)) continue;
       if (points == -1) {
         if (bytes == 0) return bad_page("leads to an empty page");
         pages.push_back({offset, static_cast<std::uint64_t>(bytes)});
       } else {
-        nodes.push_back({offset, static_cast<std::uint64_t>(bytes), static_cast<std::uint64_t>(points)});
+        nodes.push_back({offset, static_cast<std::uint64_t>(bytes), static_cast<std::uint64_t>(points),
+                         clipped(cube, header.bounds, octree.slack)});
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/io/bytes/byte_source.h"
 #include "src/io/las/las_header.h"
@@ -17,6 +18,7 @@ namespace tessera::laz {
 // A node with points: these are one chunk.
 struct CopcNode {
   std::uint64_t offset = 0, bytes = 0, points = 0;
+  Bounds bounds;  // of its points, as the file states them: its cube, as far as it is in the header's box
 };
 
 // The nodes whose cube meets hints.crop and whose level is not finer than needed: levels 0 to L, L being the first with

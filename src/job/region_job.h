@@ -1,0 +1,65 @@
+// A region of raw clouds as a result folder of its own.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/io/cloud/cloud_units.h"
+#include "src/job/result_folder.h"
+#include "src/region/regions.h"
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+struct RegionJobOptions {
+  CloudOptions cloud;
+  bool scan = false;  // read all files once, instead of relying on the boxes that they state
+  Box box;            // closed; in 2D without bounds on z
+  RegionLimits limits;
+  bool neighbors = true;
+  std::vector<std::string> command = {};  // for the manifest
+};
+
+// A cloud of files that can be asked for regions, as often as one likes.
+struct RegionCloud {
+  std::vector<Manifest::Input> inputs;
+  std::vector<Attribute> schema;
+  std::string crs;
+  std::vector<std::string> warnings;
+  int dimension = 3;
+  std::uint64_t points = 0;  // of all files, filtered ones counted
+  std::unique_ptr<Regions> regions;
+};
+
+// Opens the files, as Cloud::open takes them, and finds out where each unit's points are. Errors: those of CloudUnits.
+Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const RegionJobOptions& options,
+                                 const std::stop_token& stop = {});
+
+// What is told of a region that was written.
+struct RegionSummary {
+  std::string out;
+  int dimension = 3;
+  std::uint64_t vertices = 0, cells = 0;
+  std::uint64_t final = 0;  // cells that are
+  bool complete = true;
+  std::string needed;  // if not: what is, as a sentence
+  RegionFigures figures;
+  std::vector<std::string> warnings;
+};
+
+std::string region_text(const RegionSummary& summary);
+std::string region_json(const RegionSummary& summary);  // one line, without its end
+
+// Asks for options.box, and writes what is found into `folder`, which was inspected: a result folder of one tile that
+// owns all vertices, whose manifest says that it is a region. Errors: those of Regions::ask and of writing; usage when
+// no cell meets the box. What was there before stands until the new cells are known.
+Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& options, ResultFolder& folder,
+                                   const std::stop_token& stop);
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// The triangulation of points that come in groups.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/kernel/kernel.h"
+
+namespace tessera {
+
+// Equal points are one vertex, that of the lowest id among them.
+class GrowingTriangulation {
+ public:
+  explicit GrowingTriangulation(int dimension);
+
+  // Throws Stopped soon after `stop` is requested, KernelFull when there are too many points: it can only be destroyed
+  // then.
+  void add(std::vector<LocalPoint> points, const std::stop_token& stop);
+
+  int dimension() const { return dimension_; }
+  int rank() const { return kernel_->dimension(); }  // of the points: below dimension() there are no cells
+  std::size_t points() const { return points_; }     // that were added, equal ones counted
+  CellList cells() const { return kernel_->cells(); }
+  Vertex vertices() const { return kernel_->vertices(); }
+  Point point(Vertex v) const { return kernel_->point(v); }
+  PointId id(Vertex v) const { return ids_[v - 1]; }
+
+ private:
+  void build(std::vector<LocalPoint> points, const std::stop_token& stop);
+
+  int dimension_;
+  std::unique_ptr<Kernel> kernel_;
+  std::vector<PointId> ids_;  // by vertex, from 1 on
+  std::size_t points_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,66 @@
+#include "src/region/regions.h"
+
+#include <algorithm>
+#include <new>
+#include <utility>
+
+#include "src/base/stopped.h"
+#include "src/region/question.h"
+
+namespace tessera {
+namespace {
+
+std::vector<Bounds> boxes_of(const PointUnits& units) {
+  std::vector<Bounds> boxes;
+  for (const auto& unit : units.list()) boxes.push_back(unit.bounds);
+  return boxes;
+}
+
+}  // namespace
+
+Regions::Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes)
+    : units_(std::move(units)), dimension_(dimension), row_bytes_(row_bytes), tree_(boxes_of(*units_)) {
+  for (const auto& unit : units_->list()) bounds_.add(unit.bounds);
+}
+
+Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop) {
+  // Cells have no point beyond the bounds of all points.
+  Bounds within;
+  bool empty = units_->list().empty();
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool flat = dimension_ == 2 && axis == 2;
+    within.lo[axis] = flat ? 0 : std::max(region.lo[axis], bounds_.lo[axis]);
+    within.hi[axis] = flat ? 0 : std::min(region.hi[axis], bounds_.hi[axis]);
+    empty |= !(within.lo[axis] <= within.hi[axis]);
+  }
+  RegionCells cells;
+  cells.mesh.dimension = dimension_;
+  if (!empty) {
+    try {
+      BOOST_OUTCOME_TRY(answered, ask_within(within, limits, stop));
+      cells = std::move(answered);
+    } catch (const Stopped&) {
+      return error(Errc::interrupted, "interrupted; nothing is kept");
+    } catch (const KernelFull&) {
+      return error(Errc::memory,
+                   "the region needs more points than can be triangulated at once; ask for a smaller one");
+    } catch (const std::bad_alloc&) {
+      return worded([] { return error(Errc::memory, "the system has no more memory to give"); });
+    }
+  }
+  RegionFigures& figures = cells.figures;
+  figures.units = units_->list().size();
+  for (const auto& unit : units_->list()) {
+    figures.points += unit.points;
+    figures.bytes += unit.bytes;
+  }
+  figures.bytes_read = units_->bytes_read() - std::exchange(bytes_told_, units_->bytes_read());
+  return cells;
+}
+
+Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionLimits& limits, const std::stop_token& stop) {
+  tree_.begin(region);
+  return Question(*units_, loaded_, tree_, dimension_, row_bytes_, region, limits, stop).answer();
+}
+
+}  // namespace tessera
