@@ -47,20 +47,21 @@ std::vector<Point> sample_points(Shape shape, int dimension, std::size_t n, unsi
 }
 
 std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles) {
+  std::vector<double> xs;
+  for (const auto& p : points) xs.push_back(p.x);
+  std::sort(xs.begin(), xs.end());
+  std::vector<std::uint32_t> tile_of(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    while (tile_of[i] + 1 < tiles && points[i].x >= xs[xs.size() * (tile_of[i] + 1) / tiles]) ++tile_of[i];
+  return sample_tiles(points, dimension, tiles, [&](std::size_t i) { return tile_of[i]; });
+}
+
+std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles,
+                                   const std::function<std::uint32_t(std::size_t)>& tile_of) {
   const auto kernel = make_kernel(dimension);
   kernel->build(points);
   const CellList all = kernel->cells();
   const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
-
-  std::vector<double> xs;
-  for (const auto& p : points) xs.push_back(p.x);
-  std::sort(xs.begin(), xs.end());
-  const auto tile_of = [&](std::size_t point) {
-    std::uint32_t tile = 0;
-    while (tile + 1 < tiles && points[point].x >= xs[xs.size() * (tile + 1) / tiles]) ++tile;
-    return tile;
-  };
-
   std::vector<TileMesh> meshes(tiles);
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     TileMesh& mesh = meshes[tile];
