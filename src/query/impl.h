@@ -2,6 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <utility>
+#include <vector>
 
 #include "src/query/homes.h"
 #include "src/query/stored_triangulation.h"
@@ -12,11 +17,22 @@ namespace tessera::query {
 
 struct StoredTriangulation::Impl {
   Impl(std::filesystem::path folder, Manifest read, Homes where, std::uint64_t bytes_max)
-      : out(std::move(folder)), manifest(std::move(read)), homes(std::move(where)), cache(out, manifest, bytes_max) {}
+      : out(std::move(folder)),
+        manifest(std::move(read)),
+        homes(std::move(where)),
+        cache(out, manifest, bytes_max),
+        id_ranges(manifest.tiles.size()) {}
   std::filesystem::path out;
   Manifest manifest;
   Homes homes;
   mutable TileCache cache;
+  // By the manifest's tiles: the least and the greatest source index of their own vertices, once they were read.
+  mutable std::mutex id_mutex;
+  mutable std::vector<std::optional<std::pair<PointId, PointId>>> id_ranges;
+
+  // The tile whose own vertex this is. Nothing says it but the tiles: their lists of indices are read until it is
+  // found.
+  Result<std::optional<TileId>> owner_of(PointId id, const std::stop_token& stop) const;
 };
 
 // REQUIRES: the cell is main in the tile.

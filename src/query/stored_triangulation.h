@@ -56,9 +56,9 @@ struct Star {
   Vertex vertex;
   std::vector<Cell> cells;
   std::vector<Vertex> neighbors;  // by id
-  // Of its Voronoi cell, in 2D the area; none when that has no end: the vertex is on the hull. From doubles, relative
-  // to the vertex.
-  std::optional<double> voronoi_volume;
+  // Of its Voronoi cell, in 2D the area, rounded; infinite when the vertex is on the hull, NaN when the cells around it
+  // are too flat for floating point.
+  double voronoi_volume = 0;
 };
 
 // Cells with the vertices they have, in memory. All are flagged as main and their vertices as own; neighbours are -1
