@@ -91,7 +91,7 @@ std::string text_of(PointId asked, int dimension, const query::Star& star) {
   if (std::isinf(star.voronoi_volume)) {
     text += "unbounded: it is on the hull";
   } else if (std::isnan(star.voronoi_volume)) {
-    text += "unknown: its cells are too flat for floating point";
+    text += "unknown: a cell around it has no volume";
   } else {
     add_number(text, star.voronoi_volume);
   }

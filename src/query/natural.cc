@@ -4,8 +4,10 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 #include "src/predicates/exact/predicates.h"
@@ -13,9 +15,11 @@
 namespace tessera::query {
 namespace {
 
-using Corners = std::array<Vec, 4>;
+template <class Number>
+using Corners = std::array<Vec<Number>, 4>;
 
 // What the weights of a point are summed from. Positions are relative to the point.
+template <class Number>
 class Sibson {
  public:
   Sibson(Walker& walker, const Point& q, std::size_t corners) : walker_(walker), q_(q), n_(corners) {}
@@ -23,7 +27,7 @@ class Sibson {
   // False: q is on the hull.
   Result<bool> gather(Place first) {
     BOOST_OUTCOME_TRY(added, look_at(first));
-    if (added < 0) return false;  // as only a damaged result has it
+    if (added < 0) return lost_;  // else only a damaged result has it so
     for (std::size_t z = 0; z < zone_.size(); ++z) {
       for (std::size_t k = 0; k < n_; ++k) {
         BOOST_OUTCOME_TRY(beyond, walker_.across(zone_[z].place, k));
@@ -34,7 +38,7 @@ class Sibson {
         }
         if (other >= 0) {
           // Seen from both sides.
-          add(facet_of(z, k), zone_[z].centre, zone_[static_cast<std::size_t>(other)].centre, 0.5L);
+          add(facet_of(z, k), zone_[z].centre, zone_[static_cast<std::size_t>(other)].centre, Number(0.5));
         } else if (!add_border(z, k)) {
           return false;
         }
@@ -47,46 +51,61 @@ class Sibson {
   // Empty when rounding has spoilt them.
   std::vector<Weight> weights() {
     std::sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.of.id() < b.of.id(); });
+    std::vector<Share> sums;
+    Number all = 0;
+    for (const Share& share : shares_) {
+      if (sums.empty() || sums.back().of.id() != share.of.id()) {
+        sums.push_back(share);
+      } else {
+        sums.back().part += share.part;
+      }
+      all += share.part;
+    }
     std::vector<Weight> weights;
-    long double all = 0;
-    Vec missed;
-    long double reach = 0;
-    for (std::size_t i = 0; i < shares_.size();) {
-      Share sum = shares_[i];
-      for (++i; i < shares_.size() && shares_[i].of.id() == sum.of.id(); ++i) sum.of.weight += shares_[i].of.weight;
-      all += sum.of.weight;
-      missed = missed + sum.of.weight * sum.at;
-      reach = std::max(reach, std::sqrt(dot(sum.at, sum.at)));
+    if (lost_ || !usable(all)) return weights;
+    // Relative to q, so they add up to nothing, but for what was lost.
+    Vec<Long> missed;
+    bool good = true;
+    for (const Share& sum : sums) {
+      const Long part = rounded(sum.part / all);
+      const Vec<Long> at{rounded(sum.at.x), rounded(sum.at.y), rounded(sum.at.z)};
+      missed = missed + part * at;
+      shortest_ = std::min(shortest_, std::sqrt(dot(at, at)));
+      good = good && part >= -tolerance;
       weights.push_back(sum.of);
+      weights.back().weight = std::max(part, 0.0L);
     }
-    bool good = std::isfinite(all) && all != 0 && std::sqrt(dot(missed, missed)) <= 1e-9L * reach * std::abs(all);
-    for (auto& weight : weights) {
-      weight.weight /= all;
-      good = good && weight.weight >= -1e-9L;
-      weight.weight = std::max(weight.weight, 0.0L);
-    }
-    if (!good) weights.clear();
+    if (!good || !(std::sqrt(dot(missed, missed)) <= tolerance * shortest_)) weights.clear();
     return weights;
   }
 
  private:
+  static constexpr Long tolerance = 1e-10L;
+
+  // A cell is too flat for these numbers.
+  int lost() {
+    lost_ = true;
+    return -1;
+  }
+
   struct ZoneCell {
     Place place;
-    Corners at;
-    Vec centre;
+    Corners<Number> at;
+    Vec<Number> centre;
   };
   // Facet of a zone cell or of a new one; a corner without a tile is q.
   struct Facet {
     std::array<Weight, 3> of;
-    std::array<Vec, 3> at;
+    std::array<Vec<Number>, 3> at;
   };
   struct Share {
     Weight of;
-    Vec at;
+    Vec<Number> at;
+    Number part = 0;
   };
   struct Border {
     Facet facet;
-    Vec centre;  // of q and the facet
+    Vec<Number> centre;  // of q and the facet
   };
 
   // The place in zone_, or -1: q is not inside its sphere.
@@ -99,8 +118,10 @@ class Sibson {
         n_ == 4 ? exact::in_sphere_3(p[0], p[1], p[2], p[3], q_) : exact::in_circle_2(p[0], p[1], p[2], q_);
     if (side <= 0) return -1;
     ZoneCell cell{.place = place, .at = {}, .centre = {}};
-    for (std::size_t k = 0; k < n_; ++k) cell.at[k] = relative(p[k], q_);
-    cell.centre = circumcentre({cell.at.data(), n_});
+    for (std::size_t k = 0; k < n_; ++k) cell.at[k] = relative<Number>(p[k], q_);
+    const auto centre = circumcentre<Number>({cell.at.data(), n_});
+    if (!centre) return lost();
+    cell.centre = *centre;
     entry->second = static_cast<int>(zone_.size());
     zone_.push_back(cell);
     return entry->second;
@@ -116,13 +137,11 @@ class Sibson {
     return facet;
   }
 
-  void add(const Facet& facet, const Vec& from, const Vec& to, long double times) {
-    const auto shares = edge_shares({facet.at.data(), n_ - 1}, from, to);
+  void add(const Facet& facet, const Vec<Number>& from, const Vec<Number>& to, Number times) {
+    const auto shares = edge_shares<Number>({facet.at.data(), n_ - 1}, from, to);
     for (std::size_t i = 0; i + 1 < n_; ++i) {
       if (facet.of[i].tile == nullptr) continue;
-      Share share{facet.of[i], facet.at[i]};
-      share.of.weight = times * shares[i];
-      shares_.push_back(share);
+      shares_.push_back({facet.of[i], facet.at[i], times * shares[i]});
     }
   }
 
@@ -133,11 +152,20 @@ class Sibson {
     for (std::size_t i = 0; i + 1 < n_; ++i) p[i] = border.facet.of[i].tile->point(border.facet.of[i].vertex);
     const int side = n_ == 4 ? exact::orientation_3(p[0], p[1], p[2], q_) : exact::orientation_2(p[0], p[1], q_);
     if (side <= 0) return false;
-    Corners at;
+    Corners<Number> at;
     std::copy(border.facet.at.begin(), border.facet.at.end(), at.begin());
-    at[n_ - 1] = Vec{};
-    border.centre = circumcentre({at.data(), n_});
-    add(border.facet, zone_[z].centre, border.centre, 1);
+    at[n_ - 1] = {};
+    const auto centre = circumcentre<Number>({at.data(), n_});
+    if (!centre) {
+      lost();
+      return true;
+    }
+    border.centre = *centre;
+    for (std::size_t i = 0; i + 1 < n_; ++i) {
+      const auto edge = border.facet.at[i] - border.facet.at[i + 2 < n_ ? i + 1 : 0];
+      shortest_ = std::min(shortest_, std::sqrt(rounded(dot(edge, edge))));
+    }
+    add(border.facet, zone_[z].centre, border.centre, Number(1));
     borders_.push_back(border);
     return true;
   }
@@ -169,7 +197,7 @@ class Sibson {
           facet.of[i] = here.facet.of[corner];
           facet.at[i] = here.facet.at[corner];
         }
-        add(facet, here.centre, there.centre, -0.5L);
+        add(facet, here.centre, there.centre, Number(-0.5));
       }
     }
   }
@@ -181,48 +209,74 @@ class Sibson {
   std::map<CellIds, int> seen_;
   std::vector<Border> borders_;
   std::vector<Share> shares_;
+  bool lost_ = false;
+  Long shortest_ = std::numeric_limits<Long>::infinity();  // edge among neighbours, or between one and q
 };
+
+// Barycentric, not yet divided by their sum: volumes, and twice areas. False when too little is left of them.
+template <class Number>
+bool barycentric(const Located& located, const Point& q, std::array<Number, 4>& parts) {
+  const QueryTile& tile = *located.place.tile;
+  const std::size_t n = tile.corners();
+  Corners<Number> at;
+  Number size = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    at[k] = relative<Number>(tile.point(tile.vertex(located.place.cell, k)), q);
+    for (const Number& x : {at[k].x, at[k].y, at[k].z}) size = std::max(size, x < 0 ? -x : x);
+  }
+  Number all = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    parts[k] = 0;
+    if ((located.on_facets >> k & 1u) != 0) continue;
+    const auto corner = [&](std::size_t i) { return at[facet_corner(n, k, i)]; };
+    parts[k] =
+        n == 4 ? dot(corner(0), cross(corner(1), corner(2))) : corner(0).x * corner(1).y - corner(0).y * corner(1).x;
+    if (parts[k] < 0) parts[k] = -parts[k];
+    all += parts[k];
+  }
+  if (!usable(all)) return false;
+  for (auto& part : parts) part /= all;
+  if constexpr (std::is_same_v<Number, Wide>) return true;
+  // Products of this size are rounded at 2^-64 of it.
+  return rounded(size * size * (n == 4 ? size : Number(1))) * 0x1p-62L < 1e-14L * rounded(all);
+}
 
 }  // namespace
 
 std::vector<Weight> linear_weights(const Located& located, const Point& q) {
   const QueryTile& tile = *located.place.tile;
   const std::size_t n = tile.corners();
-  Corners at;
   std::vector<Weight> weights(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    weights[k] = {&tile, tile.vertex(located.place.cell, k), 0};
-    at[k] = relative(tile.point(weights[k].vertex), q);
+  for (std::size_t k = 0; k < n; ++k) weights[k] = {&tile, tile.vertex(located.place.cell, k), 0};
+  if (std::array<Long, 4> parts{}; barycentric(located, q, parts)) {
+    for (std::size_t k = 0; k < n; ++k) weights[k].weight = parts[k];
+    return weights;
   }
-  long double all = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    if ((located.on_facets >> k & 1u) != 0) continue;
-    const auto corner = [&](std::size_t i) { return at[facet_corner(n, k, i)]; };
-    const long double part =
-        n == 4 ? dot(corner(0), cross(corner(1), corner(2))) : corner(0).x * corner(1).y - corner(0).y * corner(1).x;
-    weights[k].weight = std::abs(part);
-    all += weights[k].weight;
+  if (std::array<Wide, 4> parts{}; barycentric(located, q, parts)) {
+    for (std::size_t k = 0; k < n; ++k) weights[k].weight = rounded(parts[k]);
+    return weights;
   }
-  // Flatter than floating point has it: the nearest vertex.
-  if (!(all > 0) || !std::isfinite(all)) {
-    std::size_t nearest = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      weights[k].weight = 0;
-      if (dot(at[k], at[k]) < dot(at[nearest], at[nearest])) nearest = k;
-    }
-    weights[nearest].weight = all = 1;
-  }
-  for (auto& weight : weights) weight.weight /= all;
+  // It has no volume, as only a damaged one has, or it is beyond all numbers: the nearest vertex.
+  const auto distance = [&](const Weight& weight) {
+    const Point& p = tile.point(weight.vertex);
+    return std::hypot(p.x - q.x, p.y - q.y, p.z - q.z);
+  };
+  std::min_element(weights.begin(), weights.end(), [&](const Weight& a, const Weight& b) {
+    return distance(a) < distance(b);
+  })->weight = 1;
   return weights;
 }
 
 Result<std::vector<Weight>> natural_weights(Walker& walker, const Located& located, const Point& q) {
   const std::size_t n = located.place.tile->corners();
   if (std::popcount(located.on_facets) == static_cast<int>(n) - 1) return std::vector<Weight>{};  // a vertex
-  Sibson sibson(walker, q, n);
-  BOOST_OUTCOME_TRY(inside, sibson.gather(located.place));
+  Sibson<Long> fast(walker, q, n);
+  BOOST_OUTCOME_TRY(inside, fast.gather(located.place));
   if (!inside) return std::vector<Weight>{};
-  return sibson.weights();
+  if (auto weights = fast.weights(); !weights.empty()) return weights;
+  Sibson<Wide> slow(walker, q, n);
+  BOOST_OUTCOME_TRY(again, slow.gather(located.place));
+  return again ? slow.weights() : std::vector<Weight>{};
 }
 
 }  // namespace tessera::query

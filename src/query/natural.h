@@ -21,11 +21,11 @@ struct Weight {
 // to 1.
 std::vector<Weight> linear_weights(const Located& located, const Point& q);
 
-// Sibson's natural neighbour coordinates: the part of q's Voronoi cell that each vertex would lose to q. The cells
-// whose open circumsphere has q are found from the one that has it on, with exact predicates, so cospherical vertices
-// need no care: what they add is 0. Empty where there are none or rounding spoils them: on facets of the hull, and when
-// the weights are negative or do not give q back within 1e-9 of the distance of its neighbours. Source: Sibson, A
-// vector identity for the Dirichlet tessellation, 1980.
+// Sibson's natural neighbour coordinates (Sibson 1980): the part of q's Voronoi cell that each vertex would lose to q.
+// The cells whose open circumsphere has q are found from the one that has it on, with exact predicates, so cospherical
+// vertices need no care: what they add is 0. Volumes are of long doubles, and of 512 bits where weights are negative or
+// do not give q back within 1e-10 of the shortest edge between its neighbours and it. Empty on vertices and facets of
+// the hull.
 Result<std::vector<Weight>> natural_weights(Walker& walker, const Located& located, const Point& q);
 
 }  // namespace tessera::query

@@ -12,34 +12,36 @@ namespace tessera::query {
 namespace {
 
 // In the tile that owns the vertex, which holds all of its cells: of each facet with the vertex the Voronoi edge across
-// it, seen from both sides. Infinite when one is on the hull.
+// it, seen from both sides. Infinite when one is on the hull, NaN when a cell has no volume, as only damaged ones have.
 double voronoi_volume(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
   const std::size_t corners = tile.corners();
-  std::map<std::int32_t, std::vector<Vec>> corners_of;
-  std::map<std::int32_t, Vec> centre_of;
+  std::map<std::int32_t, std::vector<Vec<Wide>>> corners_of;
+  std::map<std::int32_t, Vec<Wide>> centre_of;
   for (const std::int32_t cell : star) {
     auto& at = corners_of[cell];
     for (std::size_t k = 0; k < corners; ++k)
-      at.push_back(relative(tile.point(tile.vertex(cell, k)), tile.point(vertex)));
-    centre_of[cell] = circumcentre(at);
+      at.push_back(relative<Wide>(tile.point(tile.vertex(cell, k)), tile.point(vertex)));
+    const auto centre = circumcentre<Wide>(at);
+    if (!centre) return std::numeric_limits<double>::quiet_NaN();
+    centre_of[cell] = *centre;
   }
-  long double volume = 0;
+  Wide volume = 0;
   for (const std::int32_t cell : star) {
     for (std::size_t k = 0; k < corners; ++k) {
       if (tile.vertex(cell, k) == vertex) continue;
       const std::int32_t beyond = tile.neighbor(cell, k);
       if (beyond < 0) return std::numeric_limits<double>::infinity();
-      std::array<Vec, 3> facet;
+      std::array<Vec<Wide>, 3> facet;
       std::size_t here = 0;
       for (std::size_t i = 0; i + 1 < corners; ++i) {
         const std::size_t corner = facet_corner(corners, k, i);
         facet[i] = corners_of[cell][corner];
         if (tile.vertex(cell, corner) == vertex) here = i;
       }
-      volume += edge_shares({facet.data(), corners - 1}, centre_of[cell], centre_of[beyond])[here] / 2;
+      volume += edge_shares<Wide>({facet.data(), corners - 1}, centre_of[cell], centre_of[beyond])[here] / 2;
     }
   }
-  return std::isfinite(volume) ? static_cast<double>(std::abs(volume)) : std::numeric_limits<double>::quiet_NaN();
+  return std::abs(static_cast<double>(rounded(volume)));
 }
 
 // The vertex that stands for a point which is none.

@@ -56,8 +56,8 @@ struct Star {
   Vertex vertex;
   std::vector<Cell> cells;
   std::vector<Vertex> neighbors;  // by id
-  // Of its Voronoi cell, in 2D the area, rounded; infinite when the vertex is on the hull, NaN when the cells around it
-  // are too flat for floating point.
+  // Of its Voronoi cell, in 2D the area, rounded. Infinite when the vertex is on the hull, NaN
+  // when a cell around it has no volume, as only damaged ones have.
   double voronoi_volume = 0;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <random>
 
 #include "src/predicates/independent/predicates.h"
@@ -32,6 +33,9 @@ bool has(const std::vector<Point>& points, const IdCell& cell, int dimension, co
 
 }  // namespace
 
+double plane_at(const Point& p) { return 3 + 0.5 * p.x - 2 * p.y + 0.25 * p.z; }
+float wave_at(const Point& p) { return static_cast<float>(std::sin(7 * p.x) + std::cos(5 * p.y + 3 * p.z)); }
+
 std::vector<SampleKind> sample_kinds() {
   std::vector<SampleKind> kinds;
   for (const auto& cloud : cloud_kinds()) {
@@ -55,7 +59,21 @@ QuerySample::QuerySample(const SampleKind& kind, std::size_t n) : dimension_(kin
                           : sample_tiles(points_, dimension_, kind.number, [&](std::size_t i) {
                               return static_cast<std::uint32_t>(i * 2654435761u >> 7) % kind.number;
                             });
-  store_sample(out(), meshes, {.neighbors = kind.neighbors});
+  owners_.resize(points_.size());
+  for (const auto& mesh : meshes)
+    for (std::size_t i = 0; i < mesh.ids.size(); ++i) owners_[mesh.ids[i].value] = mesh.owners[i];
+  const StoreOptions options{.neighbors = kind.neighbors,
+                             .schema = {{"wave", AttributeType::f32}, {"plane", AttributeType::f64}}};
+  store_sample(out(), meshes, options, {}, [](const TileMesh& mesh) {
+    std::vector<std::byte> rows(mesh.points.size() * 12);
+    for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+      const float wave = wave_at(mesh.points[i]);
+      const double plane = plane_at(mesh.points[i]);
+      std::memcpy(&rows[12 * i], &wave, sizeof wave);
+      std::memcpy(&rows[12 * i + 4], &plane, sizeof plane);
+    }
+    return rows;
+  });
 }
 
 const IdCell* QuerySample::right_cell(const Point& q) const {

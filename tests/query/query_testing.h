@@ -30,6 +30,10 @@ struct SampleKind {
 // Every cloud of cloud_kinds() in 2D and 3D, in one tile and many.
 std::vector<SampleKind> sample_kinds();
 
+// Vertices have the attribute "plane" (f64): plane_at(), and "wave" (f32), which is not linear.
+double plane_at(const Point& p);
+float wave_at(const Point& p);
+
 class QuerySample {
  public:
   explicit QuerySample(const SampleKind& kind, std::size_t n = 150);
@@ -41,6 +45,8 @@ class QuerySample {
 
   // The cell that locate() is to give, or none; CGAL's predicates on CGAL's cells.
   const IdCell* right_cell(const Point& q) const;
+  // By the sample's tiles.
+  TileId owner(PointId id) const { return owners_[id.value]; }
   // Points of every kind: anywhere in and around the cloud, vertices, on edges and facets as far as doubles have them,
   // beside vertices, in the planes of facets.
   std::vector<Point> questions(std::size_t n, unsigned seed) const;
@@ -51,6 +57,7 @@ class QuerySample {
   TemporaryFolder folder_;
   int dimension_;
   std::vector<Point> points_;
+  std::vector<TileId> owners_;
   std::vector<IdCell> cells_;
 };
 

@@ -147,7 +147,8 @@ void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
 }  // namespace
 
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates) {
+                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates,
+                      const RowsOf& rows_of) {
   Manifest manifest;
   manifest.software_version = "0.1.0";
   manifest.command = {"tessera", "triangulate", "cloud.xyz"};
@@ -160,6 +161,7 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
     if (mesh.points.empty()) continue;
     std::vector<std::byte> rows(mesh.points.size() * row_bytes(options.schema));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<std::byte>(i * 7);
+    if (rows_of) rows = rows_of(mesh);
     const auto entry = write_tile(out, TileId{tile}, mesh, rows, options);
     EXPECT_TRUE(entry) << (entry ? "" : entry.error().where);
     if (!entry) return manifest;

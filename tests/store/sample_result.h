@@ -25,9 +25,14 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
 std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles,
                                    const std::function<std::uint32_t(std::size_t)>& tile_of);
 
-// Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result.
+// The attributes of a tile's vertices.
+using RowsOf = std::function<std::vector<std::byte>(const TileMesh&)>;
+
+// Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result. Attributes are some
+// bytes unless `rows_of` says which.
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {});
+                      const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {},
+                      const RowsOf& rows_of = {});
 
 // An empty folder of its own, removed at the end.
 class TemporaryFolder {
