@@ -3,8 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cmath>
+#include <functional>
 #include <set>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "src/base/option.h"
 #include "src/crs/crs.h"
 #include "src/export/mesh_reader.h"
+#include "src/export/target.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -23,85 +23,6 @@ namespace fs = std::filesystem;
 
 namespace exports {
 namespace {
-
-// Where the result goes: a file, or a folder.
-struct Target {
-  const Format* format = nullptr;
-  fs::path path;
-  bool folder = false;
-};
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-const Format* find_format(const std::string& name, const std::string& ending) {
-  for (const auto& format : formats()) {
-    if (!name.empty() ? name == format.name : ending == format.ending || ending == format.ending2) return &format;
-  }
-  return nullptr;
-}
-
-Result<Target> find_target(const fs::path& path, const std::string& name) {
-  std::error_code code;
-  Target target{.path = path.has_filename() ? path : path.parent_path()};
-  const std::string ending = lower(path.extension().string());
-  target.folder = !path.has_filename() || ending.empty() || fs::is_directory(path, code);
-  if (name.empty() && target.folder)
-    return error(Errc::usage, path.string() + ": is a folder or has no ending, so give " + option("format") + ": " +
-                                  export_format_names());
-  target.format = find_format(name, ending);
-  if (target.format == nullptr)
-    return error(Errc::usage, "'" + (name.empty() ? ending.substr(1) : name) + "' is not a format to export to: give " +
-                                  export_format_names());
-  if (target.format->shape == Shape::folder && !target.folder)
-    return error(Errc::usage, path.string() + ": " + target.format->name +
-                                  " is a folder of arrays: give a name without an ending, and " +
-                                  option("format", target.format->name));
-  // The table of a .vrt has the same name.
-  if (!target.folder && ending == target.format->ending2) target.path.replace_extension(target.format->ending);
-  return target;
-}
-
-fs::path index_beside(const Target& target) {
-  return fs::path(target.path).replace_extension(target.format->index_ending);
-}
-
-Status check_free(const Target& target, bool overwrite) {
-  std::error_code code;
-  if (!target.folder && target.format->index_of_one && fs::is_directory(index_beside(target), code))
-    return error(Errc::usage,
-                 index_beside(target).string() + ": is a folder, and a file of that name is to be written");
-  if (overwrite) return success();
-  const auto taken = [](const fs::path& path) {
-    return error(Errc::usage, path.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
-  };
-  if (target.folder) {
-    if (fs::exists(target.path, code) && !fs::is_empty(target.path, code))
-      return error(Errc::usage, target.path.string() + ": is not empty; " + option("overwrite", "true") +
-                                    " replaces files of the same names");
-    return success();
-  }
-  if (fs::exists(target.path, code)) return taken(target.path);
-  if (target.format->index_of_one && fs::exists(index_beside(target), code)) return taken(index_beside(target));
-  return success();
-}
-
-Status check_fits(const fs::path& out, const Manifest& manifest, const Format& format) {
-  const auto advise = [&](const std::string& why) {
-    return error(Errc::usage, out.string() + ": " + why + "; " + format.instead + " can");
-  };
-  if (manifest.dimension == 3 && !format.in_3d)
-    return advise(std::string("is a 3D result, and ") + format.name + " has no tetrahedra");
-  if (manifest.region && !manifest.region->complete && !format.final)
-    return error(Errc::usage, out.string() + ": is a part whose cells are not all final, and " + format.name +
-                                  " cannot tell which are; vtu, npy and geojson can");
-  if (std::max(manifest.vertices, manifest.cells) > format.most)
-    return advise("has more vertices or cells than the " + std::to_string(format.most) + " that readers of " +
-                  format.name + " can number");
-  return success();
-}
 
 // Error usage when `folder` has files of an older export that those named will not replace.
 Status check_leftovers(const fs::path& folder, const Format& format, const std::set<std::string>& names) {
@@ -143,13 +64,14 @@ class NewFolder {
   TemporaryFolder temporary_;
 };
 
-Result<Exported> export_file(const MeshSource& source, Selection& selection, const Target& target) {
-  const Format& format = source.format;
-  const MeshHead head = head_of(source, selection);
+// Tells a writer all that its head announces.
+using Give = std::function<Status(MeshWriter&)>;
+
+Result<Exported> export_file(const Format& format, const MeshHead& head, const Target& target, const Give& give) {
   Exported exported;
   exported.files = 1;
   BOOST_OUTCOME_TRY(writer, format.open(target.path, head));
-  BOOST_OUTCOME_TRYV(read_merged(source, selection, *writer));
+  BOOST_OUTCOME_TRYV(give(*writer));
   if (!format.index_of_one) {
     BOOST_OUTCOME_TRY(bytes, writer->finish());
     exported.bytes = bytes;
@@ -198,34 +120,28 @@ Result<Exported> export_tiles(const MeshSource& source, const Selection& selecti
   return exported;
 }
 
-Result<Exported> export_arrays(const MeshSource& source, Selection& selection, const Target& target) {
+Result<Exported> export_arrays(const Format& format, const MeshHead& head, const Target& target, const Give& give) {
   BOOST_OUTCOME_TRY(folder, NewFolder::create(target.path));
   Exported exported;
-  BOOST_OUTCOME_TRY(writer, source.format.open(folder.path(), head_of(source, selection)));
-  BOOST_OUTCOME_TRYV(read_merged(source, selection, *writer));
+  BOOST_OUTCOME_TRY(writer, format.open(folder.path(), head));
+  BOOST_OUTCOME_TRYV(give(*writer));
   BOOST_OUTCOME_TRY(bytes, writer->finish());
   exported.bytes = bytes;
   std::set<std::string> names;
   FolderReader reader(folder.path());
   while (const char* name = reader.next()) names.insert(name);
-  BOOST_OUTCOME_TRYV(check_leftovers(target.path, source.format, names));
+  BOOST_OUTCOME_TRYV(check_leftovers(target.path, format, names));
   exported.files = names.size();
   BOOST_OUTCOME_TRYV(folder.publish());
   return exported;
 }
 
-}  // namespace
-}  // namespace exports
-
-namespace exports {
-namespace {
-
-Result<Target> find_free_target(const fs::path& path, const ExportOptions& options) {
-  BOOST_OUTCOME_TRY(target, find_target(path, options.format));
-  BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
-  return std::move(target);
+// To one file, or to one folder of arrays.
+Result<Exported> export_merged(const MeshSource& source, const Selection& selection, const Target& target,
+                               const Give& give) {
+  const MeshHead head = head_of(source, selection);
+  return target.folder ? export_arrays(source.format, head, target, give)
+                       : export_file(source.format, head, target, give);
 }
 
 }  // namespace
@@ -249,13 +165,39 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
                                    .stop = stop};
   const bool by_tile = target.folder && target.format->shape == exports::Shape::file;
   BOOST_OUTCOME_TRY(selection, exports::select(source, !by_tile && !target.format->corners));
-  BOOST_OUTCOME_TRY(exported, !target.folder ? export_file(source, selection, target)
-                              : by_tile      ? export_tiles(source, selection, target)
-                                             : export_arrays(source, selection, target));
+  const auto give = [&](exports::MeshWriter& writer) { return exports::read_merged(source, selection, writer); };
+  BOOST_OUTCOME_TRY(exported, by_tile ? exports::export_tiles(source, selection, target)
+                                      : exports::export_merged(source, selection, target, give));
   exported.path = target.path;
   exported.vertices = selection.vertices;
   exported.cells = selection.cells;
   exported.left_out = manifest.cells - selection.cells;
+  if (target.format->crs) exported.note = crs_note(manifest.crs);
+  return exported;
+}
+
+Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, StoredTile& cells,
+                              std::span<const TileId> tiles, const fs::path& path, const ExportOptions& options,
+                              std::stop_token stop) {
+  BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
+  BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
+  if (target.folder && target.format->shape == exports::Shape::file)
+    return error(Errc::usage, path.string() + ": is a folder or has no ending, and cells go to one file: add " +
+                                  target.format->ending);
+  const exports::MeshSource source{.out = out,
+                                   .manifest = manifest,
+                                   .format = *target.format,
+                                   .options = options,
+                                   .filter = exports::CellFilter(std::nullopt),
+                                   .stop = stop};
+  const auto selection = exports::select_all(cells.mesh, tiles);
+  const auto give = [&](exports::MeshWriter& writer) {
+    return exports::write_cells(source, selection, cells, tiles, writer);
+  };
+  BOOST_OUTCOME_TRY(exported, exports::export_merged(source, selection, target, give));
+  exported.path = target.path;
+  exported.vertices = selection.vertices;
+  exported.cells = selection.cells;
   if (target.format->crs) exported.note = crs_note(manifest.crs);
   return exported;
 }

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
 #include "src/base/result.h"
+#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -45,6 +47,13 @@ std::string to_json(const Exported& exported, const std::string& output);
 // format that cannot hold the result, and when no cell is left; corrupt for a damaged tile; io; interrupted.
 Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
                                const ExportOptions& options, std::stop_token stop);
+
+// The same with some cells of the result that are in memory: all of `cells`, whose vertices they have, of the main
+// tiles `tiles`, in their order, to one file or one folder of arrays. Lifts the points of `cells` to their heights if
+// the format wants it. max_edge does not count.
+Result<Exported> export_cells(const std::filesystem::path& out, const Manifest& manifest, StoredTile& cells,
+                              std::span<const TileId> tiles, const std::filesystem::path& target,
+                              const ExportOptions& options, std::stop_token stop);
 
 struct ExportTarget {
   std::filesystem::path path;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -114,8 +115,10 @@ struct Corners {
   const Rows& rows;
 };
 
-// Gives the writer the cells of a tile that are exported; the first has the number `first`.
-Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t index, std::uint64_t first,
+// Gives the writer the cells of a tile that are exported; the first has the number `first`. `tile_of`: the main tile of
+// each.
+template <class TileOf>
+Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf& tile_of, std::uint64_t first,
                   const Corners& of, MeshWriter& writer, Watch& watch) {
   const TileMesh& mesh = tile.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
@@ -126,17 +129,22 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
     for (std::size_t i = 0; i < cell_numbers.size(); ++i)
       if (source.filter.keeps(mesh, i)) cell_numbers[i] = next++;
   }
-  CellView cell{.tile = source.manifest.tiles[index].tile};
+  // Format 1 tells no owners.
+  const auto is_own = [&](std::size_t v, TileId by) {
+    return mesh.owners.empty() ? mesh.point_ghost[v] == 0 : mesh.owners[v] == by;
+  };
+  CellView cell;
   cell.neighbors.fill(CellView::elsewhere);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
     if (!source.filter.keeps(mesh, i)) continue;
     if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
+    cell.tile = tile_of(i);
     cell.own = 0;
     cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
       cell.ids[k] = mesh.ids[v];
-      cell.own += mesh.point_ghost[v] == 0 ? 1 : 0;
+      cell.own += is_own(v, cell.tile) ? 1 : 0;
       if (source.format.corners) {
         cell.at[k] = mesh.points[v];
         cell.rows[k] = of.rows.row(tile, v);
@@ -155,6 +163,11 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, std::size_t 
     BOOST_OUTCOME_TRYV(watch.step());
   }
   return success();
+}
+
+// All of them are of one tile.
+auto tile_of(const MeshSource& source, std::size_t index) {
+  return [tile = source.manifest.tiles[index].tile](std::size_t) { return tile; };
 }
 
 // Own vertices of all tiles, which get their numbers.
@@ -221,9 +234,27 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
       BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
       numbers = std::move(found);
     }
-    BOOST_OUTCOME_TRYV(give_cells(source, tile, index, cells, {numbers, rows}, writer, watch));
+    BOOST_OUTCOME_TRYV(give_cells(source, tile, tile_of(source, index), cells, {numbers, rows}, writer, watch));
     cells += selection.parts[index].cells;
   }
+  return watch.look();
+}
+
+Status write_cells(const MeshSource& source, const Selection& selection, StoredTile& cells,
+                   std::span<const TileId> tiles, MeshWriter& writer) {
+  const Rows rows(source);
+  BOOST_OUTCOME_TRYV(rows.lift(source, cells));
+  Watch watch(source, selection, writer);
+  std::vector<std::uint64_t> numbers(cells.mesh.points.size());
+  std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  if (lists_vertices(source)) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      writer.vertex(rows.vertex(cells, i));
+      BOOST_OUTCOME_TRYV(watch.step());
+    }
+  }
+  BOOST_OUTCOME_TRYV(give_cells(
+      source, cells, [&](std::size_t i) { return tiles[i]; }, 0, {numbers, rows}, writer, watch));
   return watch.look();
 }
 
@@ -254,7 +285,7 @@ Result<std::uint64_t> write_piece(const MeshSource& source, const Selection& sel
       BOOST_OUTCOME_TRYV(watch.step());
     }
   }
-  BOOST_OUTCOME_TRYV(give_cells(source, tile, index, 0, {numbers, rows}, *writer, watch));
+  BOOST_OUTCOME_TRYV(give_cells(source, tile, tile_of(source, index), 0, {numbers, rows}, *writer, watch));
   BOOST_OUTCOME_TRYV(watch.look());
   done = watch.done();
   return writer->finish();

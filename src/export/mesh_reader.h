@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 
 #include "src/export/mesh_source.h"
 #include "src/export/selection.h"
@@ -19,6 +20,10 @@ bool lists_vertices(const MeshSource& source);
 // All tiles to one writer, whose head is head_of(): own vertices tile by tile, then the cells. Errors: those of
 // reading; corrupt when the tiles do not hold what the manifest counts; those of the writer.
 Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& writer);
+
+// Cells in memory to one writer; see export_cells().
+Status write_cells(const MeshSource& source, const Selection& selection, StoredTile& cells,
+                   std::span<const TileId> tiles, MeshWriter& writer);
 
 // The manifest's `index`-th tile to a file of its own: its cells and the vertices they use, numbered from 0. Its bytes.
 // `done`: how many vertices and cells all calls together have written, for the progress.

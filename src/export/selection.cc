@@ -89,6 +89,23 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   return selection;
 }
 
+Selection select_all(const TileMesh& cells, std::span<const TileId> tiles) {
+  Selection selection{.parts = {}, .vertices = cells.points.size(), .cells = tiles.size(), .numbers = {}};
+  const std::size_t corners = static_cast<std::size_t>(cells.dimension) + 1;
+  std::uint64_t used = 0;
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    if (i == 0 || tiles[i] != tiles[i - 1]) selection.parts.push_back({tiles[i], 0, 0});
+    Part& part = selection.parts.back();
+    ++part.cells;
+    for (std::size_t k = 0; k < corners; ++k) {
+      if (static_cast<std::uint64_t>(cells.cells[i * corners + k]) < used) continue;
+      ++used;
+      ++part.vertices;
+    }
+  }
+  return selection;
+}
+
 Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows) {
   const TileEntry& entry = source.manifest.tiles[index];
   BOOST_OUTCOME_TRY(tile, read_tile(source.out, entry.tile, with_rows));

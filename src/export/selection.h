@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "src/export/mesh_source.h"
@@ -18,6 +19,10 @@ struct Selection {
 // With a filter reads all tiles, and leaves out vertices that no cell needs any more. Prepares `numbers` with a filter,
 // or when they are wanted. Errors: of reading; usage when the filter leaves nothing; interrupted.
 Result<Selection> select(const MeshSource& source, bool numbers_wanted);
+
+// All of these cells, of the main tiles `tiles`. REQUIRES: those of a tile stand together, and vertices come in the
+// order in which the cells use them first.
+Selection select_all(const TileMesh& cells, std::span<const TileId> tiles);
 
 // The manifest's `index`-th tile, whole or without its cells. Errors: of read_tile(); corrupt when it is not what the
 // manifest says of it.

@@ -11,8 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "src/base/attribute_value.h"
 #include "src/crs/crs.h"
-#include "src/export/attribute_value.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 

@@ -10,8 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "src/base/attribute_value.h"
 #include "src/crs/gdal_library.h"
-#include "src/export/attribute_value.h"
 #include "src/export/formats.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"

@@ -7,7 +7,7 @@
 #include <deque>
 #include <string>
 
-#include "src/export/attribute_value.h"
+#include "src/base/attribute_value.h"
 #include "src/export/boundary.h"
 #include "src/export/formats.h"
 #include "src/export/put_aside.h"

@@ -2,7 +2,7 @@
 #include <set>
 #include <span>
 
-#include "src/export/attribute_value.h"
+#include "src/base/attribute_value.h"
 #include "src/export/formats.h"
 #include "src/export/stream_writer.h"
 

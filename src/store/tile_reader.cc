@@ -66,6 +66,25 @@ class TileReader {
     return stored;
   }
 
+  Result<std::vector<PointId>> read_own_ids() {
+    BOOST_OUTCOME_TRYV(open());
+    BOOST_OUTCOME_TRYV(read_header());
+    BOOST_OUTCOME_TRYV(read_tables());
+    std::vector<PointId> ids;
+    std::vector<std::uint8_t> ghost;
+    BOOST_OUTCOME_TRYV(read_array(Section::point_data, "id", ids));
+    BOOST_OUTCOME_TRYV(read_array(Section::point_data, "vtkGhostType", ghost));
+    return own_of(std::move(ids), ghost);
+  }
+
+  static std::vector<PointId> own_of(std::vector<PointId> ids, const std::vector<std::uint8_t>& ghost) {
+    std::size_t own = 0;
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (ghost[i] == 0) ids[own++] = ids[i];
+    ids.resize(own);
+    return ids;
+  }
+
  private:
   // An array in the file.
   struct Packed {
@@ -286,6 +305,13 @@ Result<StoredTile> read_tile(const fs::path& out, TileId tile, bool with_rows) {
 
 Result<StoredTile> read_tile_vertices(const fs::path& out, TileId tile, bool with_rows) {
   return read_stored(out, tile, false, with_rows);
+}
+
+Result<std::vector<PointId>> read_own_ids(const fs::path& out, TileId tile) {
+  const fs::path path = stored_tile_file(out, tile);
+  if (path == tile_file(out, tile)) return TileReader(path, tile).read_own_ids();
+  BOOST_OUTCOME_TRY(stored, read_format1_tile(path, false, false));
+  return TileReader::own_of(std::move(stored.mesh.ids), stored.mesh.point_ghost);
 }
 
 }  // namespace tessera

@@ -65,6 +65,8 @@ struct StoredTile {
 Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false);
 // The same without cells: cells, cell_ghost and neighbors are empty.
 Result<StoredTile> read_tile_vertices(const std::filesystem::path& out, TileId tile, bool with_rows = false);
+// Only the source indices of the tile's own vertices, in the file's order.
+Result<std::vector<PointId>> read_own_ids(const std::filesystem::path& out, TileId tile);
 
 struct Manifest {
   int format_version = 2;  // of the folder; finish_store() writes the newest

@@ -47,20 +47,21 @@ std::vector<Point> sample_points(Shape shape, int dimension, std::size_t n, unsi
 }
 
 std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles) {
+  std::vector<double> xs;
+  for (const auto& p : points) xs.push_back(p.x);
+  std::sort(xs.begin(), xs.end());
+  std::vector<std::uint32_t> tile_of(points.size(), 0);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    while (tile_of[i] + 1 < tiles && points[i].x >= xs[xs.size() * (tile_of[i] + 1) / tiles]) ++tile_of[i];
+  return sample_tiles(points, dimension, tiles, [&](std::size_t i) { return tile_of[i]; });
+}
+
+std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles,
+                                   const std::function<std::uint32_t(std::size_t)>& tile_of) {
   const auto kernel = make_kernel(dimension);
   kernel->build(points);
   const CellList all = kernel->cells();
   const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
-
-  std::vector<double> xs;
-  for (const auto& p : points) xs.push_back(p.x);
-  std::sort(xs.begin(), xs.end());
-  const auto tile_of = [&](std::size_t point) {
-    std::uint32_t tile = 0;
-    while (tile + 1 < tiles && points[point].x >= xs[xs.size() * (tile + 1) / tiles]) ++tile;
-    return tile;
-  };
-
   std::vector<TileMesh> meshes(tiles);
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     TileMesh& mesh = meshes[tile];
@@ -146,7 +147,8 @@ void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
 }  // namespace
 
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates) {
+                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates,
+                      const RowsOf& rows_of) {
   Manifest manifest;
   manifest.software_version = "0.1.0";
   manifest.command = {"tessera", "triangulate", "cloud.xyz"};
@@ -159,6 +161,7 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
     if (mesh.points.empty()) continue;
     std::vector<std::byte> rows(mesh.points.size() * row_bytes(options.schema));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<std::byte>(i * 7);
+    if (rows_of) rows = rows_of(mesh);
     const auto entry = write_tile(out, TileId{tile}, mesh, rows, options);
     EXPECT_TRUE(entry) << (entry ? "" : entry.error().where);
     if (!entry) return manifest;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,10 +21,18 @@ std::vector<Point> sample_points(Shape shape, int dimension, std::size_t n, unsi
 
 // The triangulation of `points` (ids are their ranks) as `tiles` slabs along x would store it.
 std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles);
+// The same with any tile for each point, by its place.
+std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimension, std::uint32_t tiles,
+                                   const std::function<std::uint32_t(std::size_t)>& tile_of);
 
-// Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result.
+// The attributes of a tile's vertices.
+using RowsOf = std::function<std::vector<std::byte>(const TileMesh&)>;
+
+// Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result. Attributes are some
+// bytes unless `rows_of` says which.
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {});
+                      const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {},
+                      const RowsOf& rows_of = {});
 
 // An empty folder of its own, removed at the end.
 class TemporaryFolder {

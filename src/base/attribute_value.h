@@ -7,7 +7,7 @@
 
 #include "src/base/attribute.h"
 
-namespace tessera::exports {
+namespace tessera {
 
 // Calls `visit` with the value at `from`, in its own type.
 template <class Visit>
@@ -45,4 +45,4 @@ inline double as_double(AttributeType type, const std::byte* from) {
   return visit_value(type, from, [](auto value) { return static_cast<double>(value); });
 }
 
-}  // namespace tessera::exports
+}  // namespace tessera

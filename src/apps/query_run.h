@@ -1,0 +1,38 @@
+// What tessera query does, once its options are read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "src/apps/answers.h"
+#include "src/apps/command.h"
+#include "src/base/result.h"
+#include "src/export/export.h"
+#include "src/query/stored_triangulation.h"
+
+namespace tessera {
+
+struct QueryRequest {
+  std::filesystem::path folder;
+  std::string argument;                  // what stands behind the question
+  std::string points;                    // --points
+  std::string bbox, polygon;             // of cells
+  std::optional<TileId> tile;            // of star
+  query::InterpolateOptions value = {};  // of interpolate
+  AnswerOptions answers = {};
+  ExportOptions cells = {};
+  std::filesystem::path target;
+  std::uint64_t memory_bytes = 0;
+  query::AskOptions ask = {};
+  OutputOptions output = {};
+};
+
+Status query_locate(QueryRequest& request);
+Status query_star(const QueryRequest& request);
+Status query_cells(const QueryRequest& request);
+Status query_interpolate(QueryRequest& request);
+
+}  // namespace tessera

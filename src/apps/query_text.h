@@ -1,0 +1,20 @@
+// The answer to one question, for people or as one line of JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "src/base/point.h"
+#include "src/query/stored_triangulation.h"
+
+namespace tessera {
+
+// Of a point: its cell, or nothing outside the hull.
+std::string text_of(const Point& p, int dimension, const std::optional<query::CellDetails>& details);
+std::string json_of(const Point& p, int dimension, const std::optional<query::CellDetails>& details);
+
+// `asked`: the source index that was asked for, of which the star's may be the kept one.
+std::string text_of(PointId asked, int dimension, const query::Star& star);
+std::string json_of(PointId asked, int dimension, const query::Star& star);
+
+}  // namespace tessera

@@ -1,0 +1,100 @@
+#include "src/export/target.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "src/base/option.h"
+
+namespace tessera::exports {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+const Format* find_format(const std::string& name, const std::string& ending) {
+  for (const auto& format : formats()) {
+    if (!name.empty() ? name == format.name : ending == format.ending || ending == format.ending2) return &format;
+  }
+  return nullptr;
+}
+
+Result<Target> find_target(const fs::path& path, const std::string& name) {
+  std::error_code code;
+  Target target{.path = path.has_filename() ? path : path.parent_path()};
+  const std::string ending = lower(path.extension().string());
+  target.folder = !path.has_filename() || ending.empty() || fs::is_directory(path, code);
+  if (name.empty() && target.folder)
+    return error(Errc::usage, path.string() + ": is a folder or has no ending, so give " + option("format") + ": " +
+                                  export_format_names());
+  target.format = find_format(name, ending);
+  if (target.format == nullptr)
+    return error(Errc::usage, "'" + (name.empty() ? ending.substr(1) : name) + "' is not a format to export to: give " +
+                                  export_format_names());
+  if (target.format->shape == Shape::folder && !target.folder)
+    return error(Errc::usage, path.string() + ": " + target.format->name +
+                                  " is a folder of arrays: give a name without an ending, and " +
+                                  option("format", target.format->name));
+  // The table of a .vrt has the same name.
+  if (!target.folder && ending == target.format->ending2) target.path.replace_extension(target.format->ending);
+  return target;
+}
+
+Status check_free(const Target& target, bool overwrite) {
+  std::error_code code;
+  if (!target.folder && target.format->index_of_one && fs::is_directory(index_beside(target), code))
+    return error(Errc::usage,
+                 index_beside(target).string() + ": is a folder, and a file of that name is to be written");
+  if (overwrite) return success();
+  const auto taken = [](const fs::path& path) {
+    return error(Errc::usage, path.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
+  };
+  if (target.folder) {
+    if (fs::exists(target.path, code) && !fs::is_empty(target.path, code))
+      return error(Errc::usage, target.path.string() + ": is not empty; " + option("overwrite", "true") +
+                                    " replaces files of the same names");
+    return success();
+  }
+  if (fs::exists(target.path, code)) return taken(target.path);
+  if (target.format->index_of_one && fs::exists(index_beside(target), code)) return taken(index_beside(target));
+  return success();
+}
+
+}  // namespace
+
+fs::path index_beside(const Target& target) {
+  return fs::path(target.path).replace_extension(target.format->index_ending);
+}
+
+Result<Target> find_free_target(const fs::path& path, const ExportOptions& options) {
+  BOOST_OUTCOME_TRY(target, find_target(path, options.format));
+  BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  return std::move(target);
+}
+
+Status check_fits(const fs::path& out, const Manifest& manifest, const Format& format) {
+  const auto advise = [&](const std::string& why) {
+    return error(Errc::usage, out.string() + ": " + why + "; " + format.instead + " can");
+  };
+  if (manifest.dimension == 3 && !format.in_3d)
+    return advise(std::string("is a 3D result, and ") + format.name + " has no tetrahedra");
+  if (manifest.region && !manifest.region->complete && !format.final)
+    return error(Errc::usage, out.string() + ": is a part whose cells are not all final, and " + format.name +
+                                  " cannot tell which are; vtu, npy and geojson can");
+  if (std::max(manifest.vertices, manifest.cells) > format.most)
+    return advise("has more vertices or cells than the " + std::to_string(format.most) + " that readers of " +
+                  format.name + " can number");
+  return success();
+}
+
+}  // namespace tessera::exports

@@ -1,0 +1,49 @@
+// Where cells are asked for: a closed box, or a closed polygon in the plane, and whatever is above and below it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+
+namespace tessera::query {
+
+// Whether a cell, 3 points of the plane or 4 of space, and a closed box have a point in common: exact, by separating
+// axes. REQUIRES: the cell is positively oriented, the box finite, and its lo not above its hi.
+bool meets(std::span<const Point> cell, const Bounds& box);
+
+// Rings with their insides, by the even-odd rule: holes are rings, too. Closed: rings belong to it.
+class Polygon {
+ public:
+  // Each ring at least 3 vertices, the first not repeated, z = 0.
+  explicit Polygon(std::vector<std::vector<Point>> rings);
+  // The polygons of a GeoJSON file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon), with
+  // coordinates as they are. Errors: io; bad_input that names the file and the place.
+  static Result<Polygon> read_geojson(const std::filesystem::path& path);
+
+  const Bounds& bounds() const { return bounds_; }
+  // Exact. Of a cell of space it is the projection that counts.
+  bool meets(std::span<const Point> cell) const;
+
+ private:
+  struct Edge {
+    Point a, b;  // a.y <= b.y
+  };
+  bool meets_triangle(const Point& a, const Point& b, const Point& c) const;
+  bool contains(const Point& p) const;
+  std::size_t strip(double y) const;  // clamped
+
+  Bounds bounds_;
+  // By strip of y: the edges that meet it.
+  std::vector<std::vector<Edge>> strips_;
+};
+
+struct Area {
+  Bounds box;                           // closed; sides may be infinite
+  std::optional<Polygon> polygon = {};  // whose bounds in x and y the box is
+};
+
+}  // namespace tessera::query

@@ -1,0 +1,42 @@
+// What a StoredTriangulation consists of.
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "src/query/homes.h"
+#include "src/query/stored_triangulation.h"
+#include "src/query/tile_cache.h"
+#include "src/query/walker.h"
+
+namespace tessera::query {
+
+struct StoredTriangulation::Impl {
+  Impl(std::filesystem::path folder, Manifest read, Homes where, std::uint64_t bytes_max)
+      : out(std::move(folder)),
+        manifest(std::move(read)),
+        homes(std::move(where)),
+        cache(out, manifest, bytes_max),
+        id_ranges(manifest.tiles.size()) {}
+  std::filesystem::path out;
+  Manifest manifest;
+  Homes homes;
+  mutable TileCache cache;
+  // By the manifest's tiles: the least and the greatest source index of their own vertices, once they were read.
+  mutable std::mutex id_mutex;
+  mutable std::vector<std::optional<std::pair<PointId, PointId>>> id_ranges;
+
+  // The tile whose own vertex this is. Nothing says it but the tiles: their lists of indices are read until it is
+  // found.
+  Result<std::optional<TileId>> owner_of(PointId id, const std::stop_token& stop) const;
+};
+
+// REQUIRES: the cell is main in the tile.
+Cell cell_at(const Place& place);
+Vertex vertex_at(const QueryTile& tile, std::int32_t vertex);
+
+}  // namespace tessera::query
