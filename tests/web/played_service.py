@@ -51,7 +51,7 @@ class PlayedService:
         self.results = [{"name": f"r{number:05}", "dimension": 3, "vertices": number, "cells": 6 * number, "tiles": 1, "bytes": 99,
                          "created": "2026-01-01T00:00:00Z", "bounds": [], "links": []} for number in range(results)]
         self.nodes = [{"name": f"node{n}", "id": f"id{n}", "address": f"10.0.0.{n}:7075", "threads": 8, "memoryBytes": 1 << 34,
-                       "memoryUsedBytes": n << 28, "state": "free", "seconds": 99 * n, "silentMs": 40 * n, "coordinator": n == 0}
+                       "memoryUsedBytes": n << 28, "state": "free", "seconds": 99 * n, "silentMs": 40 * n, "coordinator": n == 0, "tiles": 7 * n}
                       for n in range(nodes)]
         self.layout = split_tree(tiles) if tiles else None
         self.stages = "w" * tiles

@@ -6,10 +6,13 @@ export interface Problem { status: number; title: string; detail?: string; cause
 
 export type State = "accepted" | "running" | "successful" | "failed" | "dismissed";
 
+export interface NodeFigures {
+  name: string; tiles: number; tilesTriangulated: number; tilesStored: number; memoryBytes: number; lost: boolean;
+}
 export interface Figures {
   elapsed: number; pointsTotal: number; pointsRouted: number; pointsTriangulated: number;
   tilesTotal: number; tilesTriangulated: number; tilesStored: number; tilesAsleep: number;
-  updatesSent: number; updatesProcessed: number; pointsSent: number; memoryBytes: number;
+  updatesSent: number; updatesProcessed: number; pointsSent: number; memoryBytes: number; nodes?: NodeFigures[];
 }
 
 export interface Job {
@@ -45,7 +48,7 @@ export interface TriangulationList { triangulations: Triangulation[]; links: Lin
 
 export interface NodeInfo {
   name: string; id?: string; address?: string; threads: number; memoryBytes: number; memoryUsedBytes: number;
-  state: string; seconds: number; silentMs: number; coordinator: boolean;
+  state: string; seconds: number; silentMs: number; coordinator: boolean; tiles: number;
 }
 export interface Caller { name: string; role: "read" | "submit" | "admin" }
 

@@ -3,6 +3,7 @@ import {address, ended, get, Job, JobEvent} from "./api";
 import {h, replace, say, show} from "./dom";
 import {bytes, count, duration, moment, secondsBetween, sentence} from "./format";
 import {JobGraphs} from "./job_graphs";
+import {JobNodes} from "./job_nodes";
 import {deedsFor, Deed, doIt, makeState, nameOf, progressWords, stateWord, updateState} from "./job_words";
 import {LogPanel, outcomeOf} from "./log_panel";
 import {Outcome} from "./outcome";
@@ -28,6 +29,7 @@ export class JobPage implements Page {
     by: new Figure("Submitted by"), tiles: new Figure("Tiles triangulated"), asleep: new Figure("Tiles asleep"),
     stored: new Figure("Tiles stored"), sent: new Figure("Points between tiles"), memory: new Figure("Memory")};
   private readonly graphs: JobGraphs;
+  private readonly nodes = new JobNodes();
   private readonly log: LogPanel;
   private readonly outcome = new Outcome();
   private readonly leave: () => void;
@@ -47,7 +49,7 @@ export class JobPage implements Page {
       h("section", {class: "panel", "aria-label": "Progress"},
         h("div", {class: "status-line"}, this.state, this.words), this.bar, this.steps, this.problem, this.about,
         h("dl", {class: "figures"}, ...Object.values(this.figures).map(figure => figure.element))),
-      this.graphs.element, this.outcome.element, this.log.element);
+      this.nodes.element, this.graphs.element, this.outcome.element, this.log.element);
     this.element = h("div", {class: "job"}, this.head, this.notice.element, this.body);
     this.leave = context.live.listen(event => this.hear(event), () => this.load());
     this.load();
@@ -96,6 +98,7 @@ export class JobPage implements Page {
     this.updateFigures(job);
     this.updateActions(job);
     this.announce(job);
+    this.nodes.update(job);
     this.graphs.update(job);
     show(this.body, true);
     const isOther = job.processID !== "triangulate";

@@ -20,7 +20,7 @@ export class NodesPage implements Page {
   private readonly leave: () => void;
 
   constructor(private readonly context: Context) {
-    const names = ["Node", "State", "Heard of", "Threads", "Memory of jobs", "Here for", ...(this.admin ? ["Actions"] : [])];
+    const names = ["Node", "State", "Heard of", "Threads", "Tiles", "Memory of jobs", "Here for", ...(this.admin ? ["Actions"] : [])];
     this.element = h("div", {}, heading("Nodes"), this.counted, this.notice.element,
       h("div", {class: "panel scrolls", tabindex: 0, role: "region", "aria-label": "The nodes, as a table"},
         h("table", {class: "nodes", "aria-label": "Nodes"}, h("thead", {}, h("tr", {}, ...names.map(name => h("th", {scope: "col"}, name)))), this.body)));
@@ -67,12 +67,12 @@ export class NodesPage implements Page {
 
   private make(node: NodeInfo): Row {
     const state = h("span", {class: "state"}, h("span", {class: "dot", "aria-hidden": "true"}), h("span"));
-    const heard = h("td", {class: "number"}), threads = h("td", {class: "number"}), here = h("td", {class: "number"});
+    const heard = h("td", {class: "number"}), threads = h("td", {class: "number"}), tiles = h("td", {class: "number"}), here = h("td", {class: "number"});
     const memory = h("meter", {min: 0, "aria-label": `Memory of jobs on ${node.name}`}), memoryWords = h("span", {class: "sub number"});
     const drain = action("Drain", () => this.drain(row), {class: "quiet", "aria-label": `Drain ${node.name}`});
     const element = h("tr", {}, h("th", {scope: "row"}, node.name,
       node.coordinator ? h("span", {class: "tag"}, "this daemon") : null, h("span", {class: "sub"}, node.address ?? "")),
-      h("td", {}, state), heard, threads, h("td", {}, memory, memoryWords), here, this.admin ? h("td", {}, drain) : null);
+      h("td", {}, state), heard, threads, tiles, h("td", {}, memory, memoryWords), here, this.admin ? h("td", {}, drain) : null);
     const row: Row = {element, seen: node, gone: false, update: now => {
       state.dataset.state = now.state;
       say(state.lastElementChild!, now.state === "gone" ? "gone, lost or ended" : now.state);
@@ -80,6 +80,7 @@ export class NodesPage implements Page {
       say(heard, now.state === "gone" ? "–" : `${duration(now.silentMs / 1000)} ago`);
       heard.classList.toggle("late", now.silentMs > lateMs);
       say(threads, count(now.threads));
+      say(tiles, now.state === "gone" ? "–" : count(now.tiles));
       memory.max = now.memoryBytes || 1;
       memory.value = now.memoryUsedBytes;
       say(memoryWords, `${bytes(now.memoryUsedBytes)} of ${bytes(now.memoryBytes)}`);
