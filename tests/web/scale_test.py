@@ -117,10 +117,14 @@ class Scale(unittest.TestCase):
         b = self.browser
         now = played_service.job(1, "running", phase="triangulating", progress=10, figures=dict.fromkeys(
             ("elapsed", "pointsTotal", "pointsRouted", "pointsTriangulated", "tilesTotal", "tilesTriangulated", "tilesStored",
-             "tilesAsleep", "updatesSent", "updatesProcessed", "pointsSent", "memoryBytes"), 1) | {"tilesTotal": TILES})
+             "tilesAsleep", "updatesSent", "updatesProcessed", "pointsSent", "memoryBytes"), 1) | {"tilesTotal": TILES, "nodes": [
+                 {"name": name, "tiles": TILES // 4, "tilesTriangulated": 100 * i, "tilesStored": i, "memoryBytes": i << 20,
+                  "lost": name == "c"} for i, name in enumerate("abc")]})
         self.play("#/jobs/000000000001", jobs=1, tiles=TILES, job=now)
         b.until("return document.querySelector('.map canvas')?.getAttribute('aria-label').includes('100,000 waiting')")
         b.until_text("3 tiles were begun again", ".tiles")
+        self.assertEqual(b.script("return [...document.querySelectorAll('.nodes tbody tr')].map(row => row.innerText.split(/\\s+/).join(' '))"),
+                         ["a at work 0 of 25,000 triangulated 0 B", "b at work 100 of 25,000 triangulated 1.00 MiB", "c lost 2 stored –"])
         order = "wtsqd"
         for step in range(1, 9):
             self.service.stages = "".join(order[(tile * 7 // TILES + step) // 3 % 5] for tile in range(TILES))
