@@ -82,8 +82,8 @@ class Process:
         test.addCleanup(self.log.close)
         self.process = subprocess.Popen(
             ["ip", "netns", "exec", network.space(name), *wrap, TESSERAD, "--data", str(folder), "--certs", str(certs),
-             "--node-name", name, "--lease", f"{LEASE_S}s", "--memory", "512M", "--threads", "1",
-             *map(str, options)], env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=self.log)
+             "--node-name", name, "--lease", f"{LEASE_S}s", "--threads", "1",
+             *(() if "--memory" in options else ("--memory", "512M")), *map(str, options)], env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
 
     def said(self):
@@ -97,6 +97,8 @@ class Process:
 
 
 class ClusterTest(unittest.TestCase):
+    points = POINTS
+
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tessera-network-"))
         self.addCleanup(shutil.rmtree, self.folder, True)
@@ -105,7 +107,7 @@ class ClusterTest(unittest.TestCase):
         run(TESSERA, "certs", "init", self.certs)
         run(TESSERA, "certs", "node", self.certs, "a", "b", "c", "d", "e")
         self.cloud = self.folder / "cloud.npy"
-        run(TESSERA, "generate", "uniform", "-n", POINTS, "-o", self.cloud, "--quiet")
+        run(TESSERA, "generate", "uniform", "-n", self.points, "-o", self.cloud, "--quiet")
         alone = run(TESSERA, "triangulate", self.cloud, "-o", self.folder / "alone", "--json", "--tiles", "16")
         self.digest = json.loads(alone.stdout.splitlines()[-1])["digest"]
         self.data = self.folder / "data"
@@ -172,7 +174,7 @@ class ClusterTest(unittest.TestCase):
         end = self.ended(job, **more)
         self.assertEqual(end["status"], "successful", end)
         digests = {result["name"]: result["digest"] for result in self.json("results", **more)}
-        self.assertEqual(digests[end["triangulation"]], self.digest)
+        self.assertEqual(digests[end["result"]], self.digest)
 
 
 class Links(ClusterTest):
@@ -255,6 +257,8 @@ class TwoClusters(ClusterTest):
 
 
 class FullDisks(ClusterTest):
+    points = "1M"  # so that a job takes a while
+
     def mount(self, folder, size):
         folder.mkdir()
         run("mount", "-t", "tmpfs", "-o", f"size={size}", "tessera-test", folder)
@@ -264,11 +268,12 @@ class FullDisks(ClusterTest):
         """Until nothing more can be written there. The file that takes the room."""
         filler = folder / "filler"
         with filler.open("wb", buffering=0) as out:
-            try:
-                while out.write(bytes(1 << 16)):
-                    pass
-            except OSError:
-                pass
+            while (free := os.statvfs(folder)).f_bavail > 0:
+                try:
+                    os.posix_fallocate(out.fileno(), out.tell(), free.f_bavail * free.f_frsize)
+                except OSError:  # somebody else has taken some of it meanwhile
+                    continue
+                out.seek(0, os.SEEK_END)
         return filler
 
     def test_the_shared_folder(self):
