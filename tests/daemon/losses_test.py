@@ -1,5 +1,6 @@
 """Daemons as one cluster, over TLS on 127.0.0.1: nodes and the coordinator are killed, stopped and cut off while a job
 runs, and its result is the one of the command. KILLS=100 COORDINATOR_KILLS=30 SEED=7 runs as many at random moments."""
+import contextlib
 import json
 import os
 import pathlib
@@ -7,6 +8,7 @@ import random
 import re
 import signal
 import socket
+import ssl
 import subprocess
 import tempfile
 import time
@@ -176,6 +178,32 @@ class Cluster(DaemonTest):
                         pass
                 except ConnectionError:
                     pass
+        self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
+
+    def peak_memory(self):
+        status = pathlib.Path(f"/proc/{self.coordinator.process.pid}/status").read_text()
+        return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) << 10
+
+    def test_who_sends_without_end_is_cut_off_and_takes_no_memory(self):
+        before, piece = self.peak_memory(), bytes(1 << 20)
+        self.tessera("certs", "init", "others")
+        self.tessera("certs", "node", "others", "e")
+        for header, certs in ((b"", None), (b"\x16\x03\x01\xff\xff", None), (b"GET / HTTP/1.1\r\nX: ", None),
+                              (b"", "others/e"), (b"", "certs/e")):
+            sent = 0
+            with contextlib.ExitStack() as open_ones, self.assertRaises(OSError):
+                stranger = open_ones.enter_context(socket.create_connection(("127.0.0.1", self.port)))
+                if certs:
+                    context = ssl.create_default_context()
+                    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+                    context.load_cert_chain(self.folder / f"{certs}.pem", self.folder / f"{certs}.key")
+                    stranger = open_ones.enter_context(context.wrap_socket(stranger))
+                stranger.sendall(header)
+                while sent < 1 << 30:
+                    stranger.sendall(piece)
+                    sent += len(piece)
+            self.assertLess(sent, 64 << 20, header)  # what the sockets hold
+        self.assertLess(self.peak_memory() - before, 16 << 20)
         self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
         self.assertEqual(self.joined(), set("abcd"))
 
