@@ -60,6 +60,7 @@ def ask_scipy(points, values, asked, folder, tessera):
     # Near the origin: Qhull loses itself in coordinates of a map, and answers are then slow and wrong.
     near = asked - points.min(0)
     triangulation = Delaunay(points - points.min(0))
+    assert triangulation.transform is not None  # it is made when first asked for
     rows = numpy.lexsort((near[:, 0], (near[:, 1] / near[:, 1].max() * 400).astype(int)))
     begin = time.process_time()
     triangulation.find_simplex(near[rows])
