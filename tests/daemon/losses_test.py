@@ -128,7 +128,7 @@ class Cluster(DaemonTest):
         chance = random.Random(SEED)
         for i in range(KILLS):
             job = self.submit(f"killed-{i}")
-            self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+            self.wait_for_phase(job, "routing", "triangulating", "splaying", "collecting")
             time.sleep(chance.random())  # any moment will do
             name = chance.choice("bcd")
             before = self.coordinator.messages().count(f"node {name} (")
@@ -142,7 +142,7 @@ class Cluster(DaemonTest):
         chance = random.Random(SEED)
         for i in range(COORDINATOR_KILLS):
             job = self.submit(f"orphaned-{i}")
-            self.wait_for_phase(job, "triangulating", "splaying", "collecting")
+            self.wait_for_phase(job, "routing", "triangulating", "splaying", "collecting")
             time.sleep(chance.random())
             self.coordinator.end(signal.SIGKILL)
             self.coordinator = self.start_coordinator()
