@@ -132,7 +132,7 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& go_on) 
   const GdalQuiet quiet(gdal_);
   gdal_.GDALFlushCache(dataset_);
   if (gdal_.CPLGetLastErrorType() >= CE_Failure) return refused(quiet);
-  // Level 1 takes a third of the time of GDAL's 6, and its files are 4 % larger.
+  // Of 4 M pixels, GDAL's level 6 takes a third longer for a file that is 1 % smaller.
   Choices choices({"COMPRESS=DEFLATE", "LEVEL=1", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "OVERVIEWS=AUTO",
                    "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=" + std::to_string(options_.threads)});
   bool stopped = false;
