@@ -14,6 +14,7 @@
 #include "src/crs/crs.h"
 #include "src/export/cell_filter.h"
 #include "src/files/names.h"
+#include "src/mesh/tile_mesh.h"
 #include "src/query/on_threads.h"
 #include "src/store/tile_store.h"
 #include "src/terrain/blocks.h"
