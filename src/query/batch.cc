@@ -66,9 +66,10 @@ Status locate_all(TileCache& cache, const Manifest& manifest, const Homes& homes
         keyed.emplace_back(home->key(q), order[k]);
       }
       std::sort(keyed.begin(), keyed.end());
+      std::size_t from = 0;
       for (const auto& [key, i] : keyed) {
         BOOST_OUTCOME_TRY(here, walker.tile(shares[s].tile));
-        Place at{here, here->start(batch.points[i], key)};
+        Place at{here, here->start(batch.points[i], key, from)};
         BOOST_OUTCOME_TRY(located, walker.locate(batch.points[i], at));
         BOOST_OUTCOME_TRYV(visit(walker, i, located));
       }

@@ -190,7 +190,8 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, std::uint64_t bytes
     bool begun = false;
     for (const Point& probe : probes_of(box, manifest.dimension)) {
       BOOST_OUTCOME_TRY(tile, walker.tile(impl_->homes(probe)));
-      Place at{tile, tile->start(probe, tile->key(probe))};
+      std::size_t from = 0;
+      Place at{tile, tile->start(probe, tile->key(probe), from)};
       BOOST_OUTCOME_TRY(located, walker.locate(probe, at));
       if (!located.place) continue;
       BOOST_OUTCOME_TRY(main, walker.main_place(located.place));

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "src/base/attribute_value.h"
-#include "src/base/option.h"
 #include "src/query/batch.h"
 #include "src/query/impl.h"
 #include "src/query/natural.h"
@@ -27,8 +26,8 @@ Result<Column> column_of(const std::filesystem::path& out, const Manifest& manif
     column.offset += size_of(attribute.type);
     names += (names.empty() ? "" : ", ") + attribute.name;
   }
-  return error(Errc::usage, out.string() + ": its vertices have no attribute '" + name + "' for " + option("value") +
-                                "; they have " + (names.empty() ? "none" : names));
+  return error(Errc::usage, out.string() + ": its vertices have no attribute '" + name + "'; they have " +
+                                (names.empty() ? "none" : names));
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 namespace tessera::query {
 namespace {
 
-// From the nearest sample it is a few steps, and looking for it costs as much.
-constexpr std::size_t cells_a_sample = 60;
+// From the nearest sample it is a few steps. One in 60 takes a quarter more time, and this one and a third byte a cell.
+constexpr std::size_t cells_a_sample = 12;
 
 Bounds bounds_of(const TileMesh& mesh) {
   Bounds bounds;
@@ -91,14 +91,24 @@ TileId QueryTile::main_tile(std::int32_t cell) const {
   return least;
 }
 
-std::int32_t QueryTile::start(const Point& q, std::uint64_t key) const {
-  const auto distance = [&](std::int32_t cell) { return squared_distance(q, point(vertex(cell, 0))); };
-  auto sample = std::lower_bound(samples_.begin(), samples_.end(), std::pair(key, std::int32_t{0}));
-  if (sample == samples_.end()) --sample;
-  const std::int32_t at = sample->second;
-  if (sample == samples_.begin()) return at;
-  const std::int32_t before = std::prev(sample)->second;
-  return distance(before) < distance(at) ? before : at;
+std::int32_t QueryTile::start(const Point& q, std::uint64_t key, std::size_t& from) const {
+  const auto distance = [&](std::size_t sample) {
+    return squared_distance(q, point(vertex(samples_[sample].second, 0)));
+  };
+  // In steps that double: the next key is near, or it is the first.
+  std::size_t step = 1, end = from;
+  while (end < samples_.size() && samples_[end].first < key) {
+    from = end;
+    end += step;
+    step *= 2;
+  }
+  const auto begin = samples_.begin();
+  const auto found = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
+                                      begin + static_cast<std::ptrdiff_t>(std::min(end, samples_.size())),
+                                      std::pair(key, std::int32_t{0}));
+  from = static_cast<std::size_t>(found - begin);
+  const std::size_t above = std::min(from, samples_.size() - 1), below = above > 0 ? above - 1 : 0;
+  return samples_[distance(below) < distance(above) ? below : above].second;
 }
 
 std::int32_t QueryTile::own_vertex(PointId id) const {

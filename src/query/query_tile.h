@@ -55,8 +55,9 @@ class QueryTile {
 
   // Along a Hilbert curve through the tile; keys are of this tile alone.
   std::uint64_t key(const Point& p) const { return key_(p); }
-  // A cell from which it is not far to q, whose key this is.
-  std::int32_t start(const Point& q, std::uint64_t key) const;
+  // A cell from which it is not far to q, whose key this is. `from`: where the last search ended, for keys in ascending
+  // order; 0 at first.
+  std::int32_t start(const Point& q, std::uint64_t key, std::size_t& from) const;
 
   // The tile's own vertex with this source index, or -1.
   std::int32_t own_vertex(PointId id) const;

@@ -41,7 +41,7 @@ void check_weights(const QuerySample& sample, const Point& q, const Interpolated
 }
 
 TEST_P(Interpolation, ReproducesLinearFunctions) {
-  const QuerySample sample(GetParam());
+  const QuerySample sample(GetParam(), 60);
   const auto result = sample.open();
   const auto questions = sample.questions(120, 10);
   double extent = 1;
