@@ -26,6 +26,16 @@ std::function<void(std::uint64_t, std::uint64_t)> percent_line(const std::string
   };
 }
 
+std::function<void(double)> share_line(const std::string& what, const OutputOptions& output) {
+  if (!is_shown(output)) return {};
+  return [what, shown = -1](double part) mutable {
+    const int percent = static_cast<int>(100 * part);
+    if (percent == shown) return;
+    shown = percent;
+    std::fprintf(stderr, "\r\x1b[K%s %d %%", what.c_str(), percent);
+  };
+}
+
 void clear_line(const OutputOptions& output) {
   if (is_shown(output)) std::fprintf(stderr, "\r\x1b[K");
 }

@@ -18,18 +18,20 @@ namespace tessera {
 
 // clang-format off
 #define TESSERA_GDAL_FUNCTIONS(F) \
-  F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
-  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALDatasetCommitTransaction) \
-  F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetReleaseResultSet) \
-  F(GDALDatasetStartTransaction) F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALOpenEx) F(OGR_F_Create) \
-  F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) F(OGR_F_SetFieldInteger64) \
-  F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_G_CreateFromWkb) \
-  F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OGR_L_SyncToDisk) \
+  F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLGetLastErrorType) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
+  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) \
+  F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) \
+  F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) F(GDALFlushCache) F(GDALGetCacheMax64) \
+  F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALOpenEx) F(GDALRasterIO) \
+  F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetRasterNoDataValue) \
+  F(GDALSetSpatialRef) F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
+  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) \
+  F(OGR_G_CreateFromWkb) F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OGR_L_SyncToDisk) \
   F(OSRDestroySpatialReference) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
   F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetTargetLinearUnits) \
-  F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) \
-  F(OSRNewSpatialReference) F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) \
-  F(OSRSetVertCS) F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
+  F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
+  F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
+  F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
 // clang-format on
 
 struct GdalLibrary {

@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
-#include <mutex>
-#include <new>
-#include <optional>
-#include <thread>
 #include <utility>
 #include <vector>
+
+#include "src/query/on_threads.h"
 
 namespace tessera::query {
 namespace {
@@ -24,33 +22,6 @@ constexpr std::size_t share_max = 1 << 14;
 bool is_inside(const Bounds& bounds, const Point& p) {
   return bounds.lo.x <= p.x && p.x <= bounds.hi.x && bounds.lo.y <= p.y && p.y <= bounds.hi.y && bounds.lo.z <= p.z &&
          p.z <= bounds.hi.z;
-}
-
-// Runs work() on so many threads, the calling one among them. The first error; `work` sees `failed` and ends early.
-template <class Work>
-Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work) {
-  std::mutex mutex;
-  std::optional<Error> first;
-  const auto guarded = [&] {
-    Status status = [&]() -> Status {
-      try {
-        return work();
-      } catch (const std::bad_alloc&) {
-        return worded([] { return error(Errc::memory, "no memory is left to answer questions"); });
-      }
-    }();
-    if (status) return;
-    failed = true;
-    const std::lock_guard lock(mutex);
-    if (!first) first = std::move(status).error();
-  };
-  {
-    std::vector<std::jthread> others;
-    for (unsigned t = 1; t < threads; ++t) others.emplace_back(guarded);
-    guarded();
-  }
-  if (first) return *first;
-  return success();
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+// tessera dem: a 2D result as a raster.
+#include "src/terrain/dem.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/percent_line.h"
+#include "src/job/arguments.h"
+#include "src/job/job_options.h"
+#include "src/job/machine.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+Result<bool> parse_type(const std::string& text) {
+  if (text == "float32") return false;
+  if (text == "float64") return true;
+  return error(Errc::usage, "'" + text + "' is no type of pixels; there are float32 and float64");
+}
+
+void print(const Dem& dem, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(dem).c_str());
+  } else if (!output.quiet) {
+    const auto all = static_cast<std::uint64_t>(dem.width) * static_cast<std::uint64_t>(dem.height);
+    std::printf("%s: %s x %s pixels, %s of them without a value, %s\n", dem.path.c_str(),
+                grouped(static_cast<std::uint64_t>(dem.width)).c_str(),
+                grouped(static_cast<std::uint64_t>(dem.height)).c_str(), grouped(all - dem.pixels).c_str(),
+                human_bytes(dem.bytes).c_str());
+    if (dem.left_out > 0) std::printf("%s cells with longer edges are left out\n", grouped(dem.left_out).c_str());
+    if (!dem.note.empty()) std::fprintf(stderr, "note: %s\n", dem.note.c_str());
+  }
+}
+
+Status run_dem(Settings& settings, const std::string& folder) {
+  const std::string target = settings.text("output").value_or("");
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera dem --help'");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.tif");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  DemOptions options;
+  BOOST_OUTCOME_TRY(res, settings.get("res", [](const std::string& text) { return parse_distance(text); }));
+  if (!res) return error(Errc::usage, "the width of a pixel is not given; add --res 0.5");
+  options.res = *res;
+  BOOST_OUTCOME_TRY(box, settings.get("bbox", [](const std::string& text) { return parse_crop(text, 2); }));
+  if (box) options.box = Bounds{box->lo, box->hi};
+  BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  options.max_edge = max_edge;
+  options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(doubles, settings.get("type", parse_type));
+  options.doubles = doubles.value_or(false);
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  options.overwrite = overwrite;
+  BOOST_OUTCOME_TRY(memory,
+                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
+  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  BOOST_OUTCOME_TRY(
+      threads,
+      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
+  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  options.progress = share_line("drawing", output);
+
+  const Interrupt interrupt;
+  auto result = write_dem(folder, target, options, interrupt.token());
+  clear_line(output);
+  BOOST_OUTCOME_TRY(dem, std::move(result));
+  print(dem, output);
+  return success();
+}
+
+}  // namespace
+
+Command add_dem(CLI::App& root) {
+  auto command = new_command(
+      root, "dem", "Writes the heights of a 2D result as a raster",
+      "  tessera dem ground/ --res 0.5 -o dem.tif                   (a Cloud Optimized GeoTIFF)\n"
+      "  tessera dem ground/ --res 0.5 --max-edge 5 -o dem.tif      (without what bridges gaps and the hull's bays)\n"
+      "  tessera dem ground/ --res 0.5 --bbox 885000,629000,885100,629100 -o part.tif\n"
+      "  tessera dem ground/ --res 1 --value intensity -o intensity.tif");
+  add_value(command, "res", "LENGTH", "the width and height of a pixel, in units of the coordinates");
+  add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: what the raster covers; default: all", 0, true);
+  add_value(command, "max-edge", "LENGTH", "no pixels in cells with a longer edge in the plane; default: none");
+  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "type", "NAME", "of pixels: float32 (default) or float64");
+  add_choices(command, "type", "float32, float64");
+  add_value(command, "output", "PATH", "the file to write, whose name ends in .tif", 'o', true);
+  add_value(command, "memory", "SIZE",
+            "memory for tiles and pixels, as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
+    return run_dem(*settings, *folder);
+  };
+  return command;
+}
+
+}  // namespace tessera

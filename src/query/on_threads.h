@@ -1,0 +1,43 @@
+// The same work on several threads.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <new>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+
+namespace tessera::query {
+
+// Runs work() on so many threads, the calling one among them. The first error; `work` sees `failed` and ends early.
+template <class Work>
+Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work) {
+  std::mutex mutex;
+  std::optional<Error> first;
+  const auto guarded = [&] {
+    Status status = [&]() -> Status {
+      try {
+        return work();
+      } catch (const std::bad_alloc&) {
+        return worded([] { return error(Errc::memory, "no memory is left to answer questions"); });
+      }
+    }();
+    if (status) return;
+    failed = true;
+    const std::lock_guard lock(mutex);
+    if (!first) first = std::move(status).error();
+  };
+  {
+    std::vector<std::jthread> others;
+    for (unsigned t = 1; t < threads; ++t) others.emplace_back(guarded);
+    guarded();
+  }
+  if (first) return *first;
+  return success();
+}
+
+}  // namespace tessera::query

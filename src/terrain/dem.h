@@ -1,0 +1,49 @@
+// A 2D result as a raster: the heights of its surface, or any other value of its vertices, linear in each cell.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+struct DemOptions {
+  double res = 1;                       // the width of a pixel, in units of the coordinates
+  std::optional<Bounds> box = {};       // x and y alone; default: the bounds of the result
+  std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
+  std::string value = "z";              // an attribute of the vertices; z are the heights
+  bool doubles = false;                 // pixels of 64 bits, not 32
+  bool overwrite = false;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least that of a tile is used
+  unsigned threads = 1;
+  std::function<void(double)> progress = {};  // is told the part that is done, 0..1, by one thread at a time; or null
+};
+
+struct Dem {
+  std::filesystem::path path;
+  std::int64_t width = 0, height = 0;  // in pixels
+  std::uint64_t pixels = 0;            // with a value
+  std::uint64_t left_out = 0;          // cells, for their edges
+  std::uint64_t bytes = 0;             // of the file
+  std::string note = {};               // a sentence when the coordinates have no system; else empty
+};
+
+// What the command prints: one line of JSON without its end.
+std::string to_json(const Dem& dem);
+
+// Writes `target`, a Cloud Optimized GeoTIFF with overviews; NaN, its nodata value, are pixels that no cell has, or
+// whose cell has a value that is NaN. Which cell has a pixel, and its value, is a function of the triangulation alone:
+// every pixel is equal to the last bit however the result is tiled (cell_raster.h), and the same in the rasters of
+// different boxes (grid.h). Each tile is read once. Written under a temporary name, beside a scratch file as large as
+// the raster, and renamed at the end. Errors: usage, before anything is written, for wrong options, a 3D result, no
+// such attribute, a target that exists; corrupt for a damaged tile; io; interrupted.
+Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
+                      std::stop_token stop);
+
+}  // namespace tessera
