@@ -77,7 +77,8 @@ Reply<proto::JobTiles> Service::tiles(std::string_view id, bool with_layout) {
     tell_running(running->progress, with_layout, tiles);
     return tiles;
   }
-  if (state != job_state::successful) return result_not_ready(id, state);
+  if (state != job_state::successful)
+    return tiles;  // nothing is known of them; whoever watches may learn so a moment later
   const auto manifest = impl_->results.manifest(name);
   if (!manifest || manifest.value()->command != Results::command_of(std::string(id), "triangulate"))
     return problem(410, "the triangulation of job " + std::string(id) + " was removed or replaced", Errc::usage);

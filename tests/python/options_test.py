@@ -68,8 +68,8 @@ class Options(unittest.TestCase):
             t.verify()
 
     def test_an_interrupted_run_of_files_is_resumed(self):
-        np.save(self.folder / "cloud.npy", clouds.random(60_000, 3))
-        out, job = self.folder / "out", dict(max_points_per_tile=3000, threads=2)
+        np.save(self.folder / "cloud.npy", clouds.random(400_000, 3))  # longer at work than two looks at it are apart
+        out, job = self.folder / "out", dict(max_points_per_tile=20_000, threads=2)
 
         def interrupt(progress):
             if progress.tiles_triangulated > 0:

@@ -69,6 +69,18 @@ TEST_F(Tiles, OfOneTileAndOfARandomPartitionHaveNoPlanes) {
   EXPECT_EQ(told.value().layout().axis_size(), 0);
 }
 
+TEST_F(Tiles, OfAJobThatWaitsOrWasStoppedAreNotTold) {
+  make_cloud("a.npy", 400'000);
+  open();
+  const auto id = submit(in_tiles("a.npy", "block", 40));
+  ASSERT_TRUE(service->dismiss(id, alice));
+  wait(id, [](const auto& now) { return now.status() != "running" && now.status() != "accepted"; });
+  const auto told = service->tiles(id, true);
+  ASSERT_TRUE(told) << told.error().detail();
+  EXPECT_EQ(told.value().job_id(), id);
+  EXPECT_EQ(told.value().stages(), "");
+}
+
 TEST_F(Tiles, ThatThereAreNotAreAProblem) {
   make_cloud("a.xyz", 1000);
   open();
