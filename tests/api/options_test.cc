@@ -112,7 +112,7 @@ TEST_F(OptionsOfTheCommand, WarningsAreTold) {
 }
 
 TEST_F(OptionsOfTheCommand, AnInterruptedRunIsResumed) {
-  const auto points = cloud("uniform", 3, 60'000);
+  const auto points = cloud("uniform", 3, 400'000);  // longer at work than two looks at it are apart
   std::ofstream file(home_.path() / "cloud.xyz");
   file.precision(17);
   for (std::size_t i = 0; i < points.size(); i += 3)
@@ -121,7 +121,7 @@ TEST_F(OptionsOfTheCommand, AnInterruptedRunIsResumed) {
   const std::vector<std::string> files{(home_.path() / "cloud.xyz").string()};
   const auto out = home_.path() / "out";
   std::stop_source stop;
-  auto options = two_threads().folder(out).max_points_per_tile(3000).resume(true);
+  auto options = two_threads().folder(out).max_points_per_tile(20'000).resume(true);
   options.stop(stop.get_token()).progress([&](const JobProgress& now) {
     if (now.tiles_triangulated > 0) stop.request_stop();
   });
