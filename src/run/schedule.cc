@@ -8,6 +8,11 @@
 #include "src/budget/budget.h"
 
 namespace tessera {
+namespace {
+
+constexpr std::uint64_t ahead_part = 256;  // of the memory, for one that is granted ahead of a free thread
+
+}  // namespace
 
 Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points)
     : options_(options), tiles_(points.size()) {
@@ -192,8 +197,9 @@ bool Schedule::idle() const {
 }
 
 std::optional<Schedule::Grant> Schedule::next() {
-  if (working_ >= options_.threads || stage_ == Stage::stopping) return std::nullopt;
+  if (working_ >= options_.threads + options_.threads || stage_ == Stage::stopping) return std::nullopt;
   if (stage_ == Stage::suspending) {
+    if (ahead()) return std::nullopt;
     while (!awake_.empty()) {
       const TileId t = std::get<2>(*awake_.begin());
       const std::uint64_t held = tiles_[t.value].held;
@@ -240,9 +246,13 @@ std::optional<Schedule::Grant> Schedule::next() {
 }
 
 // Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
-// with nothing else in memory a tile may exceed the budget.
+// with nothing else in memory a tile may exceed the budget. Ahead of a free thread only what is small is granted, for
+// it holds its memory while it waits.
 std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
   const std::uint64_t others = memory_ - tiles_[t.value].memory;
+  if (ahead() && (others + needed > options_.memory_bytes || needed > options_.memory_bytes / ahead_part)) {
+    return std::nullopt;
+  }
   if (others + needed <= options_.memory_bytes) return grant(t, work, needed);
   if (others + needed - freeing_ <= options_.memory_bytes) return std::nullopt;  // there will be room in a moment
   for (const Rank& rank : awake_) {

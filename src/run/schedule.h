@@ -25,7 +25,9 @@
 namespace tessera {
 
 struct ScheduleOptions {
-  std::uint32_t threads = 1;       // grants under way at most
+  // Of the node. Twice as many grants are under way at most: a thread that is done finds the next one waiting, unless
+  // that is a large one, rather than waits for it. Small work takes less time than asking for more.
+  std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;  // for tiles in memory, their mail and what is being stored
   // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected; and for a
   // point of mail.
@@ -102,6 +104,7 @@ class Schedule {
   void link(TileId tile);
   Ready place(TileId tile) const;
   bool pending(const Tile& tile) const;
+  bool ahead() const { return working_ >= options_.threads; }
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
   std::optional<Grant> put_to_sleep(TileId tile);

@@ -40,6 +40,26 @@ TEST(Schedule, GrantsAsManyAsThereAreThreadsAndBeginsEveryTileFirst) {
   EXPECT_TRUE(schedule.idle());
 }
 
+TEST(Schedule, AsManyAgainAreGrantedAheadWhereTheyAreSmallAndNothingMustMakeRoom) {
+  Schedule small(options(2, 50'000), {10, 10, 10, 10, 10});
+  EXPECT_EQ(granted(small), "begin 0, begin 1, begin 2, begin 3");
+  small.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_EQ(granted(small), "begin 4");
+  Schedule large(options(1, 50'000), {10, 20, 10});
+  EXPECT_EQ(granted(large), "begin 0") << "the next takes 200 bytes, more than the 256th part of the memory";
+  large.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(large), "begin 1, begin 2");
+  for (const std::uint32_t t : {1u, 2u}) large.done(TileId{t}, Work::begin, 100, {1, 5, 10});
+  large.enter(Stage::suspending);
+  EXPECT_EQ(granted(large), "sleep 0") << "not more at once than there are threads";
+  Schedule full(options(1, 50'000), {10, 10, 10});
+  EXPECT_EQ(granted(full), "begin 0, begin 1");
+  full.done(TileId{0}, Work::begin, 49'850, {});
+  EXPECT_EQ(granted(full), "") << "there is no room for one that has no thread";
+  full.done(TileId{1}, Work::begin, 100, {});
+  EXPECT_EQ(granted(full), "sleep 0");
+}
+
 TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
   Schedule schedule(options(1, 1000), {10});
   EXPECT_EQ(granted(schedule), "begin 0");
