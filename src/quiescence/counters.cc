@@ -10,8 +10,13 @@ std::vector<PeerCounters::Count>::iterator PeerCounters::place(Peer peer) {
 
 PeerCounters::Count& PeerCounters::at(Peer peer) {
   auto found = place(peer);
-  if (found == count_.end() || found->peer != peer) found = count_.insert(found, {peer, 0, 0});
-  return *found;
+  if (found != count_.end() && found->peer == peer) return *found;
+  if (count_.size() == count_.capacity()) {  // by less than the half that is usual: these stay while tiles are asleep
+    const auto index = found - count_.begin();
+    count_.reserve(count_.size() + count_.size() / 8 + 4);
+    found = count_.begin() + index;
+  }
+  return *count_.insert(found, {peer, 0, 0});
 }
 
 Totals PeerCounters::totals() const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 #include "src/base/check.h"
@@ -11,6 +12,7 @@ namespace tessera {
 namespace {
 
 constexpr std::uint64_t ahead_part = 256;  // of the memory, for one that is granted ahead of a free thread
+constexpr TileId nobody{~std::uint32_t{0}};
 
 }  // namespace
 
@@ -68,11 +70,9 @@ std::vector<TileId> Schedule::release(std::uint64_t points) {
   return released;
 }
 
-// In memory, those with the shortest chain come first; behind them those asleep with most mail, for waking costs time.
 // An empty update counts, too: it must be processed.
-Schedule::Ready Schedule::place(TileId t) const {
-  const Tile& tile = tiles_[t.value];
-  return {tile.place == Place::awake ? ~tile.mail.hops : 0, tile.mail.points + tile.mail.updates, t};
+Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
+  return {~tile.mail.hops, tile.mail.points + tile.mail.updates, id};
 }
 
 bool Schedule::pending(const Tile& tile) const {
@@ -87,16 +87,24 @@ bool Schedule::pending(const Tile& tile) const {
 void Schedule::unlink(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  ready_.erase(place(t));
-  if (tile.place == Place::awake) awake_.erase({tile.mail.points, ~tile.memory, t});
+  if (tile.place == Place::awake && tile.mail.updates > 0) {
+    ready_.erase(place(t, tile));
+    awake_.erase({tile.mail.points, t});
+  }
+  quiet_.erase(t);
+  called_.erase(t);
   pending_.erase({tile.place != Place::awake, t});
 }
 
 void Schedule::link(TileId t) {
   const Tile& tile = tiles_[t.value];
   if (tile.working) return;
-  if (tile.mail.updates > 0 && (tile.place == Place::awake || tile.place == Place::asleep)) ready_.insert(place(t));
-  if (tile.place == Place::awake) awake_.insert({tile.mail.points, ~tile.memory, t});
+  if (tile.place == Place::awake && tile.mail.updates > 0) {
+    ready_.insert(place(t, tile));
+    awake_.insert({tile.mail.points, t});
+  }
+  if (tile.place == Place::awake && tile.mail.updates == 0) quiet_.insert(t);
+  if (tile.place == Place::asleep && tile.mail.updates > 0) called_.insert(t);
   if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
 }
 
@@ -184,12 +192,12 @@ bool Schedule::idle() const {
   if (working_ + storing_ > 0) return false;
   switch (stage_) {
     case Stage::exchanging:
-      return fresh_ == 0 && ready_.empty();
+      return fresh_ == 0 && ready_.empty() && called_.empty();
     case Stage::settling:
     case Stage::collecting:
       return pending_.empty();
     case Stage::suspending:
-      return awake_.empty();
+      return quiet_.empty() && awake_.empty();
     case Stage::stopping:
       return true;
   }
@@ -200,15 +208,14 @@ std::optional<Schedule::Grant> Schedule::next() {
   if (working_ >= options_.threads + options_.threads || stage_ == Stage::stopping) return std::nullopt;
   if (stage_ == Stage::suspending) {
     if (ahead()) return std::nullopt;
-    while (!awake_.empty()) {
-      const TileId t = std::get<2>(*awake_.begin());
-      const std::uint64_t held = tiles_[t.value].held;
+    while (const auto t = to_sleep(nobody)) {
+      const std::uint64_t held = tiles_[t->value].held;
       if (suspended_bytes_ + held > options_.suspend_bytes) {
-        abandon(t);
+        abandon(*t);
         continue;
       }
       suspended_bytes_ += held;
-      return put_to_sleep(t);
+      return put_to_sleep(*t);
     }
     return std::nullopt;
   }
@@ -235,30 +242,71 @@ std::optional<Schedule::Grant> Schedule::next() {
     ++next_fresh_;
   }
   if (next_fresh_ < tiles_.size()) {
-    const Tile& tile = tiles_[next_fresh_];
-    return grant_in_room(TileId{next_fresh_}, Work::begin, tile.memory + options_.begin_bytes * tile.points);
+    const TileId t{next_fresh_};
+    const std::uint64_t needed = tiles_[t.value].memory + options_.begin_bytes * tiles_[t.value].points;
+    if (!fits(t, needed) && !ready_.empty()) return splay_awake();
+    sweep_ = t;
+    return grant_in_room(t, Work::begin, needed);
   }
-  if (ready_.empty()) return std::nullopt;
+  return ready_.empty() ? wake_next() : splay_awake();
+}
+
+// REQUIRES: there is one with mail.
+std::optional<Schedule::Grant> Schedule::splay_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_[t.value];
-  const std::uint64_t waking = tile.place == Place::asleep ? budget::waking_bytes(tile.held, options_.kernel) : 0;
-  return grant_in_room(t, Work::splay, tile.memory + waking + options_.mail_bytes * tile.mail.points);
+  return grant_in_room(t, Work::splay, tile.memory + options_.mail_bytes * tile.mail.points);
+}
+
+std::optional<Schedule::Grant> Schedule::wake_next() {
+  const auto t = next_of_sweep();
+  if (!t) return std::nullopt;
+  sweep_ = *t;
+  const Tile& tile = tiles_[t->value];
+  return grant_in_room(
+      *t, Work::splay,
+      tile.memory + budget::waking_bytes(tile.held, options_.kernel) + options_.mail_bytes * tile.mail.points);
+}
+
+// Of those asleep with mail, the first from where the sweep is; where it ends it turns.
+std::optional<TileId> Schedule::next_of_sweep() {
+  for (int turns = 0; turns < 2; ++turns) {
+    if (sweeping_back_) {
+      if (const auto after = called_.upper_bound(sweep_); after != called_.begin()) return *std::prev(after);
+    } else {
+      if (const auto next = called_.lower_bound(sweep_); next != called_.end()) return *next;
+    }
+    sweeping_back_ = !sweeping_back_;
+  }
+  return std::nullopt;
+}
+
+// Of those in memory: without mail, the farthest from the sweep, in the order of tiles; else with the least mail.
+std::optional<TileId> Schedule::to_sleep(TileId but) const {
+  const auto distance = [&](TileId t) { return t < sweep_ ? sweep_.value - t.value : t.value - sweep_.value; };
+  auto first = quiet_.begin();
+  auto last = quiet_.rbegin();
+  if (first != quiet_.end() && *first == but) ++first;
+  if (last != quiet_.rend() && *last == but) ++last;
+  if (first != quiet_.end() && last != quiet_.rend()) return distance(*first) > distance(*last) ? *first : *last;
+  for (const auto& [points, t] : awake_) {
+    if (t != but) return t;
+  }
+  return std::nullopt;
+}
+
+bool Schedule::fits(TileId t, std::uint64_t needed, std::uint64_t freed) const {
+  return memory_ - freed - tiles_[t.value].memory + needed <= options_.memory_bytes;
 }
 
 // Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
 // with nothing else in memory a tile may exceed the budget. Ahead of a free thread only what is small is granted, for
 // it holds its memory while it waits.
 std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
-  const std::uint64_t others = memory_ - tiles_[t.value].memory;
-  if (ahead() && (others + needed > options_.memory_bytes || needed > options_.memory_bytes / ahead_part)) {
-    return std::nullopt;
-  }
-  if (others + needed <= options_.memory_bytes) return grant(t, work, needed);
-  if (others + needed - freeing_ <= options_.memory_bytes) return std::nullopt;  // there will be room in a moment
-  for (const Rank& rank : awake_) {
-    const TileId other = std::get<2>(rank);
-    if (other != t) return put_to_sleep(other);
-  }
+  if (ahead() && (!fits(t, needed) || needed > options_.memory_bytes / ahead_part)) return std::nullopt;
+  if (fits(t, needed)) return grant(t, work, needed);
+  if (fits(t, needed, freeing_)) return std::nullopt;  // there will be room in a moment
+  if (const auto other = to_sleep(t)) return put_to_sleep(*other);
   if (working_ + storing_ > 0) return std::nullopt;
   return grant(t, work, needed);
 }

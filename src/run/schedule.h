@@ -2,8 +2,11 @@
 // it says what to do. Every step takes time in the logarithm of the number of tiles.
 //
 // stage      | what is granted
-// exchanging | begin to every tile, then splay: first those in memory with the shortest chain of mail behind them, of
-//            | these those with most mail; then those asleep with most mail; sleep where room is needed
+// exchanging | begin to every tile, in their order; splay in memory, first those with the shortest chain of mail behind
+//            | them, of these those with most mail: once all have begun, or before the next begins where that needs
+//            | another to sleep. Then splay those asleep, in one sweep after the other along the order of the tiles and
+//            | back, for what is near is near in that order, too; sleep where room is needed: those without mail, the
+//            | farthest from the sweep first
 // settling   | settle to the tiles in memory
 // collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
 // suspending | sleep to tiles in memory, up to suspend_bytes; the others are given up: what they began from, or an
@@ -97,13 +100,19 @@ class Schedule {
     bool working = false, is_stored = false, settled = false;
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
-  using Rank = std::tuple<std::uint64_t, std::uint64_t, TileId>;   // mail, ~memory, tile
+  using Rank = std::pair<std::uint64_t, TileId>;                   // mail, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
   void unlink(TileId tile);
   void link(TileId tile);
-  Ready place(TileId tile) const;
+  static Ready place(TileId id, const Tile& tile);
   bool pending(const Tile& tile) const;
+  // Whether it can have so much once others have given some back.
+  bool fits(TileId tile, std::uint64_t needed, std::uint64_t freed = 0) const;
+  std::optional<Grant> splay_awake();
+  std::optional<Grant> wake_next();
+  std::optional<TileId> next_of_sweep();
+  std::optional<TileId> to_sleep(TileId but) const;
   bool ahead() const { return working_ >= options_.threads; }
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
@@ -113,9 +122,13 @@ class Schedule {
   ScheduleOptions options_;
   std::vector<Tile> tiles_;
   Stage stage_ = Stage::exchanging;
-  std::set<Ready, std::greater<>> ready_;      // begun, idle, with mail
-  std::set<Rank> awake_;                       // idle and in memory: the first sleeps first
+  std::set<Ready, std::greater<>> ready_;      // in memory, idle, with mail
+  std::set<TileId> called_;                    // asleep, with mail
+  std::set<TileId> quiet_;                     // in memory, idle, without mail
+  std::set<Rank> awake_;                       // in memory, idle, with mail: the least first
   std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled or collected; false: in memory
+  TileId sweep_{0};                            // where the sweep is
+  bool sweeping_back_ = true;                  // at the end of the tiles' order the first one begins
   std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before
   std::uint32_t fresh_ = 0;                    // not begun, or just beginning
   std::uint32_t working_ = 0, storing_ = 0, asleep_ = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tessera {
@@ -81,6 +82,52 @@ TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
   EXPECT_EQ(granted(schedule), "begin 3");
   EXPECT_EQ(schedule.memory(), 300u);
   EXPECT_EQ(schedule.asleep(), 2u);
+}
+
+TEST(Schedule, ATileWithMailSplaysBeforeAnotherIsPutToSleepForOneThatBegins) {
+  Schedule schedule(options(1, 250), {10, 10, 10});
+  EXPECT_EQ(granted(schedule), "begin 0");
+  schedule.done(TileId{0}, Work::begin, 100, {});
+  EXPECT_EQ(granted(schedule), "begin 1");
+  schedule.mail(TileId{0}, {1, 5, 10});
+  schedule.done(TileId{1}, Work::begin, 100, {1, 5, 10});
+  EXPECT_EQ(granted(schedule), "splay 1");
+  schedule.done(TileId{1}, Work::splay, 100, {});
+  EXPECT_EQ(granted(schedule), "splay 0");
+  schedule.done(TileId{0}, Work::splay, 100, {});
+  EXPECT_EQ(granted(schedule), "sleep 0") << "it is farther from tile 2";
+}
+
+// What is asleep is woken in one sweep after the other, and not by what it has: each sweep brings a tile all that its
+// neighbours have to say.
+TEST(Schedule, TilesAsleepAreWokenInSweepsAlongTheirOrderAndBack) {
+  Schedule schedule(options(1, 150), std::vector<std::uint64_t>(5, 10));
+  std::string order;
+  const auto work = [&](Work expected) {
+    const auto grant = schedule.next();
+    ASSERT_TRUE(grant);
+    ASSERT_EQ(grant->work, expected);
+    if (expected != Work::sleep) order += std::to_string(grant->tile.value);
+    schedule.done(grant->tile, expected, expected == Work::sleep ? 0 : 100, {});
+  };
+  for (int t = 0; t < 5; ++t) {
+    if (t > 0) work(Work::sleep);
+    work(Work::begin);
+  }
+  EXPECT_EQ(std::exchange(order, ""), "01234");
+  for (const std::uint32_t t : {0u, 1u, 3u}) schedule.mail(TileId{t}, {1, t, 0});
+  for (int t = 0; t < 2; ++t) {
+    work(Work::sleep);
+    work(Work::splay);
+  }
+  EXPECT_EQ(std::exchange(order, ""), "31") << "from the last one back";
+  for (const std::uint32_t t : {2u, 4u}) schedule.mail(TileId{t}, {9, 90, 0});
+  for (int t = 0; t < 3; ++t) {
+    work(Work::sleep);
+    work(Work::splay);
+  }
+  EXPECT_EQ(order, "024") << "those it has passed wait until it comes again";
+  EXPECT_TRUE(schedule.idle());
 }
 
 TEST(Schedule, ATileThatFitsNowhereWorksAloneRatherThanNever) {
