@@ -116,8 +116,8 @@ void put(const std::filesystem::path& path, const List& list) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
-std::vector<std::byte> take(const std::filesystem::path& path) {
-  std::vector<std::byte> bytes(std::filesystem::file_size(path));
+BigVector<std::byte> take(const std::filesystem::path& path) {
+  BigVector<std::byte> bytes(std::filesystem::file_size(path));
   std::ifstream(path, std::ios::binary)
       .read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return bytes;

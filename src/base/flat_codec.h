@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/big_vector.h"
+
 namespace tessera {
 
 class FlatWriter {
@@ -37,10 +39,10 @@ class FlatWriter {
   }
   void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
   std::size_t size() const { return bytes_.size(); }
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  BigVector<std::byte> take() { return std::move(bytes_); }
 
  private:
-  std::vector<std::byte> bytes_;
+  BigVector<std::byte> bytes_;
 };
 
 // Reads what FlatWriter wrote, in its order. False when the bytes are too few; what is read then is unspecified, and

@@ -37,6 +37,7 @@ class Pool {
     }
     if (best == count_) return false;
     out = remove(best);
+    shrink(out, bytes);  // what is behind would be held by one that does not know of it
     return true;
   }
 
@@ -60,6 +61,11 @@ class Pool {
     --shares_;
     asked_ -= bytes;
     trim();
+  }
+
+  static void shrink(Mapping& mapping, std::size_t bytes) {
+    if (mapping.touched > bytes) madvise(mapping.at + bytes, mapping.touched - bytes, MADV_DONTNEED);
+    mapping.touched = std::min(mapping.touched, bytes);
   }
 
   void lock() { mutex_.lock(); }

@@ -79,9 +79,9 @@ class FrameReader {
   void go_to(std::uint64_t at) { at_ = begin_ = std::min(at, size_); }
 
   // REQUIRES: !at_end().
-  Result<std::vector<std::byte>> next() {
+  Result<BigVector<std::byte>> next() {
     BOOST_OUTCOME_TRY(header, next_header());
-    std::vector<std::byte> payload(header.length);
+    BigVector<std::byte> payload(header.length);
     BOOST_OUTCOME_TRYV(read(payload));
     if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
     begin_ = at_;
@@ -145,7 +145,7 @@ Status write_frame(const fs::path& path, ScratchKind kind, std::span<const std::
   return success();
 }
 
-Result<std::vector<std::byte>> read_frame(const fs::path& path, ScratchKind kind) {
+Result<BigVector<std::byte>> read_frame(const fs::path& path, ScratchKind kind) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
   if (frames.at_end()) return frames.damaged("is empty");
   BOOST_OUTCOME_TRY(payload, frames.next());
@@ -174,7 +174,7 @@ Result<std::vector<FramePlace>> places_of_frames(const fs::path& path, ScratchKi
   return places;
 }
 
-Result<std::vector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, std::uint64_t at) {
+Result<BigVector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, std::uint64_t at) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
   frames.go_to(at);
   return frames.next();

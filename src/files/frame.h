@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/result.h"
 #include "src/files/names.h"
 
@@ -34,10 +35,10 @@ Status append_frame(const std::filesystem::path& path, ScratchKind kind, std::sp
 Status write_frame(const std::filesystem::path& path, ScratchKind kind, std::span<const std::byte> payload);
 
 // The payload of a file of one frame. Error io when there is none, corrupt.
-Result<std::vector<std::byte>> read_frame(const std::filesystem::path& path, ScratchKind kind);
+Result<BigVector<std::byte>> read_frame(const std::filesystem::path& path, ScratchKind kind);
 // Calls `visit` with the payloads of a file's frames in order, until it returns an error. One payload is in memory at a
 // time. Error io when there is no file, corrupt.
-using VisitFrame = std::function<Status(std::vector<std::byte> payload)>;
+using VisitFrame = std::function<Status(BigVector<std::byte> payload)>;
 Status for_each_frame(const std::filesystem::path& path, ScratchKind kind, const VisitFrame& visit);
 
 // Files of many frames, of which each begins with a number of 64 bits, its name, and is read by itself.
@@ -50,6 +51,6 @@ struct FramePlace {
 };
 Result<std::vector<FramePlace>> places_of_frames(const std::filesystem::path& path, ScratchKind kind);
 // The payload, name included, of the frame that begins at byte `at`. Error io, corrupt.
-Result<std::vector<std::byte>> read_frame_at(const std::filesystem::path& path, ScratchKind kind, std::uint64_t at);
+Result<BigVector<std::byte>> read_frame_at(const std::filesystem::path& path, ScratchKind kind, std::uint64_t at);
 
 }  // namespace tessera

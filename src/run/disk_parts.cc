@@ -104,20 +104,22 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
-  // The kernels' arrays do, too: a pool would hold pages that no tile's account shows.
+  // So do all arrays of the kernels but a few, which take turns: pages from the system cost as much as the work in
+  // them.
+  const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
   auto part = std::make_unique<DiskPart>(run, std::move(scratch), spec.out_folder,
                                          StoreOptions{.neighbors = spec.neighbors,
                                                       .schema = run->schema,
                                                       .lock_file = spec.lock_file,
                                                       .node = self,
                                                       .sync = many_nodes},
-                                         spec.threads, reduce ? 0 : spec.memory_bytes / 4);
+                                         spec.threads, pool_bytes);
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
-  part->schedule.memory_bytes =
-      budget::for_tiles(spec.memory_bytes - (many_nodes ? spec.memory_bytes / 8 : 0), spec.threads, tiles);
+  part->schedule.memory_bytes = budget::for_tiles(
+      spec.memory_bytes - (many_nodes ? spec.memory_bytes / 8 : 0) - (reduce ? pool_bytes : 0), spec.threads, tiles);
   part->schedule.begin_bytes = needs.triangulate;
   part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
   part->schedule.kernel = spec.kernel;

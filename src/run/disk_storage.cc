@@ -78,7 +78,7 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRY(there, has(tile, what));
   if (!there) return pieces;
   BOOST_OUTCOME_TRYV(
-      for_each_frame(scratch_file(folder_of(what), what, tile), what, [&](std::vector<std::byte> payload) -> Status {
+      for_each_frame(scratch_file(folder_of(what), what, tile), what, [&](BigVector<std::byte> payload) -> Status {
         pieces.push_back(std::move(payload));
         return success();
       }));

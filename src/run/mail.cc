@@ -45,7 +45,7 @@ Result<std::vector<Update>> Mail::take(TileStorage& storage) {
         points += update.points.size();
         all.push_back(std::move(update));
       }
-      std::vector<std::byte>().swap(piece);
+      BigVector<std::byte>().swap(piece);
     }
     if (points != points_ || all.size() + held_.size() != updates_) {
       return error(Errc::corrupt,

@@ -19,7 +19,7 @@ SettledFiles::SettledFiles(const std::filesystem::path& run, NodeId node)
 
 Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
   const std::uint64_t name = tile.value;
-  std::vector<std::byte> payload(sizeof name + bytes.size());
+  BigVector<std::byte> payload(sizeof name + bytes.size());
   std::memcpy(payload.data(), &name, sizeof name);
   if (!bytes.empty()) std::memcpy(payload.data() + sizeof name, bytes.data(), bytes.size());
   const std::lock_guard lock(mutex_);  // a write that is cut short goes on at the end of the file
@@ -77,9 +77,9 @@ Result<bool> SettledFiles::has(TileId tile) {
   return place.has_value();
 }
 
-Result<std::optional<std::vector<std::byte>>> SettledFiles::read(TileId tile) {
+Result<std::optional<BigVector<std::byte>>> SettledFiles::read(TileId tile) {
   BOOST_OUTCOME_TRY(place, find(tile));
-  if (!place) return std::optional<std::vector<std::byte>>();
+  if (!place) return std::optional<BigVector<std::byte>>();
   BOOST_OUTCOME_TRY(payload, read_frame_at(place->file, ScratchKind::settled, place->at));
   std::uint64_t name = ~std::uint64_t{0};
   if (payload.size() >= sizeof name) std::memcpy(&name, payload.data(), sizeof name);

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
 
@@ -25,7 +26,7 @@ class SettledFiles {
   // Whether append() was called for the tile, in whichever process: not for one that stands behind damage. Error io.
   Result<bool> has(TileId tile);
   // Nothing when has() says no. Error io, corrupt.
-  Result<std::optional<std::vector<std::byte>>> read(TileId tile);
+  Result<std::optional<BigVector<std::byte>>> read(TileId tile);
   // What append() was given is on the disk. Error io.
   Status sync();
   // Removes what all nodes have written. Error io.

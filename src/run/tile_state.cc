@@ -177,7 +177,7 @@ Update TileState::outgoing(Peer to, std::vector<SharedPoint> points) {
 Status TileState::sleep() {
   check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
   if (!imaged_) {
-    std::vector<std::byte> bytes = triangulation_->save();
+    BigVector<std::byte> bytes = triangulation_->save();
     const auto count = std::as_bytes(std::span(&own_points_, 1));
     bytes.insert(bytes.end(), count.begin(), count.end());
     BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
@@ -191,8 +191,7 @@ Status TileState::sleep() {
 }
 
 // Null when the bytes are not what sleep() has written.
-std::unique_ptr<TileTriangulation> TileState::load_image(std::vector<std::byte> bytes,
-                                                         std::uint64_t& own_points) const {
+std::unique_ptr<TileTriangulation> TileState::load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const {
   if (bytes.size() < sizeof own_points) return nullptr;
   std::memcpy(&own_points, bytes.data() + bytes.size() - sizeof own_points, sizeof own_points);
   bytes.resize(bytes.size() - sizeof own_points);

@@ -13,6 +13,7 @@
 #include <stop_token>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/result.h"
 #include "src/quiescence/counters.h"
 #include "src/run/mail.h"
@@ -93,7 +94,7 @@ class TileState {
   Status build(bool announce);
   Result<bool> restore();
   Status build_settled();
-  std::unique_ptr<TileTriangulation> load_image(std::vector<std::byte> bytes, std::uint64_t& own_points) const;
+  std::unique_ptr<TileTriangulation> load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const;
   Status wake();
   Status insert(const std::vector<Update>& mail);
   Status put_finals(const FinalCells& finals);

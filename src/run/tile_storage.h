@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
 #include "src/files/names.h"
@@ -24,7 +25,7 @@ class TileStorage {
   // Error corrupt when the points are not those that were routed.
   virtual Result<LoadedTile> load_points(TileId tile) = 0;
 
-  using Pieces = std::vector<std::vector<std::byte>>;
+  using Pieces = std::vector<BigVector<std::byte>>;
   // Replaces what was there: whatever happens, afterwards the old or the new bytes are there, or damage that read()
   // notices.
   virtual Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) = 0;

@@ -18,7 +18,7 @@ struct KnownSeed {
 
 }  // namespace
 
-std::vector<std::byte> TileTriangulation::save() const {
+BigVector<std::byte> TileTriangulation::save() const {
   FlatWriter out;
   KernelImage image = kernel_->save();
   const std::vector<std::uint64_t> sent = sent_.keys();
@@ -53,7 +53,7 @@ std::vector<std::byte> TileTriangulation::save() const {
   return out.take();
 }
 
-bool TileTriangulation::load(std::vector<std::byte> bytes) {
+bool TileTriangulation::load(BigVector<std::byte> bytes) {
   FlatReader in(bytes);
   std::uint64_t found = 0;
   TileId self;
@@ -90,7 +90,7 @@ bool TileTriangulation::load(std::vector<std::byte> bytes) {
     if (std::any_of(pairs->begin(), pairs->end(), [&](std::uint64_t pair) { return pair >> 32 >= n; })) return false;
   }
   // A tile wakes up when memory is short: no more than two copies of it at a time.
-  std::vector<std::byte>().swap(bytes);
+  BigVector<std::byte>().swap(bytes);
   if (!kernel_->load(image)) return false;
   image = {};
   ids_ = std::move(ids);

@@ -19,6 +19,7 @@
 #include <tsl/robin_map.h>
 #include <tsl/robin_set.h>
 
+#include "src/base/big_vector.h"
 #include "src/base/figures.h"
 #include "src/base/mix_hash.h"
 #include "src/base/point.h"
@@ -104,9 +105,9 @@ class TileTriangulation {
   bool reduced() const { return reduced_; }
 
   // The whole state as bytes, to put a tile to sleep. REQUIRES: take_updates() has been called.
-  std::vector<std::byte> save() const;
+  BigVector<std::byte> save() const;
   // Restores it. False if the bytes are not what save() made for this tile, with a kernel of this kind.
-  bool load(std::vector<std::byte> bytes);
+  bool load(BigVector<std::byte> bytes);
 
  private:
   FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& is_final);

@@ -43,7 +43,7 @@ std::vector<Segment> RoutedPoints::take(TileId tile) {
   return std::exchange(segments[tile.value], {});
 }
 
-std::vector<std::byte> to_bytes(const RoutedPoints& routed) {
+BigVector<std::byte> to_bytes(const RoutedPoints& routed) {
   FlatWriter to;
   to.list(routed.bundles);
   std::uint64_t filled = 0;

@@ -35,7 +35,7 @@ struct RoutedPoints {
 
 // Across a network, or as files. The reader trusts nothing: false when they are not what to_bytes() gives of
 // `tiles` tiles.
-std::vector<std::byte> to_bytes(const RoutedPoints& routed);
+BigVector<std::byte> to_bytes(const RoutedPoints& routed);
 bool from_bytes(std::span<const std::byte> bytes, std::uint32_t tiles, RoutedPoints& routed);
 
 }  // namespace tessera

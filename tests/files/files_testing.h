@@ -11,12 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/big_vector.h"
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
 
-inline std::vector<std::byte> to_bytes(std::string_view text) {
+inline BigVector<std::byte> to_bytes(std::string_view text) {
   const auto bytes = std::as_bytes(std::span(text));
   return {bytes.begin(), bytes.end()};
 }

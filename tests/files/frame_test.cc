@@ -12,7 +12,7 @@ namespace tessera {
 namespace {
 
 constexpr auto kind = ScratchKind::mail;
-using Payloads = std::vector<std::vector<std::byte>>;
+using Payloads = std::vector<BigVector<std::byte>>;
 
 class Frame : public FolderFixture {
  protected:
@@ -21,7 +21,7 @@ class Frame : public FolderFixture {
 
 Result<Payloads> read_all(const std::filesystem::path& path) {
   Payloads payloads;
-  BOOST_OUTCOME_TRYV(for_each_frame(path, kind, [&](std::vector<std::byte> payload) -> Status {
+  BOOST_OUTCOME_TRYV(for_each_frame(path, kind, [&](BigVector<std::byte> payload) -> Status {
     payloads.push_back(std::move(payload));
     return success();
   }));
@@ -37,7 +37,7 @@ void expect_corrupt(const Result<T>& result, const std::filesystem::path& path, 
 
 TEST_F(Frame, IsReadAsItWasWritten) {
   for (const std::size_t size : {0, 1, 7, 8, 100'000}) {
-    const std::vector<std::byte> payload(size, std::byte{42});
+    const BigVector<std::byte> payload(size, std::byte{42});
     ASSERT_TRUE(write_frame(path(), kind, payload));
     EXPECT_EQ(std::filesystem::file_size(path()), size + frame_header_bytes);
     const auto read = read_frame(path(), kind);
@@ -130,7 +130,7 @@ struct Flat {
   friend bool operator==(const Flat&, const Flat&) = default;
 };
 
-std::vector<std::byte> write_flat(const Flat& flat) {
+BigVector<std::byte> write_flat(const Flat& flat) {
   FlatWriter out;
   out.value(flat.value);
   out.list(flat.list);

@@ -43,7 +43,7 @@ class LockedStorage : public ::testing::Test {
   }
 
   static constexpr TileId tile{7};
-  const std::vector<std::byte> bytes_{std::byte{1}, std::byte{2}};
+  const BigVector<std::byte> bytes_{std::byte{1}, std::byte{2}};
   TemporaryFolder folder_ = TemporaryFolder::make().value();
   FolderLock lock_ = FolderLock::take(folder_.path()).value();
   std::shared_ptr<RoutedRun> run_ = std::make_shared<RoutedRun>();

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 
 class Settled : public ::testing::Test {
  protected:
-  static std::vector<std::byte> bytes_of(std::uint32_t tile) {
-    return std::vector<std::byte>(tile % 5 * 7, std::byte(tile));
+  static BigVector<std::byte> bytes_of(std::uint32_t tile) {
+    return BigVector<std::byte>(tile % 5 * 7, std::byte(tile));
   }
   SettledFiles files(std::uint32_t node = 0) const { return {folder_.path(), NodeId{node}}; }
   void append(std::uint32_t node, std::uint32_t begin, std::uint32_t end) const {

@@ -96,7 +96,7 @@ TEST_F(Replay, TellsOfRefusedPointsThatItReliedOn) {
     tile_->introduce();
     ASSERT_EQ(tile_->counts().refused, 1u);
     tile_->take_updates();
-    const std::vector<std::byte> image = tile_->save();
+    const BigVector<std::byte> image = tile_->save();
     renew();
     ASSERT_TRUE(tile_->load(image));
     EXPECT_EQ(told_again(7, {dead}), by_word ? Tiles{fence_owner} : Tiles{});
