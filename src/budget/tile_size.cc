@@ -33,13 +33,15 @@ std::uint64_t left_for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, 
   return memory_bytes > taken ? std::min((memory_bytes - taken) / 8 * 7, for_tiles(memory_bytes, threads, tiles)) : 0;
 }
 
-// Points a tile may have so that every thread works on one and there is as much room for tiles that are awake. 0 when
-// there are too many tiles for that, however large they are. The larger, the fewer: what fits those that would fit if
-// they were none is a bound, and so is what fits those that come of a bound.
+// Points a tile may have so that every thread works on one and there is a quarter of the room for others that are
+// awake: larger tiles have fewer stars at borders, and with more of them awake few less are put to sleep. 0 when there
+// are too many tiles for that, however large they are. The larger, the fewer: what fits those that would fit if they
+// were none is a bound, and so is what fits those that come of a bound.
 std::uint64_t fitting(int dimension, KernelKind kernel, std::uint64_t points, std::uint32_t threads,
                       std::uint64_t memory_bytes) {
   const auto fits = [&](std::uint64_t tiles) {
-    return left_for_tiles(memory_bytes, threads, tiles) / 2 / (std::max(1u, threads) * largest_need(dimension, kernel));
+    return left_for_tiles(memory_bytes, threads, tiles) / 4 * 3 /
+           (std::max(1u, threads) * largest_need(dimension, kernel));
   };
   std::uint64_t bound = fits(0);
   while (bound > 0) {
