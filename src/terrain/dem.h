@@ -40,8 +40,9 @@ std::string to_json(const Dem& dem);
 // Writes `target`, a Cloud Optimized GeoTIFF with overviews; NaN, its nodata value, are pixels that no cell has, or
 // whose cell has a value that is NaN. Which cell has a pixel, and its value, is a function of the triangulation alone:
 // every pixel is equal to the last bit however the result is tiled (cell_raster.h), and the same in the rasters of
-// different boxes (grid.h). Each tile is read once. Written under a temporary name, beside a scratch file as large as
-// the raster, and renamed at the end. Errors: usage, before anything is written, for wrong options, a 3D result, no
+// different boxes (grid.h). Only tiles with cells in the box are read,
+// all without one or when it covers half of the result. Written under a temporary name, beside a scratch file as large
+// as the raster, and renamed at the end. Errors: usage, before anything is written, for wrong options, a 3D result, no
 // such attribute, a target that exists; corrupt for a damaged tile; io; interrupted.
 Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
                       std::stop_token stop);

@@ -149,6 +149,22 @@ class Dem(CliTest):
         self.assertAlmostEqual(part_left, -2.1)
         self.assertTrue(np.isnan(self.dem(out, "far.tif", "--bbox", "100,100,103,103").ReadAsArray()).all())
 
+    def test_a_box_needs_no_other_tiles(self):
+        out = self.triangulate(self.cloud("uniform"), "64")
+        box = ("--bbox", "-2.05,-3,0.4,-1")
+        part = self.dem(out, "part.tif", *box, res="0.3").ReadAsArray()
+        self.assertFalse(np.isnan(part).any())
+        needless = 0
+        for tile in sorted((out / "tiles").glob("*.vtu")):  # what is not read may be anything
+            kept = tile.read_bytes()
+            tile.write_bytes(b"nothing")
+            if self.run_tessera("dem", out, "--res", "0.3", "-o", "a.tif", "--overwrite", *box).returncode == 0:
+                np.testing.assert_array_equal(gdal.Open(str(self.folder / "a.tif")).ReadAsArray().view("u4"), part.view("u4"))
+                needless += 1
+            else:
+                tile.write_bytes(kept)
+        self.assertTrue(30 < needless < 64)
+
     def test_the_file_is_cloud_optimized_with_system_and_overviews(self):
         dice = random.Random(1)
         cloud = self.write("p.csv", "x,y,z,intensity\n" + "".join(
