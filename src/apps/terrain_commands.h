@@ -1,0 +1,10 @@
+// The commands that draw lines of a surface.
+#pragma once
+
+#include "src/apps/command.h"
+
+namespace tessera {
+
+Command add_contours(CLI::App& root);
+
+}  // namespace tessera
