@@ -6,5 +6,6 @@
 namespace tessera {
 
 Command add_contours(CLI::App& root);
+Command add_profile(CLI::App& root);
 
 }  // namespace tessera
