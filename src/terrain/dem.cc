@@ -143,6 +143,11 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
   BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
   if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
     return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  if (options.light && options.doubles)
+    return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
+  if (options.light &&
+      !(std::isfinite(options.light->azimuth) && options.light->altitude > 0 && options.light->altitude <= 90))
+    return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   if (manifest.dimension != 2)
     return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
@@ -169,7 +174,8 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
                                                    {.crs = manifest.crs,
                                                     .name = options.value,
                                                     .doubles = options.doubles,
-                                                    .heights = options.value == "z",
+                                                    .heights = options.value == "z" && !options.light,
+                                                    .light = options.light,
                                                     .cache_bytes = options.memory_bytes / 4,
                                                     .threads = options.threads}));
   terrain::Drawing drawing(out, manifest, column, grid, drawing_options, *file);

@@ -13,12 +13,18 @@
 
 namespace tessera {
 
+// Light on heights: the degrees from north, clockwise, from where it comes, and those above the horizon, to 90.
+struct Light {
+  double azimuth = 315, altitude = 45;
+};
+
 struct DemOptions {
   double res = 1;                       // the width of a pixel, in units of the coordinates
   std::optional<Bounds> box = {};       // x and y alone; default: the bounds of the result
   std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
   std::string value = "z";              // an attribute of the vertices; z are the heights
   bool doubles = false;                 // pixels of 64 bits, not 32
+  std::optional<Light> light = {};      // a hillshade of the values instead; they have the unit of the coordinates
   bool overwrite = false;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least that of a tile is used
   unsigned threads = 1;
