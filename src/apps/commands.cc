@@ -4,6 +4,7 @@
 #include <string>
 
 #include "src/apps/help.h"
+#include "src/apps/terrain_commands.h"
 #include "src/job/version.h"
 
 namespace tessera {
@@ -24,6 +25,8 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_region(root));
   commands.push_back(add_query(root));
   commands.push_back(add_dem(root));
+  commands.push_back(add_contours(root));
+  commands.push_back(add_profile(root));
   commands.push_back(add_certs(root));
   commands.push_back(add_cluster(root));
   commands.push_back(add_jobs(root));

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,19 @@ Result<bool> parse_type(const std::string& text) {
   if (text == "float32") return false;
   if (text == "float64") return true;
   return error(Errc::usage, "'" + text + "' is no type of pixels; there are float32 and float64");
+}
+
+// What tells of the light makes no sense without it.
+Result<std::optional<Light>> read_light(Settings& settings) {
+  BOOST_OUTCOME_TRY(hillshade, settings.on("hillshade"));
+  Light light;
+  for (const auto& [key, to] : {std::pair("azimuth", &light.azimuth), std::pair("altitude", &light.altitude)}) {
+    BOOST_OUTCOME_TRY(degrees, settings.get(key, [](const std::string& text) { return parse_finite(text); }));
+    *to = degrees.value_or(*to);
+    if (!hillshade && settings.source(key) == Settings::Source::flag)
+      return error(Errc::usage, "--" + std::string(key) + " belongs to --hillshade");
+  }
+  return hillshade ? std::optional(light) : std::nullopt;
 }
 
 void print(const Dem& dem, const OutputOptions& output) {
@@ -57,6 +71,8 @@ Status run_dem(Settings& settings, const std::string& folder) {
   options.value = settings.text("value").value_or("z");
   BOOST_OUTCOME_TRY(doubles, settings.get("type", parse_type));
   options.doubles = doubles.value_or(false);
+  BOOST_OUTCOME_TRY(light, read_light(settings));
+  options.light = light;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
   BOOST_OUTCOME_TRY(memory,
@@ -84,13 +100,18 @@ Command add_dem(CLI::App& root) {
       "  tessera dem ground/ --res 0.5 -o dem.tif                   (a Cloud Optimized GeoTIFF)\n"
       "  tessera dem ground/ --res 0.5 --max-edge 5 -o dem.tif      (without what bridges gaps and the hull's bays)\n"
       "  tessera dem ground/ --res 0.5 --bbox 885000,629000,885100,629100 -o part.tif\n"
-      "  tessera dem ground/ --res 1 --value intensity -o intensity.tif");
+      "  tessera dem ground/ --res 1 --value intensity -o intensity.tif\n"
+      "  tessera dem ground/ --res 0.5 --hillshade -o shade.tif");
   add_value(command, "res", "LENGTH", "the width and height of a pixel, in units of the coordinates");
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: what the raster covers; default: all", 0, true);
   add_value(command, "max-edge", "LENGTH", "no pixels in cells with a longer edge in the plane; default: none");
   add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
   add_value(command, "type", "NAME", "of pixels: float32 (default) or float64");
   add_choices(command, "type", "float32, float64");
+  add_switch(command, "hillshade",
+             "a hillshade of the surface, as gdaldem hillshade -compute_edges makes it of the raster");
+  add_value(command, "azimuth", "DEGREES", "of the light, clockwise from north; default: 315");
+  add_value(command, "altitude", "DEGREES", "of the light above the horizon; default: 45");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .tif", 'o', true);
   add_value(command, "memory", "SIZE",
             "memory for tiles and pixels, as 800M or 4G; default: 70 % of what is available");

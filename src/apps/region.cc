@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +22,7 @@
 #include "src/files/temporary.h"
 #include "src/job/arguments.h"
 #include "src/job/region_job.h"
+#include "src/query/area.h"
 
 namespace tessera {
 namespace {
@@ -47,8 +50,19 @@ Result<RegionJobOptions> read_job(Settings& settings) {
   BOOST_OUTCOME_TRY(box, settings.get("bbox", [&](const std::string& text) {
     return parse_crop(text, job.cloud.dimension == 2 ? 2 : 3);
   }));
-  if (!box) return error(Errc::usage, "no region is given; add --bbox xmin,ymin,xmax,ymax");
-  job.box = *box;
+  const auto polygon = settings.text("polygon");
+  if (box && polygon) return error(Errc::usage, "give either --bbox or --polygon");
+  if (polygon) {
+    BOOST_OUTCOME_TRY(read, query::Polygon::read_geojson(*polygon));
+    const Bounds& around = read.bounds();
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    job.box = Box{{around.lo.x, around.lo.y, -inf}, {around.hi.x, around.hi.y, inf}};
+    job.shape = [area = std::move(read)](std::span<const Point> cell) { return area.meets(cell); };
+  } else if (box) {
+    job.box = *box;
+  } else {
+    return error(Errc::usage, "no region is given; add --bbox xmin,ymin,xmax,ymax, or --polygon FILE");
+  }
   BOOST_OUTCOME_TRY(scan, settings.on("scan"));
   job.scan = scan;
   BOOST_OUTCOME_TRY(points, settings.get("max-points", [](const std::string& text) { return parse_count(text); }));
@@ -121,15 +135,18 @@ Status run_region(const RegionCommand& command) {
 }  // namespace
 
 Command add_region(CLI::App& root) {
-  auto command =
-      new_command(root, "region", "Triangulates a region of point files, reading only what its cells need",
-                  "  tessera region block/*.copc.laz --bbox 885100,629000,885150,629050 --dim 2 --class 2 -o part/\n"
-                  "  tessera region scan.copc.laz --bbox 515370,4918345,2323,515375,4918350,2330 -o part.vtu\n"
-                  "  tessera region block/*.laz --bbox 0,0,9,9 -o part/ --max-points 20M --max-seconds 60 --partial\n\n"
-                  "The cells are those of the whole triangulation that have a point in common with the box, its sides "
-                  "included.\nCOPC files are read by octree nodes, all others by whole files; what is not read is "
-                  "believed to be in the box\nthat its file states.");
+  auto command = new_command(
+      root, "region", "Triangulates a region of point files, reading only what its cells need",
+      "  tessera region block/*.copc.laz --bbox 885100,629000,885150,629050 --dim 2 --class 2 -o part/\n"
+      "  tessera region scan.copc.laz --bbox 515370,4918345,2323,515375,4918350,2330 -o part.vtu\n"
+      "  tessera region block/*.copc.laz --polygon area.geojson --dim 2 --class 2 -o part/\n"
+      "  tessera region block/*.laz --bbox 0,0,9,9 -o part/ --max-points 20M --max-seconds 60 --partial\n\n"
+      "The cells are those of the whole triangulation that have a point in common with the region, its "
+      "border included.\nCOPC files are read by octree nodes, all others by whole files; what is not read is "
+      "believed to be in the box\nthat its file states.");
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: the region", 0, true);
+  add_value(command, "polygon", "FILE", "the region: the polygons of a GeoJSON file, in the coordinates of the points",
+            0, true);
   add_value(command, "output", "PATH",
             "a result folder; with an ending or --format a file or folder for other programs, as tessera export writes",
             'o', true);

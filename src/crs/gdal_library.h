@@ -7,6 +7,7 @@
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal.h>
+#include <gdal_utils.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 
@@ -19,7 +20,8 @@ namespace tessera {
 // clang-format off
 #define TESSERA_GDAL_FUNCTIONS(F) \
   F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLGetLastErrorType) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
-  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) \
+  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) F(GDALDEMProcessing) \
+  F(GDALDEMProcessingOptionsFree) F(GDALDEMProcessingOptionsNew) F(GDALDEMProcessingOptionsSetProgress) \
   F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) \
   F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) F(GDALFlushCache) F(GDALGetCacheMax64) \
   F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALOpenEx) F(GDALRasterIO) \

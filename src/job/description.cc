@@ -94,7 +94,7 @@ std::string region_text(const Json& region, std::size_t dimension) {
     };
     text += (text.empty() ? "" : "   ") + end("min") + " .. " + end("max");
   }
-  return text + (region.at("complete").get<bool>() ? ", all cells that meet it" : ", not all cells are final");
+  return text + (region.at("complete").get<bool>() ? ", all cells that meet it" : ", not all cells that meet it");
 }
 
 std::string joined(const Json& names) {

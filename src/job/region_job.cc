@@ -36,7 +36,8 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
                                       {"splits", nlohmann::json::array()}}
                            .dump();
   for (const Point& p : cells.mesh.points) manifest.bounds.add(p);
-  manifest.region = {options.box, cells.complete};
+  // The format knows boxes: of a polygon's it has not all cells, and those that it has are final.
+  manifest.region = {options.box, cells.complete && !options.shape};
   manifest.neighbors = options.neighbors;
   manifest.schema = cloud.schema;
   manifest.tiles = {tile};
@@ -89,9 +90,10 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
 Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& options, ResultFolder& folder,
                                    const std::stop_token& stop) {
   BOOST_OUTCOME_TRYV(folder.claim());
-  BOOST_OUTCOME_TRY(cells, cloud.regions->ask(options.box, options.limits, stop));
+  BOOST_OUTCOME_TRY(cells, cloud.regions->ask(options.box, options.limits, stop, options.shape));
   if (cells.mesh.cell_ghost.empty())
-    return error(Errc::usage, option("bbox") + ": no cell of the triangulation meets the box");
+    return error(Errc::usage, options.shape ? option("polygon") + ": no cell of the triangulation meets it"
+                                            : option("bbox") + ": no cell of the triangulation meets the box");
   RegionSummary summary{.out = folder.path().string(),
                         .dimension = cloud.dimension,
                         .vertices = cells.mesh.points.size(),
@@ -101,7 +103,7 @@ Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& o
                         .needed = cells.needed,
                         .figures = cells.figures,
                         .warnings = cloud.warnings};
-  if (!cells.complete) cells.mesh.cell_final.assign(cells.final.begin(), cells.final.end());
+  if (!cells.complete || options.shape) cells.mesh.cell_final.assign(cells.final.begin(), cells.final.end());
   BOOST_OUTCOME_TRYV(store(cloud, options, cells, folder));
   return summary;
 }

@@ -12,6 +12,7 @@
 #include "src/base/result.h"
 #include "src/io/cloud/cloud_units.h"
 #include "src/job/result_folder.h"
+#include "src/region/region_shape.h"
 #include "src/region/regions.h"
 #include "src/store/tile_store.h"
 
@@ -19,8 +20,9 @@ namespace tessera {
 
 struct RegionJobOptions {
   CloudOptions cloud;
-  bool scan = false;  // read all files once, instead of relying on the boxes that they state
-  Box box;            // closed; in 2D without bounds on z
+  bool scan = false;       // read all files once, instead of relying on the boxes that they state
+  Box box;                 // closed; in 2D without bounds on z
+  RegionShape shape = {};  // of the region in the box, if it is not all of it
   RegionLimits limits;
   bool neighbors = true;
   std::vector<std::string> command = {};  // for the manifest

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "src/predicates/exact/predicates.h"
+#include "src/query/geojson.h"
 
 namespace tessera::query {
 namespace {
@@ -79,6 +81,19 @@ bool inside_triangle(const Point& p, const Point& a, const Point& b, const Point
 
 }  // namespace
 
+// Two convex sets of the plane are apart if and only if a line along a side of one of them separates them.
+bool meets(std::span<const Point> cell, const Leg& leg) {
+  int left = 0, right = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Point &a = cell[k], &b = cell[k == 2 ? 0 : k + 1];
+    if (exact::orientation_2(a, b, leg.from) < 0 && exact::orientation_2(a, b, leg.to) < 0) return false;
+    const int side = exact::orientation_2(leg.from, leg.to, a);
+    left += side > 0 ? 1 : 0;
+    right += side < 0 ? 1 : 0;
+  }
+  return left < 3 && right < 3;
+}
+
 bool meets(std::span<const Point> cell, const Bounds& box) {
   for (int axis = 0; axis + 1 < static_cast<int>(cell.size()); ++axis) {
     const auto [least, most] = std::minmax_element(
@@ -86,6 +101,11 @@ bool meets(std::span<const Point> cell, const Bounds& box) {
     if ((*most)[axis] < box.lo[axis] || box.hi[axis] < (*least)[axis]) return false;
   }
   return !facet_separates(cell, box) && (cell.size() == 3 || !edges_separate(cell, box));
+}
+
+Result<Polygon> Polygon::read_geojson(const std::filesystem::path& path) {
+  BOOST_OUTCOME_TRY(rings, query::read_geojson(path, GeoJson::polygons));
+  return Polygon(std::move(rings));
 }
 
 Polygon::Polygon(std::vector<std::vector<Point>> rings) {

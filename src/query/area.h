@@ -1,4 +1,5 @@
-// Where cells are asked for: a closed box, or a closed polygon in the plane, and whatever is above and below it.
+// Where cells are asked for: a closed box, or in the plane a closed polygon, and whatever is above and below it, or a
+// line.
 #pragma once
 
 #include <filesystem>
@@ -14,6 +15,13 @@ namespace tessera::query {
 // Whether a cell, 3 points of the plane or 4 of space, and a closed box have a point in common: exact, by separating
 // axes. REQUIRES: the cell is positively oriented, the box finite, and its lo not above its hi.
 bool meets(std::span<const Point> cell, const Bounds& box);
+
+// A line from one point of the plane to another, or to itself; z = 0.
+struct Leg {
+  Point from, to;
+};
+// The same for a triangle and the closed line.
+bool meets(std::span<const Point> cell, const Leg& leg);
 
 // Rings with their insides, by the even-odd rule: holes are rings, too. Closed: rings belong to it.
 class Polygon {
@@ -44,6 +52,7 @@ class Polygon {
 struct Area {
   Bounds box;                           // closed; sides may be infinite
   std::optional<Polygon> polygon = {};  // whose bounds in x and y the box is
+  std::optional<Leg> leg = {};          // of 2D results, likewise
 };
 
 }  // namespace tessera::query

@@ -3,39 +3,17 @@
 #include <string>
 #include <utility>
 
-#include "src/base/attribute_value.h"
 #include "src/query/batch.h"
+#include "src/query/column.h"
 #include "src/query/impl.h"
 #include "src/query/natural.h"
 
 namespace tessera::query {
-namespace {
-
-// Where in a vertex's attributes the value is.
-struct Column {
-  std::size_t offset = 0;
-  AttributeType type = AttributeType::f64;
-};
-
-Result<Column> column_of(const std::filesystem::path& out, const Manifest& manifest, const std::string& name) {
-  Column column;
-  std::string names;
-  for (const auto& attribute : manifest.schema) {
-    column.type = attribute.type;
-    if (attribute.name == name) return column;
-    column.offset += size_of(attribute.type);
-    names += (names.empty() ? "" : ", ") + attribute.name;
-  }
-  return error(Errc::usage, out.string() + ": its vertices have no attribute '" + name + "'; they have " +
-                                (names.empty() ? "none" : names));
-}
-
-}  // namespace
 
 Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<const Point> points,
                                                                    const InterpolateOptions& what,
                                                                    const AskOptions& options) const {
-  BOOST_OUTCOME_TRY(column, column_of(impl_->out, impl_->manifest, what.value));
+  BOOST_OUTCOME_TRY(column, find_column(impl_->out, impl_->manifest, what.value));
   std::vector<Interpolated> values(points.size());
   const auto visit = [&](Walker& walker, std::size_t i, const Located& located) -> Status {
     Interpolated& answer = values[i];
@@ -52,7 +30,7 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
     long double value = 0;
     for (const Weight& weight : weights) {
       if (weight.weight == 0) continue;  // whatever the value, it does not count; it may be NaN
-      value += weight.weight * as_double(column.type, weight.tile->row(weight.vertex) + column.offset);
+      value += weight.weight * column.value(weight.tile->row(weight.vertex));
       if (!what.weights) continue;
       answer.vertices.push_back(weight.id());
       answer.weights.push_back(static_cast<double>(weight.weight));

@@ -111,6 +111,10 @@ class StoredTriangulation {
   // The cells that meet the closed area, each once. Error memory when they need more than `bytes_max`.
   Result<CellSet> cells(const Area& area, std::uint64_t bytes_max, const AskOptions& options) const;
 
+  // The tiles that own a vertex of a cell that meets the closed area, ascending: with them one has those cells, and
+  // their neighbours across edges that meet it.
+  Result<std::vector<TileId>> tiles(const Area& area, const AskOptions& options) const;
+
   // One answer a point. Errors as above; usage when there is no such attribute.
   Result<std::vector<Interpolated>> interpolate(std::span<const Point> points, const InterpolateOptions& what,
                                                 const AskOptions& options) const;

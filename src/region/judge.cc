@@ -12,10 +12,12 @@ namespace {
 
 class Judge {
  public:
-  Judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region, const UnitTree& unread)
+  Judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
+        const RegionShape& shape, const UnitTree& unread)
       : triangulation_(triangulation),
         cells_(cells),
         region_(region),
+        shape_(shape),
         unread_(unread),
         corners_(static_cast<std::size_t>(triangulation.dimension()) + 1) {
     judgement_.states.resize(cells.vertices.size() / corners_, CellState::elsewhere);
@@ -68,7 +70,7 @@ class Judge {
     for (std::size_t i = 0; i < corners_; ++i) beyond &= sides_[cells_.vertices[c * corners_ + i]];
     if (beyond != 0) return;
     const Simplex cell = simplex(c);
-    if (!meets(points(cell), region_)) return;
+    if (!meets(points(cell), region_) || (shape_ && !shape_(points(cell)))) return;
     ++judgement_.met;
     if (!settle(c, SphereReach(points(cell)))) ++judgement_.open;
   }
@@ -95,6 +97,7 @@ class Judge {
   const GrowingTriangulation& triangulation_;
   const CellList& cells_;
   const Bounds& region_;
+  const RegionShape& shape_;
   const UnitTree& unread_;
   std::size_t corners_;
   std::vector<std::uint8_t> sides_;  // by vertex
@@ -104,8 +107,8 @@ class Judge {
 }  // namespace
 
 Judgement judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
-                const UnitTree& unread) {
-  return Judge(triangulation, cells, region, unread).judge();
+                const RegionShape& shape, const UnitTree& unread) {
+  return Judge(triangulation, cells, region, shape, unread).judge();
 }
 
 }  // namespace tessera

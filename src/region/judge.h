@@ -7,6 +7,7 @@
 
 #include "src/base/point.h"
 #include "src/region/growing.h"
+#include "src/region/region_shape.h"
 #include "src/region/unit_tree.h"
 
 namespace tessera {
@@ -29,7 +30,8 @@ struct Judgement {
 // What the region depends on are the finite cells that meet it, and the infinite ones beyond whose facet some of it is,
 // or whose facet it touches. When all of them are final, the finite ones are the cells of the whole triangulation that
 // meet the region (docs/regions.md). REQUIRES: triangulation.rank() == dimension(); `cells` are its cells.
+// `shape`: the part of the box that is the region; the facets of the hull are those of the box.
 Judgement judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
-                const UnitTree& unread);
+                const RegionShape& shape, const UnitTree& unread);
 
 }  // namespace tessera

@@ -1,6 +1,7 @@
 #include "src/region/question.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -12,12 +13,14 @@
 namespace tessera {
 
 Question::Question(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
-                   std::size_t row_bytes, const Bounds& region, const RegionLimits& limits, std::stop_token stop)
+                   std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
+                   std::stop_token stop)
     : units_(units),
       loaded_(loaded),
       tree_(tree),
       row_bytes_(row_bytes),
       region_(region),
+      shape_(std::move(shape)),
       limits_(limits),
       stop_(std::move(stop)),
       triangulation_(dimension) {}
@@ -41,7 +44,7 @@ Result<RegionCells> Question::answer() {
       groping *= 2;
     } else if (!wanted.units.empty()) {
       cells = triangulation_.cells();
-      judgement = judge(triangulation_, cells, region_, tree_);
+      judgement = judge(triangulation_, cells, region_, shape_, tree_);
       next = judgement.units;
       if (judgement.complete()) return finished(cells, judgement);
     }
@@ -58,8 +61,17 @@ Result<RegionCells> Question::answer() {
 std::vector<std::size_t> Question::first_units() const {
   std::vector<std::size_t> units;
   for (std::size_t i = 0; i < units_.list().size(); ++i)
-    if (boxes_meet(units_.list()[i].bounds, region_)) units.push_back(i);
+    if (meets_region(units_.list()[i].bounds)) units.push_back(i);
   return units.empty() ? nearest_units(1) : units;
+}
+
+// What is not read now is read later, if a cell depends on it.
+bool Question::meets_region(const Bounds& unit) const {
+  if (!boxes_meet(unit, region_)) return false;
+  if (!shape_ || !(unit.lo.x < unit.hi.x && unit.lo.y < unit.hi.y)) return true;
+  const Point low{unit.lo.x, unit.lo.y, 0}, right{unit.hi.x, unit.lo.y, 0}, high{unit.hi.x, unit.hi.y, 0},
+      left{unit.lo.x, unit.hi.y, 0};
+  return shape_(std::array{low, right, high}) || shape_(std::array{low, high, left});
 }
 
 std::vector<std::size_t> Question::nearest_units(std::size_t n) const {

@@ -10,6 +10,7 @@
 
 #include "src/region/growing.h"
 #include "src/region/judge.h"
+#include "src/region/region_shape.h"
 #include "src/region/regions.h"
 
 namespace tessera {
@@ -19,7 +20,8 @@ class Question {
   // What is read is added to `loaded`. REQUIRES: the region is within the bounds of all units, and not empty;
   // tree.begin(region) was called.
   Question(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
-           std::size_t row_bytes, const Bounds& region, const RegionLimits& limits, std::stop_token stop);
+           std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
+           std::stop_token stop);
 
   Result<RegionCells> answer();
 
@@ -30,6 +32,7 @@ class Question {
   };
 
   std::vector<std::size_t> first_units() const;
+  bool meets_region(const Bounds& unit) const;
   std::vector<std::size_t> nearest_units(std::size_t n) const;
   Wanted within_limits(std::vector<std::size_t> units) const;
   bool late() const;
@@ -45,6 +48,7 @@ class Question {
   UnitTree& tree_;
   std::size_t row_bytes_;
   Bounds region_;
+  RegionShape shape_;
   RegionLimits limits_;
   std::stop_token stop_;
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();

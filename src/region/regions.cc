@@ -23,7 +23,8 @@ Regions::Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t r
   for (const auto& unit : units_->list()) bounds_.add(unit.bounds);
 }
 
-Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop) {
+Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop,
+                                 const RegionShape& shape) {
   // Cells have no point beyond the bounds of all points.
   Bounds within;
   bool empty = units_->list().empty();
@@ -37,7 +38,7 @@ Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, 
   cells.mesh.dimension = dimension_;
   if (!empty) {
     try {
-      BOOST_OUTCOME_TRY(answered, ask_within(within, limits, stop));
+      BOOST_OUTCOME_TRY(answered, ask_within(within, shape, limits, stop));
       cells = std::move(answered);
     } catch (const Stopped&) {
       return error(Errc::interrupted, "interrupted; nothing is kept");
@@ -58,9 +59,10 @@ Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, 
   return cells;
 }
 
-Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionLimits& limits, const std::stop_token& stop) {
+Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,
+                                        const std::stop_token& stop) {
   tree_.begin(region);
-  return Question(*units_, loaded_, tree_, dimension_, row_bytes_, region, limits, stop).answer();
+  return Question(*units_, loaded_, tree_, dimension_, row_bytes_, region, shape, limits, stop).answer();
 }
 
 }  // namespace tessera

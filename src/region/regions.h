@@ -14,6 +14,7 @@
 #include "src/base/result.h"
 #include "src/io/cloud/point_units.h"
 #include "src/mesh/tile_mesh.h"
+#include "src/region/region_shape.h"
 #include "src/region/unit_tree.h"
 
 namespace tessera {
@@ -60,14 +61,17 @@ class Regions {
   // the units say (docs/regions.md). Errors: those of reading; bad_input when all points lie in one hyperplane; memory,
   // naming what is still needed, when a limit does not suffice and `partial` is not wanted, or nothing could be read;
   // interrupted.
-  Result<RegionCells> ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop = {});
+  // `shape`: of the region in that box, if it is not all of it.
+  Result<RegionCells> ask(const Box& region, const RegionLimits& limits, const std::stop_token& stop = {},
+                          const RegionShape& shape = {});
 
   const PointUnits& units() const { return *units_; }
   // Gives back the memory of what was read.
   void forget() { loaded_.clear(); }
 
  private:
-  Result<RegionCells> ask_within(const Bounds& region, const RegionLimits& limits, const std::stop_token& stop);
+  Result<RegionCells> ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,
+                                 const std::stop_token& stop);
 
   std::unique_ptr<PointUnits> units_;
   int dimension_;

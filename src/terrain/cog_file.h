@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,15 +15,17 @@
 #include "src/crs/gdal_library.h"
 #include "src/files/temporary.h"
 #include "src/terrain/blocks.h"
+#include "src/terrain/dem.h"
 #include "src/terrain/grid.h"
 
 namespace tessera::terrain {
 
 struct CogOptions {
-  std::string crs;                                      // as a manifest has it
-  std::string name;                                     // of the band
-  bool doubles = false;                                 // pixels of 64 bits, not 32
-  bool heights = true;                                  // else what the system says of heights does not hold
+  std::string crs;                  // as a manifest has it
+  std::string name;                 // of the band
+  bool doubles = false;             // pixels of 64 bits, not 32
+  bool heights = true;              // else what the system says of heights does not hold
+  std::optional<Light> light = {};  // the file is not the pixels that are added, but their hillshade, 1..255; 0: none
   std::uint64_t cache_bytes = std::uint64_t{64} << 20;  // of GDAL
   unsigned threads = 1;
 };
@@ -48,13 +51,15 @@ class CogFile {
   CogFile(const GdalLibrary& gdal, const std::filesystem::path& target, const Grid& grid, const CogOptions& options);
   Status create_raw();
   Status add_block(std::int64_t x, std::int64_t y, Block& block);
+  // In the place of the pixels there is their hillshade then.
+  Status shade(const std::function<bool(double)>& go_on);
   Error refused(const GdalQuiet& quiet) const;
 
   const GdalLibrary& gdal_;
   std::filesystem::path target_;
   Grid grid_;
   CogOptions options_;
-  TemporaryFile raw_, cog_;
+  TemporaryFile raw_, shade_, cog_;
   std::mutex mutex_;
   GDALDatasetH dataset_ = nullptr;
   GIntBig cache_before_;

@@ -13,12 +13,18 @@
 
 namespace tessera {
 
+// Light on heights: the degrees from north, clockwise, from where it comes, and those above the horizon, to 90.
+struct Light {
+  double azimuth = 315, altitude = 45;
+};
+
 struct DemOptions {
   double res = 1;                       // the width of a pixel, in units of the coordinates
   std::optional<Bounds> box = {};       // x and y alone; default: the bounds of the result
   std::optional<double> max_edge = {};  // cells with a longer edge in the plane have no pixels
   std::string value = "z";              // an attribute of the vertices; z are the heights
   bool doubles = false;                 // pixels of 64 bits, not 32
+  std::optional<Light> light = {};      // a hillshade of the values instead; they have the unit of the coordinates
   bool overwrite = false;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least that of a tile is used
   unsigned threads = 1;
@@ -40,8 +46,9 @@ std::string to_json(const Dem& dem);
 // Writes `target`, a Cloud Optimized GeoTIFF with overviews; NaN, its nodata value, are pixels that no cell has, or
 // whose cell has a value that is NaN. Which cell has a pixel, and its value, is a function of the triangulation alone:
 // every pixel is equal to the last bit however the result is tiled (cell_raster.h), and the same in the rasters of
-// different boxes (grid.h). Each tile is read once. Written under a temporary name, beside a scratch file as large as
-// the raster, and renamed at the end. Errors: usage, before anything is written, for wrong options, a 3D result, no
+// different boxes (grid.h). Only tiles with cells in the box are read,
+// all without one or when it covers half of the result. Written under a temporary name, beside a scratch file as large
+// as the raster, and renamed at the end. Errors: usage, before anything is written, for wrong options, a 3D result, no
 // such attribute, a target that exists; corrupt for a damaged tile; io; interrupted.
 Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
                       std::stop_token stop);

@@ -1,5 +1,6 @@
 """tessera region: the cells of a place, of files that are not triangulated."""
 import json
+import random
 import sys
 import unittest
 
@@ -47,6 +48,40 @@ class RegionTest(CliTest):
         for cell in found:  # no further than touching the box
             corners = np.array([at[i] for i in cell])
             self.assertTrue((corners.max(0) >= (x0, y0)).all() and (corners.min(0) <= (x1, y1)).all())
+
+    def test_of_a_polygon_are_those_that_a_question_to_the_whole_finds(self):
+        dice, (x0, y0) = random.Random(3), BOX[:2]
+        polygons = [[[[x0, y0], [x0 + 9, y0 + 1], [x0 + 2, y0 + 7]]],
+                    [[[x0 - 5, y0 - 5], [x0 + 9, y0 - 5], [x0 + 9, y0 + 9], [x0 - 5, y0 + 9]], [[x0, y0], [x0 + 4, y0], [x0 + 4, y0 + 4]]],
+                    [[[x0 - 20, y0 - 20], [x0 + 20, y0 + 20], [x0 - 20, y0 - 19.99]]],  # thin, across its box
+                    [[[x0 - 300, y0], [x0 - 290, y0], [x0 - 290, y0 + 200]]],  # over the hull
+                    [[[x0 + dice.uniform(-9, 9), y0 + dice.uniform(-9, 9)] for _ in range(8)]]]  # crosses itself
+        for dimension, few in (("2", polygons), ("3", polygons[:1])):
+            whole = self.folder / ("whole" + dimension)
+            self.ok("triangulate", *BLOCK, "--dim", dimension, "--class", "2", "-o", whole, "--quiet")
+            for number, rings in enumerate(few):
+                name = f"{dimension}-{number}"
+                area = self.write(name + ".geojson", json.dumps({"type": "Polygon", "coordinates": rings}))
+                args = ("--polygon", area, "-o", self.folder / name, "--format", "npy", "--overwrite")
+                asked = self.run_tessera("query", whole, "cells", *args, "--quiet")
+                with self.subTest(name=name):
+                    if asked.returncode != 0:
+                        self.assertEqual((asked.returncode, number), (USAGE, 3), asked.stderr)
+                        self.refused(USAGE, "region", *BLOCK, "--dim", dimension, "--class", "2", *args, says=("--polygon", "no cell"))
+                        continue
+                    expected, at = self.arrays(self.folder / name)
+                    done = json.loads(self.ok("region", *BLOCK, "--dim", dimension, "--class", "2", *args, "--json"))
+                    found, also_at = self.arrays(self.folder / name)
+                    self.assertTrue(done["complete"])
+                    self.assertGreater(len(found), 10)
+                    self.assertEqual((found, also_at), (expected, at))
+        self.ok("region", *BLOCK, "--dim", "2", "--class", "2", "--polygon", self.folder / "2-0.geojson", "-o", self.out, "--quiet")
+        region = json.loads(self.ok("info", self.out, "--json"))["region"]
+        self.assertEqual((region["min"], region["complete"]), ([x0, y0, None], False))  # not all that meet the box
+        arrays = read_tile(self.out / "tiles" / "000000.vtu")
+        self.assertEqual(set(arrays["CellData/final"].tolist()), {1})
+        self.refused(USAGE, "region", *BLOCK, "--polygon", "2-0.geojson", "--bbox", "0,0,1,1", "-o", "b", says="either --bbox or --polygon")
+        self.refused(BAD_INPUT, "region", *BLOCK, "--polygon", self.write("line.geojson", '{"type":"LineString","coordinates":[[0,0],[1,1]]}'), "-o", "b", says="Polygon")
 
     def test_of_everything_is_the_whole(self):
         """With its indices, whatever is left out, and points that two files have."""

@@ -4,7 +4,7 @@ import unittest
 from cli import IO, OK, USAGE, CliTest
 
 DAEMON = ["jobs", "job", "watch", "cancel", "resume", "results", "fetch", "upload", "nodes", "drain"]  # ask one
-COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "certs", "cluster", *DAEMON, "generate", "harness"]
+COMMANDS = ["triangulate", "verify", "info", "export", "region", "query", "dem", "contours", "profile", "certs", "cluster", *DAEMON, "generate", "harness"]
 
 
 class Help(CliTest):
@@ -138,7 +138,7 @@ class Sources(CliTest):
 KEYS = {"-" + key for key in ["dim", "max-points-per-tile", "tiles", "partition", "threads", "memory", "crop", "resolution", "class", "crs", "returns", "without",
                               "attributes", "z", "skip-invalid", "neighbors", "recursive", "kernel", "quiet", "verbose", "json",
                               "against-cgal", "scratch", "stats", "format", "index", "max-edge", "seed", "server", "token-file", "token", "ca",
-                              "patience", "status", "limit", "max-points", "max-seconds", "partial", "scan", "method", "weights", "res", "type"]}
+                              "patience", "status", "limit", "max-points", "max-seconds", "partial", "scan", "method", "weights", "res", "type", "interval", "base", "hillshade", "azimuth", "altitude"]}
 
 if __name__ == "__main__":
     unittest.main()

@@ -3,6 +3,7 @@ import math
 import os
 import pathlib
 import random
+import subprocess
 import unittest
 from fractions import Fraction
 
@@ -149,6 +150,22 @@ class Dem(CliTest):
         self.assertAlmostEqual(part_left, -2.1)
         self.assertTrue(np.isnan(self.dem(out, "far.tif", "--bbox", "100,100,103,103").ReadAsArray()).all())
 
+    def test_a_box_needs_no_other_tiles(self):
+        out = self.triangulate(self.cloud("uniform"), "64")
+        box = ("--bbox", "-2.05,-3,0.4,-1")
+        part = self.dem(out, "part.tif", *box, res="0.3").ReadAsArray()
+        self.assertFalse(np.isnan(part).any())
+        needless = 0
+        for tile in sorted((out / "tiles").glob("*.vtu")):  # what is not read may be anything
+            kept = tile.read_bytes()
+            tile.write_bytes(b"nothing")
+            if self.run_tessera("dem", out, "--res", "0.3", "-o", "a.tif", "--overwrite", *box).returncode == 0:
+                np.testing.assert_array_equal(gdal.Open(str(self.folder / "a.tif")).ReadAsArray().view("u4"), part.view("u4"))
+                needless += 1
+            else:
+                tile.write_bytes(kept)
+        self.assertTrue(30 < needless < 64)
+
     def test_the_file_is_cloud_optimized_with_system_and_overviews(self):
         dice = random.Random(1)
         cloud = self.write("p.csv", "x,y,z,intensity\n" + "".join(
@@ -168,6 +185,25 @@ class Dem(CliTest):
         intensity = self.dem(self.out, "i.tif", "--value", "intensity", res="1")
         self.assertTrue(0 < np.nanmax(intensity.ReadAsArray()) <= 98)
         self.assertEqual(intensity.GetRasterBand(1).GetDescription(), "intensity")
+
+    def test_a_hillshade_is_gdaldems_for_every_tiling(self):
+        shades = []
+        for tiles in TILINGS:
+            out = self.triangulate(self.cloud("uniform", 3000), *tiles)
+            shades.append(self.dem(out, "shade.tif", "--hillshade", "--azimuth", "250.5", "--altitude", "30", "--max-edge", "1", res="0.05").ReadAsArray())
+        self.dem(out, "dem.tif", "--max-edge", "1", res="0.05")
+        subprocess.run(["gdaldem", "hillshade", "-q", "-compute_edges", "-az", "250.5", "-alt", "30", "dem.tif", "right.tif"], cwd=self.folder, check=True)
+        right = gdal.Open(str(self.folder / "right.tif")).ReadAsArray()
+        self.assertGreater(len(np.unique(right)), 50)
+        self.assertTrue(0.01 < (right == 0).mean() < 0.5)
+        for shade in shades:
+            np.testing.assert_array_equal(shade, right)
+        file = self.dem(out, "shade.tif", "--hillshade")
+        self.assertEqual((file.GetRasterBand(1).DataType, file.GetRasterBand(1).GetNoDataValue()), (gdal.GDT_Byte, 0))
+        self.assertEqual(file.GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG")
+        self.refused(USAGE, "dem", out, "--res", "1", "-o", "b.tif", "--hillshade", "--type", "float64", says="bytes")
+        self.refused(USAGE, "dem", out, "--res", "1", "-o", "b.tif", "--hillshade", "--altitude", "91", says="--altitude")
+        self.refused(USAGE, "dem", out, "--res", "1", "-o", "b.tif", "--azimuth", "91", says="--hillshade")
 
     def test_wrong_orders_get_a_sentence_and_leave_nothing(self):
         out = self.triangulate(self.cloud("uniform"), "2")

@@ -1,0 +1,101 @@
+// tessera contours: the contour lines of a 2D result.
+#include "src/terrain/contours.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/percent_line.h"
+#include "src/apps/terrain_commands.h"
+#include "src/job/arguments.h"
+#include "src/job/job_options.h"
+#include "src/job/machine.h"
+#include "src/report/human.h"
+
+namespace tessera {
+namespace {
+
+void print(const Contours& contours, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(contours).c_str());
+  } else if (!output.quiet) {
+    std::printf("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
+                grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
+                grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
+    if (contours.left_out > 0)
+      std::printf("%s cells with longer edges are left out\n", grouped(contours.left_out).c_str());
+    if (!contours.note.empty()) std::fprintf(stderr, "note: %s\n", contours.note.c_str());
+  }
+}
+
+Status run_contours(Settings& settings, const std::string& folder) {
+  const std::string target = settings.text("output").value_or("");
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera contours --help'");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.gpkg");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  ContourOptions options;
+  BOOST_OUTCOME_TRY(interval, settings.get("interval", [](const std::string& text) { return parse_distance(text); }));
+  if (!interval) return error(Errc::usage, "the distance of levels is not given; add --interval 5");
+  options.interval = *interval;
+  BOOST_OUTCOME_TRY(base, settings.get("base", [](const std::string& text) { return parse_finite(text); }));
+  options.base = base.value_or(0);
+  BOOST_OUTCOME_TRY(box, settings.get("bbox", [](const std::string& text) { return parse_crop(text, 2); }));
+  if (box) options.box = Bounds{box->lo, box->hi};
+  BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  options.max_edge = max_edge;
+  options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  options.overwrite = overwrite;
+  BOOST_OUTCOME_TRY(memory,
+                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
+  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  BOOST_OUTCOME_TRY(
+      threads,
+      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
+  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  options.progress = share_line("tracing", output);
+
+  const Interrupt interrupt;
+  auto result = write_contours(folder, target, options, interrupt.token());
+  clear_line(output);
+  BOOST_OUTCOME_TRY(contours, std::move(result));
+  print(contours, output);
+  return success();
+}
+
+}  // namespace
+
+Command add_contours(CLI::App& root) {
+  auto command = new_command(
+      root, "contours", "Writes the contour lines of a 2D result",
+      "  tessera contours ground/ --interval 1 -o lines.gpkg                  (for QGIS, with the attribute "
+      "elevation)\n"
+      "  tessera contours ground/ --interval 5 --base 2.5 -o lines.geojson    (levels ..., -2.5, 2.5, 7.5, ...)\n"
+      "  tessera contours ground/ --interval 1 --max-edge 5 -o lines.gpkg     (without what bridges gaps)\n"
+      "  tessera contours ground/ --interval 1 --bbox 885000,629000,885100,629100 -o part.gpkg");
+  add_value(command, "interval", "LENGTH", "between levels, in units of the heights");
+  add_value(command, "base", "HEIGHT", "a level; default: 0");
+  add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: only lines in the cells that meet it; default: all", 0, true);
+  add_value(command, "max-edge", "LENGTH", "no lines in cells with a longer edge in the plane; default: none");
+  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "output", "PATH", "the file to write, whose name ends in .gpkg or .geojson", 'o', true);
+  add_value(command, "memory", "SIZE", "memory for tiles and lines, as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
+    return run_contours(*settings, *folder);
+  };
+  return command;
+}
+
+}  // namespace tessera

@@ -1,0 +1,110 @@
+// tessera profile: the heights of a 2D result along a line.
+#include "src/terrain/profile.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/terrain_commands.h"
+#include "src/files/whole_file.h"
+#include "src/job/arguments.h"
+#include "src/job/machine.h"
+#include "src/query/geojson.h"
+#include "src/query/stored_triangulation.h"
+
+namespace tessera {
+namespace {
+
+// "x,y x,y ...", or a GeoJSON file with one line.
+Result<std::vector<Point>> read_line(const std::string& text) {
+  const auto refused = [&](const std::string& why) { return error(Errc::usage, "--line: '" + text + "' " + why); };
+  if (text.ends_with(".geojson") || text.ends_with(".json")) {
+    BOOST_OUTCOME_TRY(lines, query::read_geojson(text, query::GeoJson::lines));
+    if (lines.size() > 1)
+      return error(Errc::bad_input, text + ": has " + std::to_string(lines.size()) + " lines, not one");
+    return std::move(lines[0]);
+  }
+  std::vector<Point> line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::size_t comma = word.find(',');
+    const auto x = parse_finite(word.substr(0, comma));
+    const auto y = parse_finite(comma == std::string::npos ? "" : word.substr(comma + 1));
+    if (!x || !y) return refused("is neither points like '0,0 50,20' nor a GeoJSON file");
+    line.push_back(without_negative_zero({x.value(), y.value(), 0}));
+  }
+  if (line.size() < 2) return refused("has fewer than two points");
+  return line;
+}
+
+Status write(const std::string& csv, const std::string& target, bool overwrite) {
+  if (target.empty()) {
+    if (std::fwrite(csv.data(), 1, csv.size(), stdout) == csv.size() && std::fflush(stdout) == 0) return success();
+    return error(Errc::io, "standard output: cannot be written");
+  }
+  std::error_code code;
+  if (!overwrite && std::filesystem::exists(target, code))
+    return error(Errc::usage, target + ": exists already; --overwrite replaces it");
+  return write_whole(target, csv);
+}
+
+Status run_profile(Settings& settings, const std::string& folder) {
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera profile --help'");
+  const auto text = settings.text("line");
+  if (!text) return error(Errc::usage, "no line is given; add --line '0,0 50,20' or --line FILE.geojson");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(line, read_line(*text));
+  ProfileOptions options;
+  BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& given) { return parse_distance(given); }));
+  options.max_edge = max_edge;
+  options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  BOOST_OUTCOME_TRY(memory,
+                    settings.get("memory", or_auto([](const std::string& given) { return parse_memory(given); }, 0)));
+  // Half for tiles, half for what is found in them.
+  options.memory_bytes = (memory.value_or(0) > 0 ? *memory : default_memory()) / 2;
+
+  const Interrupt interrupt;
+  options.stop = interrupt.token();
+  BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(folder, {.memory_bytes = options.memory_bytes}));
+  BOOST_OUTCOME_TRY(points, profile(result, folder, line, options));
+  return write(to_csv(points, options.value), settings.text("output").value_or(""), overwrite);
+}
+
+}  // namespace
+
+Command add_profile(CLI::App& root) {
+  auto command =
+      new_command(root, "profile", "Writes the heights of a 2D result along a line",
+                  "  tessera profile ground/ --line '885000,629000 885100,629080 885120,629080' -o profile.csv\n"
+                  "  tessera profile ground/ --line road.geojson --max-edge 5      (to standard output, without what "
+                  "bridges gaps)\n\n"
+                  "There is a point wherever the line bends or crosses an edge: distance,x,y,z,part. The surface joins "
+                  "points of one "
+                  "part\nby straight lines, and there is none between one part and the next.");
+  add_value(command, "line", "LINE",
+            "x,y x,y ... in quotes, or a GeoJSON file with one line, in the result's coordinates", 0, true);
+  add_value(command, "max-edge", "LENGTH", "nothing in cells with a longer edge in the plane; default: none");
+  add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "output", "PATH", "the file to write, as CSV; without it, standard output", 'o', true);
+  add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
+  add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
+    return run_profile(*settings, *folder);
+  };
+  return command;
+}
+
+}  // namespace tessera

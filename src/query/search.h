@@ -1,0 +1,25 @@
+// Which cells meet an area.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <stop_token>
+#include <vector>
+
+#include "src/query/area.h"
+#include "src/query/homes.h"
+#include "src/query/walker.h"
+
+namespace tessera::query {
+
+struct Found {
+  std::map<TileId, std::vector<std::int32_t>> cells;  // the places of main cells by tile, in no order
+  std::set<TileId> owners;                            // of the vertices of these cells
+};
+
+// All main cells that meet the area, each once. Errors: of reading; interrupted.
+Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifest, const Area& area,
+                     const std::stop_token& stop);
+
+}  // namespace tessera::query

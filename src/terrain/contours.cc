@@ -1,0 +1,175 @@
+#include "src/terrain/contours.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "src/base/option.h"
+#include "src/crs/crs.h"
+#include "src/export/output.h"
+#include "src/files/names.h"
+#include "src/query/column.h"
+#include "src/query/on_threads.h"
+#include "src/query/query_tile.h"
+#include "src/store/tile_store.h"
+#include "src/terrain/contour_cells.h"
+#include "src/terrain/contour_lines.h"
+#include "src/terrain/line_file.h"
+#include "src/terrain/link_pieces.h"
+#include "src/terrain/tiles.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace terrain {
+namespace {
+
+// Of the whole, reading tiles; the rest is writing lines.
+constexpr double reading_part = 0.7;
+// A piece, and the point of a line that it makes.
+constexpr std::uint64_t piece_bytes = sizeof(Piece) + 2 * sizeof(std::size_t) + sizeof(LinePoint);
+// As a mesh with attributes and neighbours, its values, and what reading takes beside it.
+constexpr double tile_factor = 1.5;
+
+class Tracing {
+ public:
+  Tracing(const fs::path& out, const Manifest& manifest, const query::Column& column, const ContourOptions& options,
+          ContourLines& lines)
+      : out_(out),
+        manifest_(manifest),
+        column_(column),
+        levels_{.interval = options.interval, .base = options.base},
+        options_(options),
+        lines_(lines) {}
+
+  Status run(TileQueue& tiles, std::uint64_t memory_bytes) {
+    constexpr std::uint64_t pieces_least = 1 << 16;
+    const unsigned threads = tiles.threads(options_.threads, memory_bytes, tile_factor, pieces_least * piece_bytes);
+    const std::uint64_t share = memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
+    pieces_max_ = std::max((share - std::min(share, tile_bytes)) / piece_bytes, pieces_least);
+    std::atomic<bool> failed{false};
+    return query::on_threads(threads, failed, [&]() -> Status {
+      while (!failed) {
+        BOOST_OUTCOME_TRY(entry, tiles.next());
+        if (entry == nullptr) break;
+        BOOST_OUTCOME_TRYV(trace(*entry));
+        tiles.done();
+      }
+      return success();
+    });
+  }
+  std::uint64_t left_out() const { return left_out_; }
+  const Levels& levels() const { return levels_; }
+
+ private:
+  Status trace(const TileEntry& entry) {
+    BOOST_OUTCOME_TRY(tile, query::QueryTile::load(out_, manifest_, entry, true));
+    const ContourCells cells(*tile, column_, levels_, options_.max_edge, options_.box);
+    constexpr std::int64_t levels_max = 1 << 24;
+    if (cells.too_far() || cells.end() - cells.begin() > levels_max)
+      return error(Errc::usage, option("interval") + ": is too small for the values of the vertices");
+    left_out_ += cells.left_out();
+    const std::vector<std::uint64_t> most = cells.most_pieces();
+    std::vector<Piece> pieces;
+    std::vector<LinePoint> points;
+    // So many levels at once as there is room for.
+    for (std::int64_t begin = cells.begin(), end = begin; begin < cells.end(); begin = end) {
+      std::uint64_t count = 0;
+      do count += most[static_cast<std::size_t>(end++ - cells.begin())];
+      while (end < cells.end() && count + most[static_cast<std::size_t>(end - cells.begin())] <= pieces_max_);
+      pieces.clear();
+      BOOST_OUTCOME_TRYV(cells.for_each_piece(begin, end, [&](const Piece& piece) { pieces.push_back(piece); }));
+      BOOST_OUTCOME_TRYV(link_pieces(pieces, [&](std::int64_t level, const std::vector<TileEdge>& edges) -> Status {
+        points.clear();
+        for (const TileEdge& edge : edges) {
+          const Point at = cells.crossing(edge, level);
+          points.push_back({tile->id_of(edge.a), tile->id_of(edge.b), at.x, at.y});
+        }
+        return lines_.add(level, points);
+      }));
+    }
+    return success();
+  }
+
+  const fs::path& out_;
+  const Manifest& manifest_;
+  query::Column column_;
+  Levels levels_;
+  const ContourOptions& options_;
+  ContourLines& lines_;
+  std::uint64_t pieces_max_ = 0;
+  std::atomic<std::uint64_t> left_out_{0};
+};
+
+Status check(const fs::path& out, const Manifest& manifest, const ContourOptions& options) {
+  if (!(std::isfinite(options.interval) && options.interval > 0))
+    return error(Errc::usage, option("interval") + ": must be a length, finite and above 0");
+  if (!std::isfinite(options.base)) return error(Errc::usage, option("base") + ": must be finite");
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  if (manifest.dimension != 2)
+    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
+                                  option("dim", "2"));
+  if (manifest.partition.empty())
+    return error(Errc::corrupt, manifest_file(out).string() +
+                                    ": is of format 1, which tells no owners of vertices; triangulate again");
+  return success();
+}
+
+}  // namespace
+}  // namespace terrain
+
+std::string to_json(const Contours& contours) {
+  using Json = nlohmann::ordered_json;
+  const Json object{{"event", "contours"},           {"output", contours.path.string()}, {"lines", contours.lines},
+                    {"closed", contours.closed},     {"vertices", contours.vertices},    {"levels", contours.levels},
+                    {"left_out", contours.left_out}, {"bytes", contours.bytes},          {"note", contours.note}};
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<Contours> write_contours(const fs::path& out, const fs::path& target, const ContourOptions& options,
+                                std::stop_token stop) {
+  BOOST_OUTCOME_TRYV(terrain::LineFile::check_target(target, options.overwrite));
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRYV(terrain::check(out, manifest, options));
+  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+  const bool heights = options.value == "z";
+
+  // A quarter for sorting, the rest for tiles.
+  const std::uint64_t sort_bytes = options.memory_bytes / 4, tile_bytes = options.memory_bytes - sort_bytes;
+  BOOST_OUTCOME_TRY(entries,
+                    terrain::tiles_meeting(out, manifest, options.box, {.memory_bytes = tile_bytes, .stop = stop}));
+  const auto tell = [&](double done) {
+    if (options.progress) options.progress(done);
+  };
+  terrain::TileQueue tiles(std::move(entries), stop, [&](double done) { tell(terrain::reading_part * done); });
+  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target), sort_bytes));
+  terrain::Tracing tracing(out, manifest, column, options, lines);
+  BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
+
+  BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = manifest.crs,
+                                                             .layer = "contours",
+                                                             .value = heights ? "elevation" : options.value,
+                                                             .heights = heights}));
+  Contours contours{.path = target, .left_out = tracing.left_out(), .note = crs_note(manifest.crs)};
+  std::optional<std::int64_t> last;
+  BOOST_OUTCOME_TRYV(lines.for_each([&](std::int64_t level, std::span<const Point> points) -> Status {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while writing lines");
+    ++contours.lines;
+    contours.closed += points.front() == points.back() ? 1 : 0;
+    contours.vertices += points.size();
+    contours.levels += last != level ? 1 : 0;
+    last = level;
+    return file->add(tracing.levels().height(level), points);
+  }));
+  BOOST_OUTCOME_TRY(bytes, file->finish());
+  contours.bytes = bytes;
+  tell(1);
+  return contours;
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// The contour lines of a 2D result: of its heights, or of any other value of its vertices, linear in each cell.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+
+namespace tessera {
+
+struct ContourOptions {
+  double interval = 1;                  // between levels, in units of the values
+  double base = 0;                      // a level
+  std::optional<Bounds> box = {};       // x and y alone: only in cells that meet it, uncut; default: all
+  std::optional<double> max_edge = {};  // not in cells with a longer edge in the plane
+  std::string value = "z";              // an attribute of the vertices; z are the heights
+  bool overwrite = false;
+  std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least that of a tile is used
+  unsigned threads = 1;
+  std::function<void(double)> progress = {};  // is told the part that is done, 0..1, by one thread at a time; or null
+};
+
+struct Contours {
+  std::filesystem::path path;
+  std::uint64_t lines = 0, closed = 0, vertices = 0;
+  std::uint64_t levels = 0;    // that have lines
+  std::uint64_t left_out = 0;  // cells, for their edges
+  std::uint64_t bytes = 0;     // of the file
+  std::string note = {};       // a sentence when the coordinates have no system; else empty
+};
+
+// What the command prints: one line of JSON without its end.
+std::string to_json(const Contours& contours);
+
+// Writes `target`, a GeoPackage (.gpkg) or GeoJSON (.geojson, .json) of lines with the attribute `elevation`, or the
+// name of another value. What a line is, exactly, stands in contour_cells.h, their order and beginnings in
+// contour_lines.h: the file is a function of the triangulation, however the result is tiled. Tiles are read once, each
+// by itself; lines wait in a file without a name in the target's folder. Errors: usage, before anything is written, for
+// wrong options, a 3D result, no such attribute, a target that exists, an interval too small for the values; corrupt
+// for a damaged tile or a result of format 1; io; interrupted.
+Result<Contours> write_contours(const std::filesystem::path& out, const std::filesystem::path& target,
+                                const ContourOptions& options, std::stop_token stop);
+
+}  // namespace tessera
