@@ -24,6 +24,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_region(root));
   commands.push_back(add_query(root));
   commands.push_back(add_dem(root));
+  commands.push_back(add_tileset(root));
   commands.push_back(add_certs(root));
   commands.push_back(add_cluster(root));
   commands.push_back(add_jobs(root));
