@@ -12,6 +12,7 @@ build=(
   libboost-dev                              # Outcome, Asio
   libprotobuf-dev protobuf-compiler
   libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
+  libmeshoptimizer-dev                      # surfaces for viewers
   libgdal-dev                               # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
@@ -37,6 +38,9 @@ installed() { [[ $(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null || tr
 
 # ParaView brings a VTK of its own, and Debian installs one of the two.
 installed python3-paraview || { test+=(python3-vtk9); demo+=(python3-vtk9); }
+
+# Fetches the packages of the dashboard's viewer; who has Node.js from elsewhere has it with that.
+command -v npm >/dev/null || build+=(npm)
 
 [[ $# -gt 0 ]] || set -- build test
 packages=()

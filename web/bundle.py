@@ -1,11 +1,12 @@
 """Bundles the dashboard, and writes it as a C++ source:
 
-    bundle.py ESBUILD SOURCES OUT.cc
+    bundle.py ESBUILD SOURCES PACKAGES OUT.cc
 
 Every entry point becomes a file of its own; what they share, and what is imported only when it is needed, others.
 """
 
 import hashlib
+import os
 import pathlib
 import subprocess
 import sys
@@ -18,9 +19,14 @@ TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=u
 PIECE = 4096  # bytes of a literal on one line
 
 
-def bundle(esbuild, sources, folder):
+# Unpacks in plain JavaScript. The package's other one is WebAssembly, which the page's policy would have to allow.
+DECODER = "meshoptimizer/meshopt_decoder_reference.js"
+
+
+def bundle(esbuild, sources, packages, folder):
     subprocess.run([esbuild, *(str(sources / entry) for entry in ENTRIES), "--bundle", "--splitting", "--format=esm",
-                    "--target=es2022", "--minify", "--log-level=warning", f"--outdir={folder}"], check=True)
+                    "--target=es2022", "--minify", "--log-level=warning", f"--alias:meshopt-decoder={packages / DECODER}", f"--outdir={folder}"],
+                   env=os.environ | {"NODE_PATH": str(packages)}, check=True)
     for name in STATIC:
         (folder / name).write_bytes((sources / name).read_bytes())
     return sorted(folder.iterdir())
@@ -44,9 +50,9 @@ def source_of(files):
     yield "}};\n\n}  // namespace\n\nstd::span<const WebFile> web_files() { return files; }\n\n}  // namespace tessera"
 
 
-def main(esbuild, sources, out):
+def main(esbuild, sources, packages, out):
     with tempfile.TemporaryDirectory() as folder:
-        files = bundle(esbuild, pathlib.Path(sources), pathlib.Path(folder))
+        files = bundle(esbuild, pathlib.Path(sources), pathlib.Path(packages), pathlib.Path(folder))
         pathlib.Path(out).write_text("\n".join(source_of(files)) + "\n")
 
 

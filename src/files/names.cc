@@ -143,6 +143,7 @@ fs::path forgotten_jobs_file(const fs::path& data) { return data / "forgotten.tx
 fs::path event_numbers_file(const fs::path& data) { return data / "events.json"; }
 fs::path results_folder(const fs::path& data) { return data / "results"; }
 fs::path exports_folder(const fs::path& out) { return out / "exports"; }
+fs::path tileset_of_result(const fs::path& out) { return exports_folder(out) / "3dtiles"; }
 fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
 
 fs::path tokens_file(const fs::path& data) { return data / "tokens"; }
@@ -151,6 +152,12 @@ fs::path part_file(const fs::path& final_name) {
 }
 fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
 fs::path removed_folder(const fs::path& folder, const std::string& token) { return folder / (removed + token); }
+
+fs::path tileset_file(const fs::path& tileset) { return tileset / "tileset.json"; }
+fs::path tileset_nodes_folder(const fs::path& tileset) { return tileset / "nodes"; }
+fs::path tileset_node_file(const fs::path& tileset, std::uint32_t node) {
+  return numbered(tileset_nodes_folder(tileset), node, ".glb");
+}
 
 fs::path authority_file(const fs::path& certs) { return node_certificate_file(certs, authority); }
 fs::path authority_key_file(const fs::path& certs) { return node_key_file(certs, authority); }

@@ -34,8 +34,14 @@
 //   DATA/events.json               which numbers events may have next
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
 //   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
+//   .../exports/3dtiles/           its tileset, which the dashboard shows
 //   .../.unfinished-ID             what job ID makes, until it is whole
 //   .../.removed-...               what is being removed
+//
+// and in a tileset (src/tileset):
+//
+//   TILESET/tileset.json           the tree of its nodes; written last
+//   TILESET/nodes/000042.glb       the surface of a node
 //
 // and in a folder of certificates (src/certs):
 //
@@ -123,6 +129,7 @@ std::filesystem::path forgotten_jobs_file(const std::filesystem::path& data);
 std::filesystem::path event_numbers_file(const std::filesystem::path& data);
 std::filesystem::path results_folder(const std::filesystem::path& data);
 std::filesystem::path exports_folder(const std::filesystem::path& out);
+std::filesystem::path tileset_of_result(const std::filesystem::path& out);
 std::filesystem::path uploads_folder(const std::filesystem::path& data);
 std::filesystem::path tokens_file(const std::filesystem::path& data);
 std::filesystem::path part_file(const std::filesystem::path& final_name);
@@ -130,6 +137,11 @@ std::filesystem::path part_file(const std::filesystem::path& final_name);
 std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);
 // What is renamed to this is nobody's any more; `token`: no two have the same.
 std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
+
+// Tilesets.
+std::filesystem::path tileset_file(const std::filesystem::path& tileset);
+std::filesystem::path tileset_nodes_folder(const std::filesystem::path& tileset);
+std::filesystem::path tileset_node_file(const std::filesystem::path& tileset, std::uint32_t node);
 
 // Folders of certificates.
 std::filesystem::path authority_file(const std::filesystem::path& certs);

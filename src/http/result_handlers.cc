@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <utility>
 
 #include "src/files/names.h"
@@ -52,6 +53,19 @@ Answer remove(const Call& call) {
 Answer file(const Call& call) {
   const Reply<ServedFile> found = call.context.backend.file(call.arguments[0], call.arguments[1]);
   return found ? file_answer(call.request, found.value()) : problem(found.error());
+}
+
+// The files of the tileset that the dashboard shows, where programs look for such.
+Answer tileset(const Call& call) {
+  const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
+  const Reply<ServedFile> found = call.context.backend.file(call.arguments[0], path.string());
+  if (found) return file_answer(call.request, found.value());
+  if (found.error().status() != 404) return problem(found.error());
+  return problem(404,
+                 "triangulation '" + call.arguments[0] +
+                     "' has no such file of a tileset; the process export makes one: format 3dtiles, output " +
+                     tileset_of_result("").filename().string(),
+                 2);
 }
 
 Answer remove_export(const Call& call) {
@@ -138,6 +152,15 @@ void add_result_routes(std::vector<Route>& routes) {
                      {206, "application/octet-stream", "", "A part of it"},
                      {304, "", "", "It is the one that If-None-Match names"}},
                     file});
+  routes.push_back({"GET",
+                    "/v1/triangulations/{triangulation}/3dtiles/{path*}",
+                    Role::read,
+                    "getTileset",
+                    "A 2D result as 3D Tiles 1.1: tileset.json and what it names",
+                    {{200, json, "", "The tileset"},
+                     {200, "model/gltf-binary", "", "The surface of a node"},
+                     {304, "", "", "It is the one that If-None-Match names"}},
+                    tileset});
   routes.push_back({"DELETE",
                     "/v1/triangulations/{triangulation}/files/{path*}",
                     Role::submit,

@@ -75,6 +75,7 @@ std::string media_type(const fs::path& path) {
       {".geojson", "application/geo+json"},
       {".csv", "text/csv"},
       {".gpkg", "application/geopackage+sqlite3"},
+      {".glb", "model/gltf-binary"},
       {".obj", "model/obj"},
       {".pvtu", "application/vnd.vtk.xml"},
       {".vtu", "application/vnd.vtk.xml"},
@@ -284,6 +285,7 @@ Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
   if (manifest.digest) info.set_digest(digest_text(*manifest.digest));
   info.set_created(held.value().created);
   info.set_crs(manifest.crs);
+  info.set_tileset(export_exists(name, tileset_of_result("").filename().string()));
   const auto& box = manifest.bounds;
   if (!box.empty()) {
     for (const Point& corner : {box.lo, box.hi})

@@ -22,12 +22,15 @@
 #include "src/service/costs.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
+#include "src/tileset/tileset.h"
 #include "src/verify/verify.h"
 
 namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr const char* tileset_format = "3dtiles";  // of exports, beside those of src/export
 
 // Of a result that was complete when its job went on.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
@@ -146,31 +149,62 @@ Result<Json> written_files(const std::filesystem::path& folder) {
   return list;
 }
 
-Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
-  const auto& inputs = work.job.inputs().export_();
-  auto options = export_options(inputs);
-  if (!options) return problem_of(options.error());
-  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
-  options.value().progress = [&](double part) {
-    // As a share of points that there may not be: a percentage for those who watch.
+// What `write` has made in the job's folder, or nothing.
+template <class Write>
+auto written_aside(const std::filesystem::path& folder, const JobWork& work, const Write& write) {
+  auto made = [&]() -> decltype(write()) {
+    if (const auto left = remove_tree(folder)) return io_error(folder, "cannot be removed", left.value());
+    BOOST_OUTCOME_TRYV(make_directories(folder));
+    return write();
+  }();
+  if (!made) {
+    if (const auto left = remove_tree(folder)) work.log(folder.string() + ": cannot be removed: " + left.message());
+    std::error_code others;
+    std::filesystem::remove(folder.parent_path(), others);  // stays when anything is in it
+  }
+  return made;
+}
+
+// As a share of points that there may not be: a percentage for those who watch.
+std::function<void(double)> percentage(const JobWork& work) {
+  return [&work](double part) {
     work.progress.points_total = 100;
     work.progress.points_triangulated = static_cast<std::uint64_t>(part * 100);
   };
+}
+
+Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
+  const auto& inputs = work.job.inputs().export_();
+  if (inputs.has_heights() || inputs.has_spatial_index())
+    return problem(400, "format: 3dtiles takes neither heights nor spatial_index", Errc::usage);
+  TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
+  if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
-  const auto exported = [&]() -> Result<Exported> {
-    if (const auto left = remove_tree(folder)) return io_error(folder, "cannot be removed", left.value());
-    BOOST_OUTCOME_TRYV(make_directories(folder));
-    auto path = folder / inputs.output();
+  const auto made = written_aside(folder, work, [&] {
+    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options, work.stop);
+  });
+  if (!made) return problem_of(made.error());
+  Json outcome = Json::parse(to_json(made.value()));
+  const auto document = tileset_file(exports_folder("") / inputs.output());
+  outcome["output"] = inputs.output();
+  outcome["written"] = Json::array({Json{{"path", document.string()}, {"bytes", made.value().bytes}}});
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
+Reply<JobDone> export_triangulation(const Workshop& shop, const JobWork& work) {
+  const auto& inputs = work.job.inputs().export_();
+  if (inputs.format() == tileset_format) return export_tileset(shop, work);
+  auto options = export_options(inputs);
+  if (!options) return problem_of(options.error());
+  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  options.value().progress = percentage(work);
+  const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
+  const auto exported = written_aside(folder, work, [&] {
     // A name without an ending is a folder of files.
-    return export_result(shop.results.folder(inputs.triangulation()), path, options.value(), work.stop);
-  }();
-  if (!exported) {
-    const auto exports = folder.parent_path();
-    if (const auto left = remove_tree(folder)) work.log(folder.string() + ": cannot be removed: " + left.message());
-    std::error_code others;
-    std::filesystem::remove(exports, others);  // stays when anything is in it
-    return problem_of(exported.error());
-  }
+    return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
+                         work.stop);
+  });
+  if (!exported) return problem_of(exported.error());
   auto written = written_files(folder);
   if (!written) return problem_of(written.error());
   const auto& made = exported.value();

@@ -22,7 +22,8 @@ class Browser:
     def __init__(self):
         options = webdriver.ChromeOptions()
         options.binary_location = "/usr/bin/chromium"
-        for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu", "--window-size=1280,800",
+        for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
+                         "--enable-unsafe-swiftshader", "--window-size=1280,800",
                          "--disable-background-networking", "--disable-component-update", "--no-first-run",
                          "--force-device-scale-factor=1", "--disable-sync", "--disable-default-apps"):
             options.add_argument(argument)

@@ -1,5 +1,6 @@
 """The dashboard with 10,000 jobs and 100,000 tiles, and a stream of events that breaks: on a service that is played."""
 import pathlib
+import re
 import tempfile
 import unittest
 import urllib.request
@@ -17,9 +18,13 @@ def files_of_the_dashboard():
     with tempfile.TemporaryDirectory() as folder:
         running = daemon.Daemon(pathlib.Path(folder) / "data")
         files = {}
-        for name in ("", "app.js", "style.css", "icon.svg"):
+        names = ["", "app.js", "style.css", "icon.svg"]
+        for name in names:
             with urllib.request.urlopen(f"{running.url}ui/{name}") as answer:
                 files[name or "index.html"] = (answer.headers["Content-Type"], answer.headers["Content-Security-Policy"], answer.read())
+            if name.endswith(".js"):  # and what it is made of
+                found = re.findall(r'"\./([\w-]+\.js)"', files[name][2].decode())
+                names += [part for part in dict.fromkeys(found) if part not in names]
         running.end()
         running.log.close()
         return files

@@ -42,7 +42,7 @@ export interface Process extends ProcessSummary { inputs: Record<string, Input> 
 
 export interface Triangulation {
   name: string; dimension: number; vertices: number; cells: number; tiles: number; bytes: number; digest?: string;
-  created?: string; crs?: string; bounds: number[]; links: Link[];
+  created?: string; crs?: string; bounds: number[]; links: Link[]; tileset: boolean;
 }
 export interface TriangulationList { triangulations: Triangulation[]; links: Link[]; numberMatched: number }
 

@@ -5,6 +5,7 @@ import {JobPage} from "./job_page";
 import {JobsPage} from "./jobs_page";
 import {Connection, Live} from "./live";
 import {NodesPage} from "./nodes_page";
+import {LatePage} from "./late_page";
 import {Context, emptyState, heading, Page} from "./page";
 import {ResultPage} from "./result_page";
 import {ResultsPage} from "./results_page";
@@ -92,7 +93,7 @@ class App {
     const [section, name] = path.split("/").map(part => decodeURIComponent(part));
     const given = Object.fromEntries(new URLSearchParams(query ?? ""));
     for (const [id, link] of this.links) {
-      if (id === (section || "jobs") || (id === "jobs" && section === "submit")) link.setAttribute("aria-current", "page");
+      if (id === (section || "jobs") || (id === "jobs" && section === "submit") || (id === "results" && section === "view")) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
     this.put(this.make(this.context, section, name, given), moved);
@@ -103,6 +104,7 @@ class App {
     if (section === "jobs") return new JobPage(context, name!);
     if (section === "results") return name ? new ResultPage(context, name) : new ResultsPage(context);
     if (section === "nodes") return new NodesPage(context);
+    if (section === "view" && name) return new LatePage(`View ${name}`, async () => new (await import("./view_page")).ViewPage(context, name));
     if (section === "submit" && context.caller.role !== "read") {
       const {process, ...inputs} = given;
       return new SubmitPage(context, process ?? "triangulate", inputs);

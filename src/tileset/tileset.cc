@@ -1,0 +1,290 @@
+#include "src/tileset/tileset.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "src/base/attribute_value.h"
+#include "src/base/option.h"
+#include "src/export/cell_filter.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
+#include "src/store/tile_store.h"
+#include "src/tileset/node_files.h"
+#include "src/tileset/surface.h"
+#include "src/tiling/partition.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace tileset {
+namespace {
+
+// Where in the rows of a result an attribute is; size 0: there is none.
+struct Column {
+  std::size_t offset = 0, size = 0;
+  AttributeType type = AttributeType::f64;
+  double at(const std::byte* row) const { return size == 0 ? 0 : as_double(type, row + offset); }
+};
+
+Column find_column(const std::vector<Attribute>& schema, const std::string& name) {
+  Column column;
+  for (const auto& attribute : schema) {
+    if (attribute.name == name) return {column.offset, size_of(attribute.type), attribute.type};
+    column.offset += size_of(attribute.type);
+  }
+  return {};
+}
+
+template <class T>
+T clamped(double value) {
+  if (!(value > 0)) return 0;
+  return static_cast<T>(std::lround(std::min(value, static_cast<double>(std::numeric_limits<T>::max()))));
+}
+
+// In units of the coordinates, from the origin: what readers hold in 32 bits, with room for products.
+constexpr double farthest = 1e15;
+
+// A part of the surface whose file is written, as long as its parent needs it.
+struct Built {
+  Surface surface;
+  std::size_t place = 0;
+};
+
+class Making {
+ public:
+  Making(const fs::path& out, const Manifest& manifest, const Partition& partition, const TilesetOptions& options,
+         const std::stop_token& stop, NodeFiles& files)
+      : out_(out),
+        manifest_(manifest),
+        partition_(partition),
+        options_(options),
+        stop_(stop),
+        files_(files),
+        filter_(options.max_edge),
+        heights_(find_column(manifest.schema, "z")),
+        intensities_(find_column(manifest.schema, "intensity")),
+        classes_(find_column(manifest.schema, "classification")) {}
+
+  // Of all tiles below this row of the partition, or of this leaf; none when they have no triangles.
+  Result<std::vector<Built>> build(std::int32_t row) {
+    std::vector<Built> parts;
+    if (row < 0) {
+      BOOST_OUTCOME_TRY(surface, load(tile_at(row)));
+      if (surface.triangles() == 0) return parts;
+      BOOST_OUTCOME_TRY(built, divide(std::move(surface)));
+      parts.push_back(std::move(built));
+      return parts;
+    }
+    // Two levels of halves at a time, so that a node has four children.
+    for (const std::int32_t half : partition_.splits()[static_cast<std::size_t>(row)].child) {
+      std::vector<std::int32_t> below{half};
+      if (half >= 0) {
+        const SplitNode& split = partition_.splits()[static_cast<std::size_t>(half)];
+        below.assign(std::begin(split.child), std::end(split.child));
+      }
+      for (const std::int32_t child : below) {
+        BOOST_OUTCOME_TRY(built, build(child));
+        for (Built& part : built) parts.push_back(std::move(part));
+      }
+    }
+    if (parts.size() < 2) return parts;
+    BOOST_OUTCOME_TRY(joined, combine(std::move(parts)));
+    std::vector<Built> one;
+    one.push_back(std::move(joined));
+    return one;
+  }
+
+  std::uint64_t triangles() const { return triangles_; }
+  std::uint64_t left_out() const { return left_out_; }
+
+ private:
+  Result<Surface> load(TileId id) {
+    const auto entry = std::find_if(manifest_.tiles.begin(), manifest_.tiles.end(),
+                                    [&](const TileEntry& one) { return one.tile == id; });
+    if (entry == manifest_.tiles.end()) return Surface{};  // it has no points
+    BOOST_OUTCOME_TRY(tile, read_tile(out_, id, true));
+    const TileMesh& mesh = tile.mesh;
+    if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.cell_ghost.size() != entry->cells)
+      return error(Errc::corrupt, stored_tile_file(out_, id).string() + ": is not what the manifest says");
+    const std::size_t row = row_bytes(manifest_.schema);
+    Surface surface;
+    std::vector<std::int64_t> number(mesh.points.size(), -1);
+    for (std::size_t cell = 0; cell < mesh.cell_ghost.size(); ++cell) {
+      if (mesh.cell_ghost[cell] != 0) continue;
+      ++done_;
+      if (!filter_.keeps(mesh, cell)) {
+        ++left_out_;
+        continue;
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto v = static_cast<std::size_t>(mesh.cells[3 * cell + k]);
+        if (number[v] < 0) {
+          number[v] = static_cast<std::int64_t>(surface.vertices.size());
+          const std::byte* values = tile.rows.data() + v * row;
+          Point at = mesh.points[v];
+          at.z = heights_.at(values);
+          if (!(std::abs(at.z) <= farthest))
+            return error(Errc::usage,
+                         out_.string() + ": a vertex has no height that can be shown: " + std::to_string(at.z));
+          surface.vertices.push_back({at, mesh.ids[v], mesh.owners[v], clamped<std::uint16_t>(intensities_.at(values)),
+                                      clamped<std::uint8_t>(classes_.at(values))});
+        }
+        surface.corners.push_back(static_cast<std::uint32_t>(number[v]));
+      }
+    }
+    triangles_ += surface.triangles();
+    return surface;
+  }
+
+  Result<Built> divide(Surface surface) {
+    if (surface.triangles() <= options_.node_triangles) return add(std::move(surface), 0, {});
+    std::vector<Surface> quarters = tileset::quarters(surface);
+    surface = {};
+    std::vector<Built> parts;
+    for (Surface& quarter : quarters) {
+      BOOST_OUTCOME_TRY(part, divide(std::exchange(quarter, {})));
+      parts.push_back(std::move(part));
+    }
+    return combine(std::move(parts));
+  }
+
+  Result<Built> combine(std::vector<Built> parts) {
+    std::vector<const Surface*> surfaces;
+    std::vector<std::size_t> children;
+    double below = 0;
+    for (const Built& part : parts) {
+      surfaces.push_back(&part.surface);
+      children.push_back(part.place);
+      below = std::max(below, files_.nodes()[part.place].error);
+    }
+    const Surface fine = join(surfaces);
+    parts.clear();
+    Surface coarse = simplify(fine, options_.node_triangles);
+    const double step = height_error(fine, coarse);
+    return add(std::move(coarse), below + step, std::move(children));
+  }
+
+  Result<Built> add(Surface surface, double error, std::vector<std::size_t> children) {
+    if (stop_.stop_requested()) return tessera::error(Errc::interrupted, "interrupted while making the tileset");
+    BOOST_OUTCOME_TRY(place, files_.add(surface, error, std::move(children)));
+    if (options_.progress)
+      options_.progress(static_cast<double>(done_) / static_cast<double>(std::max<std::uint64_t>(manifest_.cells, 1)));
+    return Built{std::move(surface), place};
+  }
+
+  const fs::path& out_;
+  const Manifest& manifest_;
+  const Partition& partition_;
+  const TilesetOptions& options_;
+  std::stop_token stop_;
+  NodeFiles& files_;
+  exports::CellFilter filter_;
+  Column heights_, intensities_, classes_;
+  std::uint64_t done_ = 0, triangles_ = 0, left_out_ = 0;  // cells
+};
+
+bool is_tileset(const fs::path& folder) {
+  std::error_code code;
+  return fs::is_regular_file(tileset_file(folder), code) && fs::is_directory(tileset_nodes_folder(folder), code);
+}
+
+Status check_target(const fs::path& target, bool overwrite) {
+  std::error_code code;
+  if (!fs::exists(fs::symlink_status(target, code))) return success();
+  if (fs::is_directory(target, code) && fs::is_empty(target, code)) return success();
+  if (!overwrite)
+    return error(Errc::usage, target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
+  if (!is_tileset(target)) return error(Errc::usage, target.string() + ": is no tileset, and is not replaced");
+  return success();
+}
+
+Status check_result(const fs::path& out, const Manifest& manifest) {
+  if (manifest.dimension != 2)
+    return error(Errc::usage,
+                 out.string() + ": is a 3D result, which is no surface; triangulate with " + option("dim", "2"));
+  if (manifest.partition.empty())
+    return error(Errc::usage, out.string() + ": is of format 1, which does not tell how its tiles lie; make it again");
+  const Bounds& box = manifest.bounds;
+  if (!(box.hi.x - box.lo.x <= farthest && box.hi.y - box.lo.y <= farthest))
+    return error(Errc::usage, out.string() + ": its points are too far apart for what viewers compute with");
+  return success();
+}
+
+// A tile as it is stored, and as surface, parts of it and what joining and simplifying take.
+std::uint64_t tile_memory(const TileEntry& tile) { return tile.bytes * 5 / 4 + tile.points * 120 + tile.cells * 40; }
+
+Status check_room(const fs::path& out, const Manifest& manifest, const fs::path& folder, std::uint64_t memory_bytes) {
+  for (const TileEntry& tile : manifest.tiles)
+    if (tile_memory(tile) > memory_bytes)
+      return error(Errc::memory, out.string() + ": tile " + to_string(tile.tile) + " needs " +
+                                     std::to_string((tile_memory(tile) >> 20) + 1) + " MiB of memory: give more " +
+                                     option("memory") + ", or triangulate with less " + option("max-points-per-tile"));
+  // All levels together have 4/3 of the triangles, and a triangle takes 3 to 8 bytes.
+  const std::uint64_t needed = manifest.cells * 11;
+  std::error_code failed;
+  const auto room = fs::space(folder, failed);
+  if (!failed && room.available < needed)
+    return error(Errc::io, folder.string() + ": the tileset needs up to " + std::to_string((needed >> 20) + 1) +
+                               " MiB, and the disk has " + std::to_string(room.available >> 20) + " MiB left");
+  return success();
+}
+
+}  // namespace
+}  // namespace tileset
+
+std::string to_json(const Tileset& tileset) {
+  using Json = nlohmann::ordered_json;
+  const Json object{{"event", "tileset"},       {"output", tileset.path.string()}, {"nodes", tileset.nodes},
+                    {"leaves", tileset.leaves}, {"triangles", tileset.triangles},  {"left_out", tileset.left_out},
+                    {"bytes", tileset.bytes}};
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const TilesetOptions& options,
+                              std::stop_token stop) {
+  const fs::path path = target.has_filename() ? target : target.parent_path();
+  BOOST_OUTCOME_TRYV(tileset::check_target(path, options.overwrite));
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
+  BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));
+  if (partition.kind() == PartitionKind::random)
+    return error(Errc::usage, out.string() + ": its tiles do not lie side by side; triangulate without " +
+                                  option("partition", "random"));
+  const fs::path beside = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  BOOST_OUTCOME_TRYV(make_directories(beside));
+  BOOST_OUTCOME_TRYV(tileset::check_room(out, manifest, beside, options.memory_bytes));
+  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(path)));
+  BOOST_OUTCOME_TRY(files, tileset::NodeFiles::create(folder.path(), manifest.bounds));
+  tileset::Making making(out, manifest, partition, options, stop, files);
+  BOOST_OUTCOME_TRY(roots, making.build(partition.splits().empty() ? as_leaf(TileId{0}) : 0));
+  if (roots.empty())
+    return error(Errc::usage, out.string() + ": there are no triangles to show" +
+                                  (making.left_out() > 0 ? "; all have longer edges than " + option("max-edge") : ""));
+  BOOST_OUTCOME_TRYV(files.finish(roots.front().place, manifest));
+  BOOST_OUTCOME_TRYV(sync_folder(folder.path()));
+  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be replaced", failed.value());
+  BOOST_OUTCOME_TRYV(rename_file(folder.path(), path));
+  folder.keep();
+  BOOST_OUTCOME_TRYV(sync_folder(beside));
+  const auto leaves = std::count_if(files.nodes().begin(), files.nodes().end(),
+                                    [](const tileset::NodeEntry& node) { return node.children.empty(); });
+  return Tileset{.path = path,
+                 .nodes = files.nodes().size(),
+                 .leaves = static_cast<std::uint64_t>(leaves),
+                 .triangles = making.triangles(),
+                 .left_out = making.left_out(),
+                 .bytes = files.bytes()};
+}
+
+}  // namespace tessera

@@ -1,0 +1,140 @@
+// The viewer of a 2D result: its surface, what the colours mean, and what a cell is. It is loaded when it is asked for.
+import {address, get, Job, send, Triangulation} from "./api";
+import {h, replace, say, show} from "./dom";
+import {count} from "./format";
+import {Context, emptyState, heading, Notice, Page} from "./page";
+import {CellPanel} from "./view_cell";
+import {classColour, className, Colouring, colourings, ramp} from "./view_colours";
+import {Scene, TilesetDocument} from "./view_scene";
+
+export class ViewPage implements Page {
+  readonly title: string;
+  readonly element: HTMLElement;
+  private readonly notice = new Notice();
+  private readonly body = h("div");
+  private readonly leave: () => void;
+  private scene: Scene | null = null;
+  private making: {line: HTMLElement; bar: HTMLProgressElement; job: string} | null = null;
+  private closed = false;
+
+  constructor(private readonly context: Context, private readonly name: string) {
+    this.title = `View ${name}`;
+    this.element = h("div", {class: "viewer"}, heading(name, h("a", {class: "button", href: `#/results/${encodeURIComponent(name)}`}, "Figures and files")),
+      this.notice.element, this.body);
+    this.leave = context.live.listen(event => { if (event.status) this.hear(event.status); },
+      () => { if (this.making) void this.notice.attempt(async () => this.hear(await get<Job>(address("jobs", this.making!.job)))); });
+    this.begin();
+  }
+
+  private begin(): void {
+    void this.notice.attempt(async () => {
+      const result = await get<Triangulation>(address("triangulations", this.name));
+      if (result.dimension === 2) await (result.tileset ? this.open() : this.prepare());
+      else replace(this.body, emptyState("This is a 3D result", "Only surfaces, 2D results, are shown here. ParaView shows tetrahedra: open triangulation.pvtu."));
+    });
+  }
+
+  close(): void {
+    this.closed = true;
+    this.leave();
+    this.scene?.close();
+  }
+
+  private get tileset(): string { return address("triangulations", this.name, "3dtiles", "tileset.json"); }
+
+  private async open(): Promise<void> {
+    const tileset = await get<TilesetDocument>(this.tileset);
+    if (!this.closed) this.draw(tileset);
+  }
+
+  // The first one who looks has the levels of detail made, by a job; they stay with the result.
+  private async prepare(): Promise<void> {
+    if (this.context.caller.role === "read") {
+      replace(this.body, emptyState("Not prepared for viewing yet", "A token that may submit jobs prepares it by opening this page."));
+      return;
+    }
+    const inputs = {triangulation: this.name, output: "3dtiles", format: "3dtiles"};
+    const answer = await send("POST", `${address("processes", "export")}/execution`, {body: {inputs}});
+    const job = await answer.json() as Job;
+    const line = h("p", {role: "status"}, "Levels of detail are made once, and stay with the result.");
+    const bar = h("progress", {max: 100, value: 0, "aria-label": "Preparing"});
+    this.making = {line, bar, job: job.jobID};
+    replace(this.body, h("section", {class: "panel", "aria-labelledby": "making"}, h("h2", {id: "making"}, "Preparing the view"), line, bar,
+      h("p", {class: "muted"}, h("a", {href: `#/jobs/${job.jobID}`}, "The job that does it"))));
+    this.hear(await get<Job>(address("jobs", job.jobID)));
+  }
+
+  private hear(job: Job): void {
+    // Somebody else's, which refused ours.
+    if (!this.making && !this.scene && job.processID === "export" && job.triangulation === this.name && job.status === "successful") this.begin();
+    if (this.making?.job !== job.jobID) return;
+    this.making.bar.value = job.progress;
+    if (job.status === "successful") {
+      this.making = null;
+      void this.notice.attempt(() => this.open());
+    } else if (job.status === "failed" || job.status === "dismissed") {
+      this.making = null;
+      replace(this.body);
+      this.notice.tell(new Error(job.problem?.detail ?? "The job that prepares the view was stopped."));
+    }
+  }
+
+  private draw(tileset: TilesetDocument): void {
+    const canvas = h("canvas", {tabindex: 0, role: "img", "aria-label": `Surface of ${this.name}, ${count(tileset.extras.cells)} triangles`, "aria-describedby": "view-help"});
+    const cell = new CellPanel(this.name);
+    const legend = h("div", {class: "legend-box", role: "status"});
+    const {attributes} = tileset.extras;
+    const has: Record<Colouring, boolean> = {height: true, class: attributes.includes("classification"),
+      intensity: attributes.includes("intensity"), tile: true};
+    const tell = (by: Colouring) => {
+      this.scene?.colour(by);
+      replace(legend, ...legendOf(by, tileset));
+    };
+    const choices = colourings.filter(([id]) => has[id]).map(([id, text]) => {
+      const input = h("input", {type: "radio", name: "colouring", id: `by-${id}`, value: id, onchange: () => tell(id)});
+      input.checked = id === "height";
+      return h("div", {class: "choice"}, input, h("label", {for: `by-${id}`}, text));
+    });
+    const help = h("p", {class: "sub", id: "view-help"},
+      "Drag turns, the right button or two fingers move, the wheel or two fingers zoom; a click asks for the cell. Keys: arrows move, with Shift they turn, + and − zoom, Enter asks for the cell in the middle.");
+    const stage = h("div", {class: "stage"}, canvas);
+    replace(this.body, h("div", {class: "view"}, stage, h("div", {class: "view-side"},
+      h("section", {class: "panel", "aria-labelledby": "colour-title"}, h("h2", {id: "colour-title"}, "Colours"),
+        h("fieldset", {class: "choices", "aria-labelledby": "colour-title"}, ...choices), legend),
+      cell.element, help)));
+    try {
+      this.scene = new Scene(canvas, this.tileset, tileset);
+    } catch (error) {
+      show(stage, false);
+      throw new Error(`This browser cannot draw in 3D (WebGL 2): ${error instanceof Error ? error.message : String(error)}`);
+    }
+    const scene = this.scene;
+    scene.onFailure = error => this.notice.tell(error);
+    cell.onRing = ring => scene.mark(ring);
+    scene.onPick = point => void this.notice.attempt(async () => {
+      await cell.ask(point);
+      this.context.announce(cell.summary);
+    });
+    tell("height");
+  }
+}
+
+function swatch(colour: number[]): HTMLElement {
+  const box = h("span", {class: "swatch", "aria-hidden": "true"});
+  box.style.background = `rgb(${colour.join(" ")})`;
+  return box;
+}
+
+function legendOf(by: Colouring, {extras}: TilesetDocument): HTMLElement[] {
+  if (by === "class") return [h("ul", {class: "classes"}, ...extras.classes.map(n => h("li", {}, swatch(classColour(n)), className(n))))];
+  if (by === "tile") return [h("p", {class: "sub"}, `${count(extras.tiles)} tiles, each of one colour`)];
+  const bar = h("div", {class: "ramp", "aria-hidden": "true"});
+  bar.style.background = `linear-gradient(to right, ${(by === "height" ? ramp : [[20, 20, 20], [250, 250, 250]]).map(c => `rgb(${c.join(" ")})`).join(", ")})`;
+  const [low, high] = by === "height" ? extras.heights : [0, extras.intensityMax];
+  const end = (value: number) => {
+    const text = h("span", {class: "number"});
+    say(text, value.toLocaleString("en", {maximumFractionDigits: 2}));
+    return text;
+  };
+  return [bar, h("div", {class: "ramp-ends sub"}, end(low), end(high))];
+}
