@@ -40,7 +40,8 @@ class Node:
         self.process = subprocess.Popen(
             [TESSERAD, "--data", str(test.folder / "data"), "--cluster", f"127.0.0.1:{self.port}", "--join",
              f"127.0.0.1:{join}", "--certs", str(test.folder / certs), "--node-name", name, "--lease", LEASE,
-             "--memory", "512M", "--threads", "1", *options], env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
+             "--memory", "512M", "--threads", "1",
+             *(() if "--metrics" in options else ("--metrics", "none")), *options], env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
 
     def said(self):
