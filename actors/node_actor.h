@@ -18,6 +18,7 @@
 #include <string>
 #include <thread>
 
+#include "actors/node_meter.h"
 #include "actors/office.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
@@ -31,6 +32,7 @@ struct NodeOptions {
   std::uint32_t threads = 1;  // for all jobs together, as is the memory
   std::uint64_t memory_bytes = 0;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
+  std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   std::chrono::milliseconds progress_interval{100};
   Hooks hooks;
 };

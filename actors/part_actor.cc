@@ -16,7 +16,7 @@ constexpr std::size_t spans_max = 1000;
 
 PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
                      CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
-                     std::chrono::milliseconds progress_interval)
+                     std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
@@ -24,7 +24,8 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
       coordinator_(std::move(coordinator)),
       term_(term),
       schedule_(part_->schedule, part_->points),
-      progress_interval_(progress_interval) {
+      progress_interval_(progress_interval),
+      meter_(std::move(meter)) {
   office_->self = self;
   table_ = std::make_shared<const Table>(std::move(spec.table));
   office_->options = std::move(spec);
@@ -42,6 +43,7 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
 // be reading it at this moment.
 void PartActor::on_exit() {
   if (!office_) return;
+  meter_->end(id());
   stop_work();
   for (Hosted& hosted : hosted_) hosted.leave.say(hosted.handle);
   if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
@@ -281,7 +283,7 @@ void PartActor::end() {
 void PartActor::tell_progress(bool now) {
   const auto time = std::chrono::steady_clock::now();
   const bool due = now || progress_.spans.size() >= spans_max || time - progress_told_ >= progress_interval_;
-  if (!coordinator_ || !due) return;
+  if (!due) return;
   progress_told_ = time;
   progress_.tiles_asleep = schedule_.asleep();
   progress_.updates_sent = totals_.sent;
@@ -289,7 +291,14 @@ void PartActor::tell_progress(bool now) {
   progress_.points_sent = sum_.points.sent;
   progress_.memory_bytes = schedule_.memory();
   progress_.gates = {};
-  for (const auto& [node, gate] : gates_) progress_.gates += gate.counts();
+  std::uint64_t waiting = 0;
+  for (const auto& [node, gate] : gates_) {
+    progress_.gates += gate.counts();
+    waiting += gate.waiting_bytes();
+  }
+  meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting, progress_.tiles_begun,
+                      progress_.points_begun, progress_.tiles_stored - part_->stored.size(), progress_.gates});
+  if (!coordinator_) return;  // spans are kept for the next one
   tell(progress_);
   std::vector<WorkSpan>().swap(progress_.spans);
 }

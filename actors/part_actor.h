@@ -37,6 +37,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/node_meter.h"
 #include "actors/office.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
@@ -50,10 +51,10 @@ inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 
 class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
-  // `progress_interval`: how often at most the coordinator hears of progress.
+  // `progress_interval`: how often at most the coordinator, and the meter, hear of progress.
   PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
-            CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
-            std::chrono::milliseconds progress_interval);
+            CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks, std::chrono::milliseconds progress_interval,
+            std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
   void on_exit() override;
 
@@ -142,6 +143,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   PartProgress progress_;
   std::chrono::milliseconds progress_interval_;
   std::chrono::steady_clock::time_point progress_told_{};
+  std::shared_ptr<NodeMeter> meter_;
   std::optional<Failure> failure_;
   bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false,
        left_ = false;

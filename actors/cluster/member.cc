@@ -51,6 +51,7 @@ Member::behavior_type Member::make_behavior() {
       [this](const Renewed&) { answered_ = Clock::now(); },
       [this](const Expelled& expelled) { expel(expelled); },
       [this](const Leave&) { quit(); },
+      [this](const AskPlace&) { return place(); },
       [this](caf::tick_atom) { renew(); },
       [this](caf::connect_atom) { seek(); },
   };
@@ -185,6 +186,23 @@ void Member::lost_registry() {
   if (registry_) demonitor(registry_.address());
   registry_ = nullptr;
   seek_later();
+}
+
+NodePlace Member::place() const {
+  NodePlace place;
+  place.member = state_ == State::member && !expelled_;
+  place.others = static_cast<std::uint64_t>(
+      std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second != nullptr; }));
+  place.silent_ms = static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - answered_).count());
+  if (expelled_) {
+    place.trouble = "no member of the cluster any more";
+  } else if (state_ == State::greeting) {
+    place.trouble = "the cluster's coordinator has not answered yet";
+  } else if (state_ == State::seeking) {
+    place.trouble = "looks for the cluster's coordinator" + (last_trouble_.empty() ? "" : ": " + last_trouble_);
+  }
+  return place;
 }
 
 void Member::expel(const Expelled& expelled) {

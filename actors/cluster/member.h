@@ -8,6 +8,7 @@
 // member   | tick           | Renew; when the last one was not answered for the lease: as a lost coordinator |
 // any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
 // any      | another node is gone | Unreachable                                                            |
+// any      | AskPlace       | answers with its state
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once
 
@@ -57,6 +58,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void gone(const caf::down_msg& down);
   void lost_registry();
   void expel(const Expelled& expelled);
+  NodePlace place() const;
 
   MemberOptions options_;
   State state_ = State::seeking;
@@ -68,7 +70,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   std::map<NodeUuid, caf::actor> doors_;  // of other nodes; null: not reached yet
   std::set<NodeUuid> gone_;               // were reached, and are not any more
   std::vector<NodeUuid> broken_;          // of these, what no coordinator has been told
-  Clock::time_point answered_{};
+  Clock::time_point answered_ = Clock::now();
   bool will_seek_ = false, expelled_ = false;
 };
 

@@ -75,10 +75,13 @@ struct MemberList {
   std::uint64_t lost = 0;          // ever; not those drained
 };
 
-using MemberHandle =
-    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
-                     caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>, caf::reacts_to<Leave>,
-                     caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
+// whoever watches over a process -> its own node
+struct AskPlace {};
+
+using MemberHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
+                                      caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
+                                      caf::reacts_to<Leave>, caf::replies_to<AskPlace>::with<NodePlace>,
+                                      caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
 using RegistryHandle =
     caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>, caf::reacts_to<Renew>,
                      caf::reacts_to<Unreachable>, caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
@@ -100,6 +103,8 @@ TESSERA_MESSAGE(Follow, x.follower)
 TESSERA_MESSAGE(Drain, x.node)
 TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
+TESSERA_MESSAGE(AskPlace)
+TESSERA_MESSAGE(NodePlace, x.member, x.trouble, x.others, x.silent_ms)
 TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.seconds, x.silent_ms, x.memory_used)
 TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
@@ -107,6 +112,7 @@ TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera_cluster, caf::first_custom_type_id + 200)
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskMembers))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskPlace))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::CoordinatorIs))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drain))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drained))
@@ -114,6 +120,7 @@ CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Expelled))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Follow))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Hello))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::MemberList))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::NodePlace))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::ReachedAll))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Refused))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Renew))

@@ -76,6 +76,15 @@ MemberList Seat::list() const {
   return list;
 }
 
+NodePlace Seat::place() const {
+  caf::scoped_actor self{*system_, true};
+  NodePlace place;
+  place.trouble = "leaves the cluster";
+  self->request(member_, caf::infinite, AskPlace{})
+      .receive([&](NodePlace& answer) { place = std::move(answer); }, [](const caf::error&) {});  // it is ending
+  return place;
+}
+
 std::vector<NodeState> Seat::members() const {
   auto members = list().members;
   for (NodeState& member : members) member.own = member.info.uuid == uuid_;

@@ -49,6 +49,7 @@ struct Engine::Impl {
     own.threads = threads;
     own.memory_bytes = memory_bytes;
     own.used = used;
+    own.meter = meter;
     node = system.spawn<NodeActor>(std::move(own), source);
   }
   ~Impl() {
@@ -67,6 +68,7 @@ struct Engine::Impl {
   EngineConfig config;
   std::shared_ptr<DiskParts> source;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
+  const std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   Prepared<Leave> leave;
   caf::actor_system system;
   NodeHandle node;
@@ -194,6 +196,12 @@ std::uint32_t Engine::threads() const {
   for (const NodeState& member : impl_->seat->members()) sum += member.free ? member.info.threads : 0;
   return std::max(1U, sum);
 }
+
+NodeWork Engine::work() const { return impl_->meter->now(); }
+
+std::uint64_t Engine::memory_used() const { return impl_->used->load(); }
+
+NodePlace Engine::place() const { return impl_->seat->place(); }
 
 std::vector<NodeState> Engine::nodes() const { return impl_->seat->members(); }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/node_meter.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
 #include "src/cluster/members.h"
@@ -46,6 +47,11 @@ class Engine {
 
   // That work on jobs, of all nodes there are now.
   std::uint32_t threads() const;
+
+  // What this process does as a node.
+  NodeWork work() const;
+  std::uint64_t memory_used() const;  // of what it has, by the parts that it hosts: at most what they may use
+  NodePlace place() const;            // REQUIRES: a node of a cluster
 
   // REQUIRES of the rest: the coordinator of a cluster.
   std::vector<NodeState> nodes() const;  // in order of coming

@@ -32,6 +32,9 @@ class Membership {
   virtual Status take(caf::actor_system& system, const Own& own) = 0;
   virtual void leave() noexcept = 0;
 
+  // REQUIRES: this process is a node.
+  virtual NodePlace place() const = 0;
+
   // REQUIRES of the rest: it is the coordinator.
   virtual std::vector<NodeState> members() const = 0;  // in order of coming
   virtual std::uint64_t lost() const = 0;              // ever

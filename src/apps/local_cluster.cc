@@ -66,13 +66,14 @@ std::vector<std::string> arguments_of(const LocalCluster& cluster, const LocalNo
                                  "--cluster",   address_of(node),
                                  "--memory",    std::to_string(cluster.memory_bytes),
                                  "--threads",   std::to_string(cluster.threads),
-                                 "--node-name", node.name};
+                                 "--node-name", node.name,
+                                 "--metrics",   "none"};
   const auto add = [&](std::vector<std::string> more) { words.insert(words.end(), more.begin(), more.end()); };
   if (&node != &cluster.nodes.front()) {
     add({"--join", address_of(cluster.nodes.front())});
     return words;
   }
-  add({"--listen", std::string(host) + ":" + std::to_string(cluster.api), "--metrics", "none", "--uploads"});
+  add({"--listen", std::string(host) + ":" + std::to_string(cluster.api), "--uploads"});
   std::string inputs;
   for (const std::string& folder : cluster.inputs) inputs += (inputs.empty() ? "" : ",") + folder;
   if (!inputs.empty()) add({"--inputs", inputs});

@@ -35,6 +35,14 @@ struct NodeState {
   std::uint64_t memory_used = 0;
 };
 
+// A node's place in its cluster, as it sees it itself.
+struct NodePlace {
+  bool member = false;          // its lease runs
+  std::string trouble;          // why not
+  std::uint64_t others = 0;     // processes of nodes that it reaches
+  std::uint64_t silent_ms = 0;  // since the coordinator was heard; of no member, since it began or was one
+};
+
 class Members {
  public:
   using Time = std::chrono::steady_clock::time_point;

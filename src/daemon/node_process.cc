@@ -17,9 +17,52 @@
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
+#include "src/http/node_health.h"
+#include "src/http/server.h"
+#include "src/service/costs.h"
 #include "src/service/data_format.h"
 
 namespace tessera {
+namespace {
+
+class Health final : public http::NodeHealth {
+ public:
+  Health(const Engine& engine, const ServiceOptions& options) : engine_(engine), options_(options) {}
+
+  http::NodeFigures figures() const override {
+    const NodeWork work = engine_.work();
+    const NodePlace place = engine_.place();
+    http::NodeFigures out;
+    out.memory_budget_bytes = options_.memory_bytes;
+    out.memory_used_bytes = engine_.memory_used();
+    out.tile_memory_bytes = work.tile_memory_bytes;
+    out.scratch_free_bytes = free_bytes(options_.cluster->scratch);
+    out.jobs = work.parts;
+    out.tiles_asleep = work.tiles_asleep;
+    out.tiles_begun = work.tiles_begun;
+    out.tiles_stored = work.tiles_stored;
+    out.points = work.points_begun;
+    out.bytes_sent = work.gates.bytes;
+    out.credit_waits = work.gates.waits;
+    out.waiting_bytes = work.waiting_bytes;
+    out.members = place.others;
+    out.member = place.member;
+    out.lease_seconds = std::chrono::duration<double>(options_.cluster->lease).count();
+    out.silent_seconds = static_cast<double>(place.silent_ms) / 1000;
+    return out;
+  }
+  std::optional<std::string> unready() const override {
+    const NodePlace place = engine_.place();
+    if (place.member) return std::nullopt;
+    return place.trouble;
+  }
+
+ private:
+  const Engine& engine_;
+  const ServiceOptions& options_;
+};
+
+}  // namespace
 
 Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   BOOST_OUTCOME_TRYV(make_directories(scratch));
@@ -33,7 +76,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   return lock;
 }
 
-Status serve_node(const ServiceOptions& options, const std::function<void()>& begin_anew) {
+Status serve_node(const ServiceOptions& options, http::ServerOptions http, const std::function<void()>& begin_anew) {
   boost::asio::io_context context;
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
   ClusterOptions cluster = *options.cluster;
@@ -59,6 +102,13 @@ Status serve_node(const ServiceOptions& options, const std::function<void()>& be
     context.stop();
   });
   BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster)));
+  const Health health(*engine, options);
+  std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
+  std::unique_ptr<http::Server> server;
+  if (!http.listeners.empty()) {
+    BOOST_OUTCOME_TRY(started, http::Server::start(std::move(http), health));
+    server = std::move(started);
+  }
   spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));
   supervisor::ready("node of the cluster " + cluster.name);
   boost::asio::steady_timer timer(context);
@@ -73,6 +123,7 @@ Status serve_node(const ServiceOptions& options, const std::function<void()>& be
   if (most) beat();
   const auto work = boost::asio::make_work_guard(context);
   context.run();
+  server.reset();  // before it begins anew: an open socket would stay with the process
   if (again) begin_anew();
   supervisor::stopping();
   engine.reset();

@@ -1,4 +1,4 @@
-// A process that only works for a cluster: no API, no jobs of its own.
+// A process that only works for a cluster: no API, no jobs of its own, but health and figures.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include "src/base/result.h"
 #include "src/cluster/cluster_options.h"
 #include "src/files/folder_lock.h"
+#include "src/http/server.h"
 #include "src/service/service.h"
 
 namespace tessera {
@@ -18,7 +19,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 
 // Works until SIGTERM or SIGINT, or until it is drained (success), or until the others count it as lost: `begin_anew`,
 // which should not return.
-// Errors as of Engine::join().
-Status serve_node(const ServiceOptions& options, const std::function<void()>& begin_anew);
+// Of `http` the listeners for operations are its own. Errors as of Engine::join() and Server::start().
+Status serve_node(const ServiceOptions& options, http::ServerOptions http, const std::function<void()>& begin_anew);
 
 }  // namespace tessera

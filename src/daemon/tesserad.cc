@@ -105,7 +105,7 @@ Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   std::optional<FolderLock> scratch;
   if (options.service.cluster) {
     ClusterOptions& cluster = *options.service.cluster;
-    if (!cluster.coordinator) return serve_node(options.service, begin_anew);
+    if (!cluster.coordinator) return serve_node(options.service, options.http, begin_anew);
     cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
     cluster.expelled = [](const std::string& why, bool) {
       spdlog::warn("this process takes no more work: it {}", why);

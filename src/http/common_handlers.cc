@@ -94,10 +94,11 @@ Answer text_answer(int status, std::string text, const char* type = "text/plain;
   return answer;
 }
 
-Answer ready(const Call& call) {
-  const std::optional<std::string> why = call.context.backend.unready();
+Answer ready(const Call& call, const Operations& operations) {
+  const std::optional<std::string> why = operations.unready();
   if (!call.request.target.parameter("verbose")) return text_answer(why ? 503 : 200, why ? "not ready\n" : "ready\n");
-  std::string told = why ? "[-] service: " + *why + "\nnot ready\n" : "[+] service\n[+] http\nready\n";
+  const std::string& name = operations.name;
+  std::string told = why ? "[-] " + name + ": " + *why + "\nnot ready\n" : "[+] " + name + "\n[+] http\nready\n";
   return text_answer(why ? 503 : 200, std::move(told));
 }
 
@@ -157,7 +158,7 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared) {
   for (std::size_t at = first; at < routes.size(); ++at) routes[at].waits = false;
 }
 
-void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
+void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations) {
   Route live{
       "GET", "/livez", Role::none, "live", "Whether it answers", {{200, "text/plain", "", "It does"}}, [](const Call&) {
         return text_answer(200, "live\n");
@@ -168,7 +169,7 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
                  "ready",
                  "Whether it takes jobs",
                  {{200, "text/plain", "", "It does"}, {503, "text/plain", "", "Why not"}},
-                 ready,
+                 [operations](const Call& call) { return ready(call, operations); },
                  {{"verbose", "string", "What was looked at"}}};
   Route metrics{"GET",
                 "/metrics",
@@ -176,9 +177,8 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
                 "metrics",
                 "Figures for Prometheus",
                 {{200, "text/plain", "", "In its text format"}},
-                [&shared](const Call& call) {
-                  return text_answer(200, shared.metrics->text(call.context.backend.figures()),
-                                     "text/plain; version=0.0.4; charset=utf-8");
+                [&shared, figures = std::move(operations.figures)](const Call&) {
+                  return text_answer(200, figures(*shared.metrics), "text/plain; version=0.0.4; charset=utf-8");
                 }};
   for (Route* route : {&live, &is_ready, &metrics}) {
     route->place = Place::operations;
@@ -187,15 +187,26 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared) {
   }
 }
 
-std::vector<Route> all_routes(Shared& shared) {
+std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   std::vector<Route> routes;
   add_common_routes(routes, shared);
   add_job_routes(routes, shared);
   add_result_routes(routes);
   add_node_routes(routes);
   add_dashboard_routes(routes);
-  add_operations_routes(routes, shared);
+  add_operations_routes(routes, shared,
+                        {"service", [&backend] { return backend.unready(); },
+                         [&backend](Metrics& metrics) { return metrics.text(backend.figures()); }});
   shared.openapi = openapi_document(routes, "..");
+  shared.metrics = std::make_unique<Metrics>(routes);
+  return routes;
+}
+
+std::vector<Route> node_routes(Shared& shared, const NodeHealth& node) {
+  std::vector<Route> routes;
+  add_operations_routes(
+      routes, shared,
+      {"node", [&node] { return node.unready(); }, [&node](Metrics& metrics) { return metrics.text(node.figures()); }});
   shared.metrics = std::make_unique<Metrics>(routes);
   return routes;
 }

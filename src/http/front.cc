@@ -45,8 +45,11 @@ Front::Front(Backend& backend, Tokens tokens, FrontOptions options)
     : tokens_(std::move(tokens)),
       links_(options.public_url),
       guard_(tokens_, options.hosts, options.public_url),
-      router_(all_routes(shared_)),
-      context_{backend, links_} {}
+      router_(all_routes(shared_, backend)),
+      context_{&backend, links_} {}
+
+Front::Front(const NodeHealth& node)
+    : links_({}), guard_(tokens_, {}, {}), router_(node_routes(shared_, node)), context_{nullptr, links_} {}
 
 std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::string_view target, Place place) {
   if (auto refused = guard_.check_host(request, place)) return refused;

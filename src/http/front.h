@@ -35,6 +35,8 @@ struct Admitted {
 class Front {
  public:
   Front(Backend& backend, Tokens tokens, FrontOptions options);
+  // Of a process without an API: health and figures alone, which need no token.
+  explicit Front(const NodeHealth& node);
 
   // Sets request.caller and, unless it is refused for it, request.target.
   Admitted admit(Request& request, std::string_view target, Place place);

@@ -1,12 +1,15 @@
 // The table of routes and who answers them.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "src/http/events.h"
 #include "src/http/metrics.h"
+#include "src/http/node_health.h"
 #include "src/http/router.h"
 
 namespace tessera::http {
@@ -18,14 +21,23 @@ struct Shared {
   std::unique_ptr<Metrics> metrics;
 };
 
-std::vector<Route> all_routes(Shared& shared);
+// What the listener for supervisors asks.
+struct Operations {
+  std::string name;  // of what is ready or not
+  std::function<std::optional<std::string>()> unready;
+  std::function<std::string(Metrics&)> figures;  // as text
+};
+
+std::vector<Route> all_routes(Shared& shared, Backend& backend);
+// Health and figures alone.
+std::vector<Route> node_routes(Shared& shared, const NodeHealth& node);
 
 void add_common_routes(std::vector<Route>& routes, Shared& shared);
 void add_job_routes(std::vector<Route>& routes, Shared& shared);
 void add_result_routes(std::vector<Route>& routes);
 void add_node_routes(std::vector<Route>& routes);
 void add_dashboard_routes(std::vector<Route>& routes);
-void add_operations_routes(std::vector<Route>& routes, Shared& shared);
+void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations);
 
 // The number in a query: usage when it is none, or below 1; at most `max`.
 Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max);

@@ -19,6 +19,11 @@ using prometheus::BuildHistogram;
 
 constexpr std::size_t classes = 6;  // of statuses: 1xx is [1]
 
+// What is counted elsewhere began when ours did.
+void raise_to(prometheus::Counter& counter, double value) {
+  if (value > counter.Value()) counter.Increment(value - counter.Value());
+}
+
 }  // namespace
 
 struct Metrics::Impl {
@@ -32,37 +37,36 @@ struct Metrics::Impl {
   prometheus::Counter* refused = nullptr;
   prometheus::Counter* unauthorized = nullptr;
   prometheus::Gauge* connections = nullptr;
-  prometheus::Family<prometheus::Gauge>* jobs = nullptr;
-  prometheus::Family<prometheus::Counter>* ended = nullptr;
-  prometheus::Family<prometheus::Counter>* phases = nullptr;
-  prometheus::Family<prometheus::Gauge>* nodes = nullptr;
-  prometheus::Counter* nodes_lost = nullptr;
-  prometheus::Counter* bytes_between = nullptr;
-  prometheus::Counter* credit_waits = nullptr;
-  prometheus::Gauge* memory_budget = nullptr;
-  prometheus::Gauge* memory_used = nullptr;
-  prometheus::Gauge* disk_free = nullptr;
-  prometheus::Gauge* watchers = nullptr;
-  prometheus::Gauge* updates = nullptr;
-  prometheus::Counter* points = nullptr;
   std::mutex scraping;
 
-  prometheus::Gauge* gauge(const char* name, const char* help) {
-    return &BuildGauge().Name(name).Help(help).Register(registry).Add({});
+  // A family is registered when it is first told: a process has those of what it is.
+  prometheus::Family<prometheus::Gauge>& gauges(const char* name, const char* help) {
+    return BuildGauge().Name(name).Help(help).Register(registry);
   }
-  prometheus::Counter* counter(const char* name, const char* help) {
-    return &BuildCounter().Name(name).Help(help).Register(registry).Add({});
+  prometheus::Family<prometheus::Counter>& counters(const char* name, const char* help) {
+    return BuildCounter().Name(name).Help(help).Register(registry);
   }
+  prometheus::Gauge* gauge(const char* name, const char* help) { return &gauges(name, help).Add({}); }
+  prometheus::Counter* counter(const char* name, const char* help) { return &counters(name, help).Add({}); }
+  template <class Number>
+  void set(const char* name, const char* help, Number value) {
+    gauge(name, help)->Set(static_cast<double>(value));
+  }
+  template <class Number>
+  void raise(const char* name, const char* help, Number value) {
+    raise_to(*counter(name, help), static_cast<double>(value));
+  }
+  void tell_memory(std::uint64_t budget, std::uint64_t used) {
+    set("tessera_memory_budget_bytes", "Memory that jobs may use together", budget);
+    set("tessera_memory_used_bytes", "Memory that running jobs may use now", used);
+  }
+  void tell_gates(std::uint64_t bytes, std::uint64_t waits) {
+    raise("tessera_node_bytes_total", "Bytes sent from node to node for jobs", bytes);
+    raise("tessera_credit_waits_total", "Times that what was for another node waited for its window", waits);
+  }
+  void tell_points(std::uint64_t points) { raise("tessera_points_total", "Points triangulated", points); }
+  std::string text() const { return prometheus::TextSerializer().Serialize(registry.Collect()); }
 };
-
-namespace {
-
-// The service's counters begin with it, as ours do.
-void raise_to(prometheus::Counter& counter, double value) {
-  if (value > counter.Value()) counter.Increment(value - counter.Value());
-}
-
-}  // namespace
 
 Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl>()) {
   Impl& my = *impl_;
@@ -86,20 +90,6 @@ Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl
   my.refused = my.counter("tessera_http_connections_refused_total", "Connections beyond the bound");
   my.unauthorized = my.counter("tessera_http_authentications_failed_total", "Requests with a wrong token");
   my.connections = my.gauge("tessera_http_connections", "Open connections");
-  my.jobs = &BuildGauge().Name("tessera_jobs").Help("Jobs that wait or run, by state").Register(my.registry);
-  my.ended = &BuildCounter().Name("tessera_jobs_ended_total").Help("Jobs that ended, by outcome").Register(my.registry);
-  my.phases = &BuildCounter().Name("tessera_phase_seconds_total").Help("Time spent, by phase").Register(my.registry);
-  my.nodes = &BuildGauge().Name("tessera_nodes").Help("Nodes that work on jobs, by state").Register(my.registry);
-  my.nodes_lost = my.counter("tessera_nodes_lost_total", "Nodes that were lost; not those drained");
-  my.bytes_between = my.counter("tessera_node_bytes_total", "Bytes sent from node to node for jobs");
-  my.credit_waits =
-      my.counter("tessera_credit_waits_total", "Times that what was for another node waited for its window");
-  my.points = my.counter("tessera_points_total", "Points triangulated");
-  my.memory_budget = my.gauge("tessera_memory_budget_bytes", "Memory that jobs may use together");
-  my.memory_used = my.gauge("tessera_memory_used_bytes", "Memory that running jobs may use now");
-  my.disk_free = my.gauge("tessera_disk_free_bytes", "Free space where results are stored");
-  my.updates = my.gauge("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there");
-  my.watchers = my.gauge("tessera_event_watchers", "Subscriptions to events");
 }
 
 Metrics::~Metrics() = default;
@@ -117,23 +107,46 @@ void Metrics::add_connections(double change) { impl_->connections->Increment(cha
 std::string Metrics::text(const Backend::Figures& figures) {
   Impl& my = *impl_;
   const std::scoped_lock lock(my.scraping);
-  my.jobs->Add({{"state", "accepted"}}).Set(static_cast<double>(figures.accepted));
-  my.jobs->Add({{"state", "running"}}).Set(static_cast<double>(figures.running));
-  raise_to(my.ended->Add({{"outcome", "successful"}}), static_cast<double>(figures.successful));
-  raise_to(my.ended->Add({{"outcome", "failed"}}), static_cast<double>(figures.failed));
-  raise_to(my.ended->Add({{"outcome", "dismissed"}}), static_cast<double>(figures.dismissed));
-  for (const auto& [phase, seconds] : figures.phase_seconds) raise_to(my.phases->Add({{"phase", phase}}), seconds);
-  raise_to(*my.points, static_cast<double>(figures.points));
-  for (const auto& [state, count] : figures.nodes) my.nodes->Add({{"state", state}}).Set(static_cast<double>(count));
-  raise_to(*my.nodes_lost, static_cast<double>(figures.nodes_lost));
-  raise_to(*my.bytes_between, static_cast<double>(figures.bytes_between));
-  raise_to(*my.credit_waits, static_cast<double>(figures.credit_waits));
-  my.memory_budget->Set(static_cast<double>(figures.memory_budget_bytes));
-  my.memory_used->Set(static_cast<double>(figures.memory_used_bytes));
-  my.disk_free->Set(static_cast<double>(figures.disk_free_bytes));
-  my.updates->Set(static_cast<double>(figures.updates_waiting));
-  my.watchers->Set(static_cast<double>(figures.subscribers));
-  return prometheus::TextSerializer().Serialize(my.registry.Collect());
+  auto& jobs = my.gauges("tessera_jobs", "Jobs that wait or run, by state");
+  jobs.Add({{"state", "accepted"}}).Set(static_cast<double>(figures.accepted));
+  jobs.Add({{"state", "running"}}).Set(static_cast<double>(figures.running));
+  auto& ended = my.counters("tessera_jobs_ended_total", "Jobs that ended, by outcome");
+  raise_to(ended.Add({{"outcome", "successful"}}), static_cast<double>(figures.successful));
+  raise_to(ended.Add({{"outcome", "failed"}}), static_cast<double>(figures.failed));
+  raise_to(ended.Add({{"outcome", "dismissed"}}), static_cast<double>(figures.dismissed));
+  auto& phases = my.counters("tessera_phase_seconds_total", "Time spent, by phase");
+  for (const auto& [phase, seconds] : figures.phase_seconds) raise_to(phases.Add({{"phase", phase}}), seconds);
+  my.tell_points(figures.points);
+  auto& nodes = my.gauges("tessera_nodes", "Nodes that work on jobs, by state");
+  for (const auto& [state, count] : figures.nodes) nodes.Add({{"state", state}}).Set(static_cast<double>(count));
+  my.raise("tessera_nodes_lost_total", "Nodes that were lost; not those drained", figures.nodes_lost);
+  my.tell_gates(figures.bytes_between, figures.credit_waits);
+  my.tell_memory(figures.memory_budget_bytes, figures.memory_used_bytes);
+  my.set("tessera_disk_free_bytes", "Free space where results are stored", figures.disk_free_bytes);
+  my.set("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there",
+         figures.updates_waiting);
+  my.set("tessera_event_watchers", "Subscriptions to events", figures.subscribers);
+  return my.text();
+}
+
+std::string Metrics::text(const NodeFigures& figures) {
+  Impl& my = *impl_;
+  const std::scoped_lock lock(my.scraping);
+  my.tell_memory(figures.memory_budget_bytes, figures.memory_used_bytes);
+  my.set("tessera_tile_memory_bytes", "Memory that tiles hold now, mail included", figures.tile_memory_bytes);
+  my.set("tessera_scratch_free_bytes", "Free space for tiles that are not in memory", figures.scratch_free_bytes);
+  my.set("tessera_node_jobs", "Jobs that this node works on", figures.jobs);
+  my.set("tessera_tiles_asleep", "Tiles that are not in memory, but on scratch", figures.tiles_asleep);
+  my.raise("tessera_tiles_begun_total", "Tiles triangulated", figures.tiles_begun);
+  my.raise("tessera_tiles_stored_total", "Tiles stored", figures.tiles_stored);
+  my.tell_points(figures.points);
+  my.tell_gates(figures.bytes_sent, figures.credit_waits);
+  my.set("tessera_credit_waiting_bytes", "Bytes that wait until another node has room for them", figures.waiting_bytes);
+  my.set("tessera_members_reached", "Other processes of the cluster that are connected", figures.members);
+  my.set("tessera_member", "1 while the node is a member of its cluster", figures.member ? 1 : 0);
+  my.set("tessera_lease_seconds", "Silence after which the node is lost", figures.lease_seconds);
+  my.set("tessera_coordinator_silent_seconds", "Since the coordinator was heard", figures.silent_seconds);
+  return my.text();
 }
 
 }  // namespace tessera::http

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "src/http/node_health.h"
 #include "src/http/router.h"
 #include "src/service/service.h"
 
@@ -24,6 +25,7 @@ class Metrics {
   void add_connections(double change);
   // In the text format of Prometheus.
   std::string text(const Backend::Figures& figures);
+  std::string text(const NodeFigures& figures);
 
  private:
   struct Impl;

@@ -16,7 +16,7 @@ namespace tessera::http {
 
 // What a handler needs beside the request.
 struct Context {
-  Backend& backend;
+  Backend* backend;  // null where only health and figures are served
   const Links& links;
 };
 

@@ -46,11 +46,17 @@ struct Server::Impl {
   Impl(ServerOptions given, Backend& backend, Tokens tokens)
       : options(std::move(given)),
         front(backend, std::move(tokens), {options.public_url, options.hosts}),
-        limits{.header = options.header_time,
-               .idle = options.idle_time,
-               .body = options.body_time,
-               .write = options.write_time,
-               .comment = options.comment_time} {}
+        limits(limits_of(options)) {}
+  Impl(ServerOptions given, const NodeHealth& node)
+      : options(std::move(given)), front(node), limits(limits_of(options)) {}
+
+  static SessionLimits limits_of(const ServerOptions& options) {
+    return {.header = options.header_time,
+            .idle = options.idle_time,
+            .body = options.body_time,
+            .write = options.write_time,
+            .comment = options.comment_time};
+  }
 
   Status listen(const ListenOptions& wanted);
   asio::awaitable<void> accept_all(Listener& listener);
@@ -179,15 +185,26 @@ Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Backend& ba
   BOOST_OUTCOME_TRY(tokens, Tokens::open(options.tokens));
   auto impl = std::make_unique<Impl>(std::move(options), backend, std::move(tokens));
   std::unique_ptr<Server> server(new Server(std::move(impl)));
-  Impl& my = *server->impl_;
   BOOST_OUTCOME_TRYV(server->reload());
+  BOOST_OUTCOME_TRYV(server->listen());
+  return server;
+}
+
+Result<std::unique_ptr<Server>> Server::start(ServerOptions options, const NodeHealth& node) {
+  std::unique_ptr<Server> server(new Server(std::make_unique<Impl>(std::move(options), node)));
+  BOOST_OUTCOME_TRYV(server->listen());
+  return server;
+}
+
+Status Server::listen() {
+  Impl& my = *impl_;
   for (const ListenOptions& listen : my.options.listeners) {
     BOOST_OUTCOME_TRYV(my.listen(listen));
   }
   for (const auto& listener : my.listeners) asio::co_spawn(my.io, my.accept_all(*listener), asio::detached);
   for (std::uint32_t at = 0; at < std::max(1U, my.options.threads); ++at)
     my.threads.emplace_back([&my] { my.io.run(); });
-  return server;
+  return success();
 }
 
 std::vector<std::uint16_t> Server::ports() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/http/node_health.h"
 #include "src/service/service.h"
 
 namespace tessera::http {
@@ -39,6 +40,8 @@ class Server {
   // Listens when it returns. Errors: usage for options that do not fit (and for the API beyond the loopback without
   // TLS, unless `insecure`), io for an address that cannot be taken. `backend` outlives it.
   static Result<std::unique_ptr<Server>> start(ServerOptions options, Backend& backend);
+  // Health and figures of a process without an API: all its listeners are for operations. Errors as above.
+  static Result<std::unique_ptr<Server>> start(ServerOptions options, const NodeHealth& node);
   // Connections end at once.
   ~Server();
 
@@ -55,6 +58,7 @@ class Server {
  private:
   struct Impl;
   explicit Server(std::unique_ptr<Impl> impl);
+  Status listen();
   std::unique_ptr<Impl> impl_;
 };
 

@@ -20,6 +20,7 @@ KILLS = int(os.environ.get("KILLS", "3"))
 COORDINATOR_KILLS = int(os.environ.get("COORDINATOR_KILLS", "2"))
 SEED = int(os.environ.get("SEED", "1"))
 POINTS = os.environ.get("POINTS", "150k")
+USUAL = {"--memory": "512M", "--threads": "1", "--metrics": "none"}  # of a node
 LEASE = "10s"  # a busy machine may not let a process run for seconds
 
 
@@ -40,7 +41,8 @@ class Node:
         self.process = subprocess.Popen(
             [TESSERAD, "--data", str(test.folder / "data"), "--cluster", f"127.0.0.1:{self.port}", "--join",
              f"127.0.0.1:{join}", "--certs", str(test.folder / certs), "--node-name", name, "--lease", LEASE,
-             "--memory", "512M", "--threads", "1", *options], env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
+             *options, *(word for usual in USUAL.items() if usual[0] not in options for word in usual)],
+            env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
 
     def said(self):

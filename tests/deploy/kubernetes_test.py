@@ -126,6 +126,12 @@ class Cluster(unittest.TestCase):
         self.assertIn(f"create secret generic {volumes['certs']['secret']['secretName']} ", self.text)
         self.assertEqual(volumes["certs"]["secret"]["defaultMode"], 0o440)
 
+    def test_its_health_is_asked_where_it_is_told(self):
+        ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
+        self.assertEqual(self.options["--metrics"], f"0.0.0.0:{ports['metrics']}")
+        for probe, path in (("readinessProbe", "/readyz"), ("livenessProbe", "/livez")):
+            self.assertEqual(self.container[probe]["httpGet"], {"path": path, "port": "metrics"})
+
     def test_it_runs_without_rights(self):
         self.assertTrue(self.pod["securityContext"]["runAsNonRoot"])
         self.assertEqual(self.container["securityContext"],

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -140,6 +141,44 @@ TEST_F(FrontOf, AnswersMutatedRequests) {
     ASSERT_NE(reason_phrase(answer.status), "Status") << answer.status;
   }
   for (const int expected : {200, 201, 206, 400, 404, 405}) EXPECT_GT(statuses[expected], 20) << expected;
+}
+
+class LoneNode final : public NodeHealth {
+ public:
+  NodeFigures figures() const override {
+    NodeFigures told;
+    told.member = !trouble;
+    told.bytes_sent = sent;
+    return told;
+  }
+  std::optional<std::string> unready() const override { return trouble; }
+  std::optional<std::string> trouble;
+  std::uint64_t sent = 7;
+};
+
+TEST(NodeFront, HasHealthAndFiguresWithoutATokenAndNothingElse) {
+  LoneNode node;
+  Front front(node);
+  const auto ask = [&](const std::string& target, Place place = Place::operations) {
+    Request request;
+    request.method = "GET";
+    request.headers = {{"host", "10.1.0.7:7071"}};
+    Admitted admitted = front.admit(request, target, place);
+    Answer answer = admitted.answer ? std::move(*admitted.answer) : front.answer(request, admitted);
+    front.complete(request, admitted, answer);
+    return answer;
+  };
+  EXPECT_EQ(ask("/livez").status, 200);
+  EXPECT_EQ(ask("/readyz?verbose").body, "[+] node\n[+] http\nready\n");
+  EXPECT_NE(ask("/metrics").body.find("tessera_node_bytes_total 7\n"), std::string::npos);
+  node.trouble = "looks for a coordinator";
+  node.sent = 9;
+  EXPECT_EQ(ask("/readyz").status, 503);
+  EXPECT_EQ(ask("/readyz?verbose").body, "[-] node: looks for a coordinator\nnot ready\n");
+  const std::string figures = ask("/metrics").body;
+  EXPECT_NE(figures.find("tessera_node_bytes_total 9\n"), std::string::npos);
+  EXPECT_NE(figures.find("tessera_member 0\n"), std::string::npos);
+  for (const char* target : {"/", "/v1/jobs", "/v1", "/ui/"}) EXPECT_EQ(ask(target).status, 404) << target;
 }
 
 }  // namespace

@@ -1,0 +1,59 @@
+// What a node is doing and has done for all its jobs: told by its parts, read from any thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+
+#include "src/run/gate.h"
+
+namespace tessera {
+
+struct NodeWork {
+  std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // now
+  std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0;                    // ever, as are the gates'
+  GateCounts gates;
+};
+
+class NodeMeter {
+ public:
+  // Of one part, in place of what was told of it before. `part` is any number of its own.
+  void tell(std::uint64_t part, const NodeWork& work) {
+    const std::lock_guard lock(mutex_);
+    parts_[part] = work;
+  }
+  // Nothing is under way there any more.
+  void end(std::uint64_t part) noexcept {
+    const std::lock_guard lock(mutex_);
+    const auto found = parts_.find(part);
+    if (found == parts_.end()) return;
+    add_ever(ended_, found->second);
+    parts_.erase(found);
+  }
+  NodeWork now() const {
+    const std::lock_guard lock(mutex_);
+    NodeWork sum = ended_;
+    for (const auto& [part, work] : parts_) {
+      ++sum.parts;
+      sum.tiles_asleep += work.tiles_asleep;
+      sum.tile_memory_bytes += work.tile_memory_bytes;
+      sum.waiting_bytes += work.waiting_bytes;
+      add_ever(sum, work);
+    }
+    return sum;
+  }
+
+ private:
+  static void add_ever(NodeWork& sum, const NodeWork& work) {
+    sum.tiles_begun += work.tiles_begun;
+    sum.points_begun += work.points_begun;
+    sum.tiles_stored += work.tiles_stored;
+    sum.gates += work.gates;
+  }
+
+  mutable std::mutex mutex_;
+  std::map<std::uint64_t, NodeWork> parts_;
+  NodeWork ended_;
+};
+
+}  // namespace tessera

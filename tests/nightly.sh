@@ -1,0 +1,87 @@
+#!/bin/bash
+# All that takes too long for every change, one after the other, with figures at the end; status 1 when anything failed.
+#
+#   tests/nightly.sh [BUILD] [FUZZ_BUILD]       default: build/release, build/fuzz; fuzzing is left out where there is no such build
+#
+# Some four hours on two processors of 2.5 GHz, by the rates of short runs: two of fuzzing (12 targets), one of the seeds (5 ms each), half an
+# hour of kills (10 s each); and the models, which were never timed. It prints how long each part took. A part alone: PARTS="kills seeds".
+# Shorter, to try it: KILLS=2 COORDINATOR_KILLS=1 SEEDS=1400 FUZZ_SECONDS=5 POINTS_LARGE=200k.
+# shellcheck disable=SC2317  # functions are called by part
+set -uo pipefail
+source=$(cd "$(dirname "$0")/.." && pwd)
+build=$(realpath "${1:-$source/build/release}") fuzz=${2:-$source/build/fuzz}
+parts=${PARTS:-kills network slow seeds models fuzz large}
+seeds=${SEEDS:-300000} fuzz_seconds=${FUZZ_SECONDS:-600} points=${POINTS_LARGE:-10M}
+export KILLS=${KILLS:-100} COORDINATOR_KILLS=${COORDINATOR_KILLS:-30} SEED=${SEED:-$(date +%Y%m%d)}
+export TESSERA=$build/src/apps/tessera TESSERAD=$build/src/daemon/tesserad IGN=$source/data/ign PYTHONDONTWRITEBYTECODE=1
+scratch=$(mktemp -d "${TMPDIR:-/tmp}/tessera-nightly-XXXXXX")
+trap 'rm -rf "$scratch"' EXIT
+figures=() failed=0
+
+# NAME COMMAND...: its output is shown when it fails.
+part() {
+  local name=$1 begin=$SECONDS log=$scratch/$1.log outcome=passed
+  shift
+  "$@" > "$log" 2>&1 || { outcome=FAILED; failed=1; tail -n 50 "$log"; }
+  figures+=("$(printf '%-32s %-7s %6d s  %s' "$name" "$outcome" $((SECONDS - begin)) "$(grep -E '^(Ran|[0-9,]+ seeds|figures:)' "$log" | tail -n 1)")")
+  echo "${figures[-1]}"
+}
+daemon_test() { (cd "$source/tests/daemon" && /usr/bin/python3 -m unittest -v "$1"); }
+
+# Both dimensions, seven kinds of cloud, two partitions, two to four nodes, all that may go wrong.
+run_seeds() {
+  local faults=$1 share=$((seeds / 28 / $2)) first=$((SEED % 1000000 * 1000)) kind dim partition run=0 before=0
+  for kind in lattice planes uniform clusters slab corners jitter; do
+    for dim in 2 3; do
+      for partition in kdtree random; do
+        first=$((first + share)) run=$((run + 1))
+        "$TESSERA" harness --quiet --kind "$kind" --dim "$dim" -n 36 --tiles 7 --partition "$partition" --nodes $((2 + run % 3)) \
+          --faults "$faults" --seeds "$first..$((first + share - 1))" || return 1
+        before=$((before + share))
+      done
+    done
+  done
+  echo "figures: $before seeds from $((SEED % 1000000 * 1000)), $faults"
+}
+
+fuzz_all() {
+  local target name
+  for target in "$fuzz"/tests/fuzz/fuzz_*; do
+    [ -x "$target" ] || continue
+    name=${target##*fuzz_}
+    mkdir -p "$scratch/found-$name"
+    local corpus=("$scratch/found-$name")
+    [ -d "$source/tests/fuzz/corpus/$name" ] && corpus+=("$source/tests/fuzz/corpus/$name")
+    "$target" -max_total_time="$fuzz_seconds" -malloc_limit_mb=160 -timeout=60 -max_len=8192 -print_final_stats=1 \
+      -artifact_prefix="$scratch/found-$name/" "${corpus[@]}" || return 1
+  done
+  echo "figures: $fuzz_seconds s a target"
+}
+
+large() {
+  "$TESSERA" generate uniform -n "$points" -o "$scratch/large.npy" --quiet &&
+    "$TESSERA" triangulate "$scratch/large.npy" -o "$scratch/large" --memory 2G --quiet &&
+    /usr/bin/time -f 'figures: verified in %e s, %M KiB' "$TESSERA" verify "$scratch/large" --quiet
+}
+
+for name in $parts; do
+  case $name in
+    kills)
+      part kills-of-nodes daemon_test losses_test.Cluster.test_nodes_are_killed_while_a_job_runs
+      part kills-of-the-coordinator daemon_test losses_test.Cluster.test_the_coordinator_is_killed_while_a_job_runs
+      ;;
+    network) part network daemon_test network_test ;;
+    slow) POINTS=4M MEMORY=1G TILES=64 SLOW_FIGURES=1 part slow-node daemon_test slow_node_test ;;
+    seeds)
+      part seeds-all-faults run_seeds kill,pause,join,coordinator 1
+      part seeds-coordinator run_seeds coordinator 4
+      ;;
+    models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
+    fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;
+    large) part large-cloud large ;;
+    *) echo "there is no part '$name'" >&2; exit 2 ;;
+  esac
+done
+echo
+printf '%s\n' "${figures[@]}"
+exit "$failed"
