@@ -1,7 +1,5 @@
 #include "src/query/column.h"
 
-#include "src/base/option.h"
-
 namespace tessera::query {
 
 Result<Column> find_column(const std::filesystem::path& out, const Manifest& manifest, const std::string& name) {
@@ -14,8 +12,8 @@ Result<Column> find_column(const std::filesystem::path& out, const Manifest& man
     names += (names.empty() ? "" : ", ") + attribute.name;
   }
   if (name == "z" && names.empty()) return error(Errc::usage, out.string() + ": its vertices have no heights");
-  return error(Errc::usage, out.string() + ": its vertices have no attribute '" + name + "' for " + option("value") +
-                                "; they have " + (names.empty() ? "none" : names));
+  return error(Errc::usage, out.string() + ": its vertices have no attribute '" + name + "'; they have " +
+                                (names.empty() ? "none" : names));
 }
 
 }  // namespace tessera::query

@@ -26,7 +26,8 @@ ContourCells::ContourCells(const query::QueryTile& tile, const query::Column& co
     }
     for (std::size_t k = 0; k < 3; ++k) {
       const double z = value(tile.vertex(cell, k));
-      too_far_ = too_far_ || !(std::abs(z) < 1e300 && std::abs(z - levels.base) < levels.interval * Levels::number_max);
+      too_far_ =
+          too_far_ || !(std::abs(z) < 1e300 && std::abs(z - levels.base()) < levels.interval() * Levels::number_max);
     }
     if (too_far_) break;
     counts_[i] = true;

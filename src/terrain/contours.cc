@@ -42,7 +42,7 @@ class Tracing {
       : out_(out),
         manifest_(manifest),
         column_(column),
-        levels_{.interval = options.interval, .base = options.base},
+        levels_(options.interval, options.base),
         options_(options),
         lines_(lines) {}
 

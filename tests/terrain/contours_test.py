@@ -99,7 +99,7 @@ class Contours(CliTest):
             by_level[feature["properties"]["elevation"]].append(line[:, :2])
             lines += 1
         low, high = surface.at[surface.cells.ravel(), 2].min(), surface.at[surface.cells.ravel(), 2].max()
-        levels = [float(Fraction(base) + k * Fraction(interval)) for k in range(math.floor((low - base) / interval), math.ceil((high - base) / interval) + 1)]
+        levels = [float(Fraction(str(base)) + k * Fraction(str(interval))) for k in range(math.floor((low - base) / interval), math.ceil((high - base) / interval) + 1)]
         self.assertLessEqual(set(by_level), set(levels))
         near = 1e-14 * max(1.0, np.abs(surface.at[:, :2]).max())  # a rounding or two
         for level in levels:
@@ -154,6 +154,14 @@ class Contours(CliTest):
             if x[0] == x[-1] and y[0] == y[-1]:
                 sides.add((bool(x.mean() > 25), bool((x[:-1] * y[1:] - x[1:] * y[:-1]).sum() > 0)))
         self.assertEqual(sides, {(False, True), (True, False)})  # around the peak counterclockwise
+
+    def test_levels_are_decimals(self):
+        rows = "".join(f"{x},{y},{(x + 1) / 10 if y == 4 else 0 if y < 4 else 9}\n" for x in range(9) for y in range(9))  # 0.3 is no 3 * 0.1
+        self.assertNotEqual(3 * 0.1, 0.3)
+        text = self.lines(self.triangulate(self.write("p.csv", "x,y,z\n" + rows), "2"), 0.1)
+        found = {f["properties"]["elevation"]: f["geometry"]["coordinates"] for f in json.loads(text)["features"]}
+        for x in range(9):
+            self.assertIn([x, 4, (x + 1) / 10], found[(x + 1) / 10])
 
     def test_hardly_any_memory_gives_the_same_lines(self):
         out = self.triangulate(self.cloud("uniform"), "7")
