@@ -15,7 +15,17 @@ const wantedMs = 33;
 const restsMs = 250;  // without a move; of slow machines, as long as three frames take
 const slowestMs = 2000;
 const wantedLoadingMs = 250;  // drawing takes the time of loading
-const finest = 1, coarsest = 32, restsFiner = 6;  // pixels that a surface may be off on the screen, and how many times less at rest
+const finest = 1, coarsest = 64, restsFiner = 6;  // pixels that a surface may be off on the screen, and how many times less at rest
+
+// Whether no graphics processor draws, which takes many times as long.
+function drawsBySoftware(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2", {failIfMajorPerformanceCaveat: true});
+  if (!probe) return true;
+  const told = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = String(told ? probe.getParameter(told.UNMASKED_RENDERER_WEBGL) : "");
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
 
 export class Scene {
   onPick: (point: [number, number]) => void = () => undefined;
@@ -43,8 +53,10 @@ export class Scene {
   constructor(private readonly canvas: HTMLCanvasElement, url: string, tileset: TilesetDocument) {
     const {transform, boundingVolume: {box}} = tileset.root;
     this.origin = new three.Vector3(transform[12], transform[13], transform[14]);
-    this.renderer = new three.WebGLRenderer({canvas, antialias: true});
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    const software = drawsBySoftware();
+    this.renderer = new three.WebGLRenderer({canvas, antialias: !software});
+    this.renderer.setPixelRatio(software ? 1 : Math.min(devicePixelRatio, 2));
+    if (software) this.inTime = 24;
     const centre = new three.Vector3(box[0], box[1], box[2]);
     const radius = Math.hypot(box[3], box[7], box[11]) || 1;
     this.camera = new three.PerspectiveCamera(45, 1, radius / 1000, radius * 20);
