@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/cluster/network.h"
 #include "actors/failing.h"
 
 namespace tessera {
@@ -129,6 +130,8 @@ void Registry::gone(const caf::down_msg& down) {
 }
 
 void Registry::tick() {
+  if (const auto closed = close_mute_connections(options_.lease); closed > 0)
+    options_.log(std::to_string(closed) + " connections were closed, over which nothing was said");
   delayed_send(this, options_.lease / 10, caf::tick_atom::value);
   for (const Members::Loss& loss : members_.lose_silent(Clock::now())) lose(loss);
 }
