@@ -110,6 +110,7 @@ void Member::greet(const caf::actor& registry) {
   hello.cluster = options_.cluster.name;
   hello.shared = options_.cluster.shared;
   hello.info = options_.info;
+  hello.last_words = options_.last_words;
   hello.member = caf::actor_cast<caf::actor>(this);
   hello.node = options_.node;
   send(registry_, std::move(hello));

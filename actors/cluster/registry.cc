@@ -77,7 +77,11 @@ void Registry::welcome(const Hello& hello) {
     return send(member, Refused{refused});
   }
   if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
-  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) monitor(member);
+  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) {
+    monitor(member);
+    if (!hello.last_words.empty())
+      options_.log(known_as(hello.info) + " is back; the process before it " + hello.last_words);
+  }
   Welcome welcome;
   welcome.coordinator = to_string(options_.advertised);
   for (const auto& [uuid, other] : members_.all()) {
