@@ -110,6 +110,7 @@ void Member::greet(const caf::actor& registry) {
   hello.cluster = options_.cluster.name;
   hello.shared = options_.cluster.shared;
   hello.info = options_.info;
+  hello.last_words = options_.last_words;
   hello.member = caf::actor_cast<caf::actor>(this);
   hello.node = options_.node;
   send(registry_, std::move(hello));
@@ -155,6 +156,8 @@ void Member::reached(const NodeUuid& uuid, const caf::actor& door) {
 }
 
 void Member::renew() {
+  if (const auto closed = close_mute_connections(options_.cluster.lease); closed > 0)
+    options_.cluster.log(std::to_string(closed) + " connections were closed, over which nothing was said");
   delayed_send(this, options_.cluster.lease / 5, caf::tick_atom::value);
   if (state_ == State::seeking) return;
   if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();

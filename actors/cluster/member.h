@@ -30,7 +30,8 @@ namespace tessera {
 struct MemberOptions {
   ClusterOptions cluster;
   MemberInfo info;
-  caf::actor registry;  // of the same process; null: another one coordinates
+  std::string last_words;  // how the process before this one ended; empty: in order
+  caf::actor registry;     // of the same process; null: another one coordinates
   caf::actor node;
   std::function<std::uint64_t()> memory_used;
 };

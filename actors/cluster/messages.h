@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 3;
+inline constexpr std::uint32_t wire_version = 4;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {
@@ -30,6 +30,7 @@ struct Hello {
   std::uint32_t wire = wire_version;
   std::string cluster, shared;
   MemberInfo info;
+  std::string last_words;  // how the process before it ended; empty: in order
   caf::actor member, node;
 };
 struct Welcome {
@@ -91,7 +92,7 @@ using RegistryHandle =
 TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
 TESSERA_MESSAGE(WhoIs, x.asks)
 TESSERA_MESSAGE(CoordinatorIs, x.registry, x.address)
-TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.member, x.node)
+TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.last_words, x.member, x.node)
 TESSERA_MESSAGE(Welcome, x.uuids, x.addresses, x.coordinator)
 TESSERA_MESSAGE(Refused, x.why)
 TESSERA_MESSAGE(ReachedAll, x.uuid)

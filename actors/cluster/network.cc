@@ -3,10 +3,15 @@
 #include <dlfcn.h>
 #include <openssl/err.h>
 #include <openssl/ssl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <atomic>
 #include <caf/io/middleman.hpp>
 #include <caf/openssl/manager.hpp>
+#include <chrono>
+#include <map>
+#include <mutex>
 
 #include "src/base/check.h"
 
@@ -16,25 +21,101 @@
 // comes before what its libraries do.
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t mute_max = 128;
+
+// Connections that others have made and over which nothing has come yet that OpenSSL lets pass. CAF closes none of
+// them by itself.
+class Mute {
+ public:
+  // Of too many the oldest goes.
+  void add(SSL* ssl) {
+    const int socket = SSL_get_fd(ssl);
+    if (socket < 0) return;  // of an HTTP server in this process
+    const std::lock_guard lock(mutex_);
+    if (!mute_.try_emplace(ssl, Connection{socket, Clock::now()}).second) return;
+    if (mute_.size() > mute_max) shut(oldest());
+    count_ = mute_.size();
+  }
+  void remove(SSL* ssl) {
+    if (count_ == 0) return;
+    const std::lock_guard lock(mutex_);
+    mute_.erase(ssl);
+    count_ = mute_.size();
+  }
+  std::size_t shut_before(Clock::time_point time) {
+    if (count_ == 0) return 0;
+    const std::lock_guard lock(mutex_);
+    std::size_t shut_now = 0;
+    while (!mute_.empty() && mute_.at(oldest()).since < time) {
+      shut(oldest());
+      ++shut_now;
+    }
+    count_ = mute_.size();
+    return shut_now;
+  }
+
+ private:
+  struct Connection {
+    int socket;
+    Clock::time_point since;
+  };
+  SSL* oldest() const {
+    return std::min_element(mute_.begin(), mute_.end(),
+                            [](const auto& a, const auto& b) { return a.second.since < b.second.since; })
+        ->first;
+  }
+  // CAF then reads its end, and closes it. Its number is not another's yet: SSL_free() comes before that, and waits.
+  void shut(SSL* ssl) {
+    ::shutdown(mute_.at(ssl).socket, SHUT_RDWR);
+    mute_.erase(ssl);
+  }
+
+  std::mutex mutex_;
+  std::map<SSL*, Connection> mute_;
+  std::atomic<std::size_t> count_{0};
+};
+
+Mute& mute() {
+  static Mute all;
+  return all;
+}
+
 template <class Function>
 Function* openssl(const char* name) {
-  ERR_clear_error();
   auto* const found = reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
   tessera::check(found != nullptr, "OpenSSL is there");
   return found;
 }
 
+template <class Function>
+Function* with_fresh_errors(const char* name) {
+  ERR_clear_error();
+  return openssl<Function>(name);
+}
+
 }  // namespace
 
-#define TESSERA_FRESH_ERRORS(result, name, parameters, ...)                  \
-  extern "C" __attribute__((visibility("default"))) result name parameters { \
-    return openssl<result parameters>(#name)(__VA_ARGS__);                   \
-  }
-TESSERA_FRESH_ERRORS(int, SSL_read, (SSL * ssl, void* to, int bytes), ssl, to, bytes)
-TESSERA_FRESH_ERRORS(int, SSL_write, (SSL * ssl, const void* from, int bytes), ssl, from, bytes)
-TESSERA_FRESH_ERRORS(int, SSL_accept, (SSL * ssl), ssl)
-TESSERA_FRESH_ERRORS(int, SSL_connect, (SSL * ssl), ssl)
-#undef TESSERA_FRESH_ERRORS
+#define TESSERA_OPENSSL extern "C" __attribute__((visibility("default")))
+TESSERA_OPENSSL int SSL_read(SSL* ssl, void* to, int bytes) {
+  const int read = with_fresh_errors<int(SSL*, void*, int)>("SSL_read")(ssl, to, bytes);
+  if (read > 0) mute().remove(ssl);
+  return read;
+}
+TESSERA_OPENSSL int SSL_write(SSL* ssl, const void* from, int bytes) {
+  return with_fresh_errors<int(SSL*, const void*, int)>("SSL_write")(ssl, from, bytes);
+}
+TESSERA_OPENSSL int SSL_accept(SSL* ssl) {
+  mute().add(ssl);
+  return with_fresh_errors<int(SSL*)>("SSL_accept")(ssl);
+}
+TESSERA_OPENSSL int SSL_connect(SSL* ssl) { return with_fresh_errors<int(SSL*)>("SSL_connect")(ssl); }
+TESSERA_OPENSSL void SSL_free(SSL* ssl) {
+  mute().remove(ssl);
+  openssl<void(SSL*)>("SSL_free")(ssl);
+}
+#undef TESSERA_OPENSSL
 
 namespace tessera {
 
@@ -58,6 +139,8 @@ Result<std::uint16_t> publish(caf::actor_system& system, const caf::actor& door,
   if (port) return *port;
   return error(Errc::io, "cannot listen at " + to_string(listen) + ": " + system.render(port.error()));
 }
+
+std::size_t close_mute_connections(std::chrono::milliseconds time) { return mute().shut_before(Clock::now() - time); }
 
 void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port) {
   caf::anon_send(system.openssl_manager().actor_handle(), caf::unpublish_atom::value, door.address(), port);

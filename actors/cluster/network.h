@@ -4,6 +4,7 @@
 
 #include <caf/all.hpp>
 #include <caf/openssl/all.hpp>
+#include <chrono>
 #include <cstdint>
 #include <set>
 #include <string>
@@ -19,6 +20,11 @@ void load_network(caf::actor_system_config& config, const ClusterOptions& option
 // Listens. Returns the port. Error io.
 Result<std::uint16_t> publish(caf::actor_system& system, const caf::actor& door, const HostPort& listen);
 void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port);
+
+// Ends connections that others made longer ago than that and over which they have sent nothing that counts: no word
+// after a handshake with a certificate of the cluster. Of the whole process; to be called often. Beside them there are
+// never more than 128. Returns how many.
+std::size_t close_mute_connections(std::chrono::milliseconds time);
 
 // Reaches the actor that is published there: done(handle), or failed(reason). Does not block; the connection is kept.
 template <class Self, class Done, class Failed>

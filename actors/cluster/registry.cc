@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/cluster/network.h"
 #include "actors/failing.h"
 
 namespace tessera {
@@ -76,7 +77,11 @@ void Registry::welcome(const Hello& hello) {
     return send(member, Refused{refused});
   }
   if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
-  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) monitor(member);
+  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) {
+    monitor(member);
+    if (!hello.last_words.empty())
+      options_.log(known_as(hello.info) + " is back; the process before it " + hello.last_words);
+  }
   Welcome welcome;
   welcome.coordinator = to_string(options_.advertised);
   for (const auto& [uuid, other] : members_.all()) {
@@ -129,6 +134,8 @@ void Registry::gone(const caf::down_msg& down) {
 }
 
 void Registry::tick() {
+  if (const auto closed = close_mute_connections(options_.lease); closed > 0)
+    options_.log(std::to_string(closed) + " connections were closed, over which nothing was said");
   delayed_send(this, options_.lease / 10, caf::tick_atom::value);
   for (const Members::Loss& loss : members_.lose_silent(Clock::now())) lose(loss);
 }

@@ -48,6 +48,7 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
     member.cluster = o;
     uuid_ = random_token() + random_token();
     member.info = {uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes};
+    member.last_words = last_words_;
     member.registry = as_actor(registry_);
     member.node = own.node;
     member.memory_used = own.memory_used;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "actors/cluster/messages.h"
@@ -14,7 +15,9 @@ namespace tessera {
 
 class Seat final : public Membership {
  public:
-  explicit Seat(ClusterOptions options) : options_(std::move(options)) {}
+  // `last_words`: how the process before this one ended; empty: in order.
+  explicit Seat(ClusterOptions options, std::string last_words = {})
+      : options_(std::move(options)), last_words_(std::move(last_words)) {}
   const ClusterOptions& options() const override { return options_; }
   void prepare(caf::actor_system_config& config) override;
   Status take(caf::actor_system& system, const Own& own) override;
@@ -30,6 +33,7 @@ class Seat final : public Membership {
   MemberList list() const;
 
   ClusterOptions options_;
+  std::string last_words_;
   caf::actor_system* system_ = nullptr;
   RegistryHandle registry_;
   MemberHandle member_;

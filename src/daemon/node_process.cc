@@ -4,8 +4,10 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <csignal>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -24,6 +26,16 @@
 
 namespace tessera {
 namespace {
+
+constexpr std::chrono::milliseconds telling{500};  // of what it does
+
+// For its last words.
+std::string in_words(const NodeWork& work) {
+  if (work.parts == 0) return "without tiles";
+  return "at work on tiles of " + std::to_string(work.parts) + (work.parts == 1 ? " job (" : " jobs (") +
+         std::to_string(work.tiles_begun) + " begun and " + std::to_string(work.tiles_stored) + " stored so far, " +
+         std::to_string(work.tile_memory_bytes >> 20) + " MiB in memory)";
+}
 
 class Health final : public http::NodeHealth {
  public:
@@ -76,32 +88,34 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   return lock;
 }
 
-Status serve_node(const ServiceOptions& options, http::ServerOptions http, const std::function<void()>& begin_anew) {
+Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
+                  const std::function<void()>& begin_anew) {
   boost::asio::io_context context;
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
   ClusterOptions cluster = *options.cluster;
   BOOST_OUTCOME_TRYV(make_directories(options.data));
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
-  BOOST_OUTCOME_TRY(lock, take_scratch(cluster.scratch));
-  [[maybe_unused]] const FolderLock scratch_is_ours = std::move(lock);
   bool again = false;
   cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
   cluster.expelled = [&](const std::string& why, bool may_come_back) {
     boost::asio::post(context, [&, why, may_come_back] {
       spdlog::warn("this node is no member of the cluster any more: it {}", why);
       again = may_come_back;
+      if (again) words.ends("was no member of the cluster any more (it " + why + "), and began anew");
       context.stop();
     });
   };
   signals.async_wait([&](const boost::system::error_code& error, int signal) {
     if (error) return;
     spdlog::info("signal {}: leaves the cluster", signal);
-    std::signal(SIGTERM, SIG_DFL);  // a second one ends it at once
-    std::signal(SIGINT, SIG_DFL);
+    words.doing("leaving the cluster");
+    LastWords::end_by(SIGTERM);  // a second one, at once
+    LastWords::end_by(SIGINT);
     context.stop();
   });
-  BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster)));
+  BOOST_OUTCOME_TRY(
+      engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster, words.before())));
   const Health health(*engine, options);
   std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
   std::unique_ptr<http::Server> server;
@@ -112,6 +126,15 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, const
   spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));
   supervisor::ready("node of the cluster " + cluster.name);
   boost::asio::steady_timer timer(context);
+  boost::asio::steady_timer until_told(context);
+  std::function<void()> tell = [&] {
+    words.doing(in_words(engine->work()));
+    until_told.expires_after(telling);
+    until_told.async_wait([&](const boost::system::error_code& error) {
+      if (!error) tell();
+    });
+  };
+  tell();
   const auto most = supervisor::watchdog();
   std::function<void()> beat = [&] {
     supervisor::alive();

@@ -7,6 +7,7 @@
 
 #include "src/base/result.h"
 #include "src/cluster/cluster_options.h"
+#include "src/daemon/last_words.h"
 #include "src/files/folder_lock.h"
 #include "src/http/server.h"
 #include "src/service/service.h"
@@ -19,7 +20,9 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 
 // Works until SIGTERM or SIGINT, or until it is drained (success), or until the others count it as lost: `begin_anew`,
 // which should not return.
-// Of `http` the listeners for operations are its own. Errors as of Engine::join() and Server::start().
-Status serve_node(const ServiceOptions& options, http::ServerOptions http, const std::function<void()>& begin_anew);
+// REQUIRES: its scratch is taken, and `words` are kept there. Of `http` the listeners for operations are its own.
+// Errors as of Engine::join() and Server::start().
+Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
+                  const std::function<void()>& begin_anew);
 
 }  // namespace tessera

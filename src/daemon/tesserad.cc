@@ -25,6 +25,7 @@
 #include "src/daemon/daemon_log.h"
 #include "src/daemon/daemon_options.h"
 #include "src/daemon/health.h"
+#include "src/daemon/last_words.h"
 #include "src/daemon/node_process.h"
 #include "src/daemon/supervisor.h"
 #include "src/http/server.h"
@@ -67,8 +68,8 @@ class Life {
       if (error) return;
       if (signal != SIGHUP) {
         spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
-        std::signal(SIGTERM, SIG_DFL);  // a second one ends it at once
-        std::signal(SIGINT, SIG_DFL);
+        LastWords::end_by(SIGTERM);  // a second one, at once
+        LastWords::end_by(SIGINT);
         context_.stop();
         return;
       }
@@ -100,19 +101,7 @@ class Life {
   boost::asio::steady_timer timer_{context_};
 };
 
-Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
-  start_daemon_log(options.json_log, options.http.insecure);
-  std::optional<FolderLock> scratch;
-  if (options.service.cluster) {
-    ClusterOptions& cluster = *options.service.cluster;
-    if (!cluster.coordinator) return serve_node(options.service, options.http, begin_anew);
-    cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
-    cluster.expelled = [](const std::string& why, bool) {
-      spdlog::warn("this process takes no more work: it {}", why);
-    };
-    BOOST_OUTCOME_TRY(taken, take_scratch(cluster.scratch));
-    scratch = std::move(taken);
-  }
+Status serve_api(DaemonOptions options) {
   Life life;
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
   BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
@@ -131,6 +120,23 @@ Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   service.reset();
   spdlog::info("ended");
   return success();
+}
+
+Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
+  start_daemon_log(options.json_log, options.http.insecure);
+  if (!options.service.cluster) return serve_api(std::move(options));
+  ClusterOptions& cluster = *options.service.cluster;
+  BOOST_OUTCOME_TRY(lock, take_scratch(cluster.scratch));
+  [[maybe_unused]] const FolderLock scratch_is_ours = std::move(lock);
+  BOOST_OUTCOME_TRY(words, LastWords::keep(cluster.scratch));
+  if (!words->before().empty()) spdlog::warn("the process before this one {}", words->before());
+  cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
+  cluster.expelled = [](const std::string& why, bool) { spdlog::warn("this process takes no more work: it {}", why); };
+  const bool is_node_alone = !cluster.coordinator;
+  Status served =
+      is_node_alone ? serve_node(options.service, options.http, *words, begin_anew) : serve_api(std::move(options));
+  words->ends(served);
+  return served;
 }
 
 int tesserad_main(int argc, char** argv) {

@@ -132,6 +132,7 @@ fs::path part_scratch_folder(const fs::path& scratch, std::uint64_t number) {
 }
 fs::path gate_scratch_file(const fs::path& part, NodeId node) { return part / ("node-" + std::to_string(node.value)); }
 bool is_part_scratch_name(const fs::path& file) { return file.filename().string().starts_with("part-"); }
+fs::path last_words_file(const fs::path& scratch) { return scratch / "life"; }
 fs::path data_identity_file(const fs::path& data) { return data / "id"; }
 fs::path node_scratch_folder(const fs::path& data, const std::string& node) { return data / "scratch" / node; }
 fs::path jobs_folder(const fs::path& data) { return data / "jobs"; }

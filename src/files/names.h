@@ -118,6 +118,8 @@ std::filesystem::path part_scratch_folder(const std::filesystem::path& scratch, 
 // Of what waits for another node.
 std::filesystem::path gate_scratch_file(const std::filesystem::path& part, NodeId node);
 bool is_part_scratch_name(const std::filesystem::path& file);
+// How the process ends whose scratch it is, for the next one there.
+std::filesystem::path last_words_file(const std::filesystem::path& scratch);
 std::filesystem::path data_identity_file(const std::filesystem::path& data);
 std::filesystem::path node_scratch_folder(const std::filesystem::path& data, const std::string& node);
 std::filesystem::path jobs_folder(const std::filesystem::path& data);

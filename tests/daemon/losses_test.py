@@ -209,6 +209,41 @@ class Cluster(DaemonTest):
         self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
         self.assertEqual(self.joined(), set("abcd"))
 
+    def test_who_says_nothing_is_cut_off(self):
+        context = ssl.create_default_context()
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+        context.load_cert_chain(self.folder / "certs/e.pem", self.folder / "certs/e.key")
+        ports = (self.port, self.nodes["b"].port)
+
+        def left(strangers):
+            """Those whose end has not come."""
+            still = []
+            for stranger in strangers:
+                stranger.settimeout(0)
+                try:
+                    while stranger.recv(1 << 16):
+                        pass
+                except (BlockingIOError, ssl.SSLWantReadError):
+                    still.append(stranger)
+                except OSError:
+                    pass
+            return still
+
+        with contextlib.ExitStack() as opened:
+            dumb = [opened.enter_context(socket.create_connection(("127.0.0.1", port))) for port in ports]
+            # A handshake with a certificate of the cluster, and no word after it.
+            dumb += [opened.enter_context(context.wrap_socket(opened.enter_context(
+                socket.create_connection(("127.0.0.1", port))))) for port in ports]
+            self.assertEqual(len(left(dumb)), 4)
+            self.wait_until(lambda: not left(dumb), lambda: "they stay open")
+            for log in (self.coordinator.messages(), self.nodes["b"].said()):
+                self.assertRegex(log, r"[12] connections were closed, over which nothing was said")
+        with contextlib.ExitStack() as opened:  # many at once: the oldest go before their time
+            many = [opened.enter_context(socket.create_connection(("127.0.0.1", self.port))) for _ in range(300)]
+            self.wait_until(lambda: len(left(many)) <= 128, lambda: str(len(left(many))))
+            self.assertEqual(self.result(self.run_job("undisturbed")), self.digest)
+        self.assertEqual(self.joined(), set("abcd"))
+
     def test_a_node_that_ends_in_order_is_done_without(self):
         job = self.submit("fewer")
         self.wait_for_phase(job, "triangulating", "splaying", "collecting")
