@@ -43,6 +43,7 @@ struct Metrics::Impl {
   prometheus::Gauge* memory_used = nullptr;
   prometheus::Gauge* disk_free = nullptr;
   prometheus::Gauge* watchers = nullptr;
+  prometheus::Gauge* open_results = nullptr;
   prometheus::Gauge* updates = nullptr;
   prometheus::Counter* points = nullptr;
   std::mutex scraping;
@@ -100,6 +101,7 @@ Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl
   my.disk_free = my.gauge("tessera_disk_free_bytes", "Free space where results are stored");
   my.updates = my.gauge("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there");
   my.watchers = my.gauge("tessera_event_watchers", "Subscriptions to events");
+  my.open_results = my.gauge("tessera_open_results", "Results that are kept open for questions");
 }
 
 Metrics::~Metrics() = default;
@@ -133,6 +135,7 @@ std::string Metrics::text(const Backend::Figures& figures) {
   my.disk_free->Set(static_cast<double>(figures.disk_free_bytes));
   my.updates->Set(static_cast<double>(figures.updates_waiting));
   my.watchers->Set(static_cast<double>(figures.subscribers));
+  my.open_results->Set(static_cast<double>(figures.open_results));
   return prometheus::TextSerializer().Serialize(my.registry.Collect());
 }
 

@@ -42,8 +42,8 @@ std::vector<Point> probes_of(const Bounds& box, int dimension) {
 
 class Search {
  public:
-  Search(Walker& walker, const Area& area, const Bounds& box, const std::stop_token& stop)
-      : walker_(walker), area_(area), box_(box), stop_(stop) {}
+  Search(Walker& walker, const Area& area, const Bounds& box, std::uint64_t cells_max, const std::stop_token& stop)
+      : walker_(walker), area_(area), box_(box), cells_max_(cells_max), stop_(stop) {}
 
   // From this cell on, if it meets the box.
   void begin(const Cell& cell) {
@@ -59,7 +59,7 @@ class Search {
     return success();
   }
   Status run() {
-    for (auto tile = tiles_.begin(); tile != tiles_.end();) {
+    for (auto tile = tiles_.begin(); tile != tiles_.end() && !too_many();) {
       if (tile->second.waiting.empty()) {
         ++tile;
         continue;
@@ -69,6 +69,9 @@ class Search {
     }
     return success();
   }
+  // What was found is not all: it was no use to look any further.
+  bool too_many() const { return count_ > cells_max_; }
+  std::uint64_t count() const { return count_; }
   // The places of main cells by tile, in no order.
   std::map<TileId, std::vector<std::int32_t>>& found() { return found_; }
 
@@ -93,7 +96,9 @@ class Search {
   // REQUIRES: the cell meets the box.
   void take(const QueryTile& tile, std::int32_t cell) {
     if (tile.mesh().cell_ghost[static_cast<std::size_t>(cell)] != 0) return;
-    if (!area_.polygon || area_.polygon->meets(corners_of(tile, cell))) found_[tile.id()].push_back(cell);
+    if (area_.polygon && !area_.polygon->meets(corners_of(tile, cell))) return;
+    found_[tile.id()].push_back(cell);
+    ++count_;
   }
 
   Status spread(TileId id, InTile& in) {
@@ -107,12 +112,14 @@ class Search {
       if (meets_box(*tile, cell)) next.push_back(cell);
     };
     for (const CellIds& ids : waiting) {
+      if (too_many()) break;
+      if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while looking for cells");
       BOOST_OUTCOME_TRY(first, tile->find(ids));
       if (first < 0)
         return error(Errc::corrupt, "tile " + to_string(id) + " lacks a cell around a vertex of its own, " +
                                         to_string(ids[0]) + " ..., that another tile has");
       look_at(first);
-      while (!next.empty()) {
+      while (!next.empty() && !too_many()) {
         const std::int32_t cell = next.back();
         next.pop_back();
         take(*tile, cell);
@@ -138,6 +145,7 @@ class Search {
   Walker& walker_;
   const Area& area_;
   Bounds box_;
+  std::uint64_t cells_max_, count_ = 0;
   const std::stop_token& stop_;
   std::array<Point, 4> corners_;
   std::map<TileId, InTile> tiles_;
@@ -179,12 +187,16 @@ class Collector {
 
 }  // namespace
 
-Result<CellSet> StoredTriangulation::cells(const Area& area, std::uint64_t bytes_max, const AskOptions& options) const {
+Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& limits,
+                                           const AskOptions& options) const {
   const Manifest& manifest = impl_->manifest;
   const Bounds box = cut(area.box, manifest.bounds, manifest.dimension);
   const bool with_rows = !manifest.schema.empty();
   Walker walker(impl_->cache, manifest, with_rows);
-  Search search(walker, area, box, options.stop);
+  // A cell with its corners, neighbours and tile, and most likely one vertex or less with its attributes.
+  const std::uint64_t bytes_each = 64 + sizeof(Point) + 40 + row_bytes(manifest.schema);
+  const std::uint64_t fit = limits.bytes_max / bytes_each;
+  Search search(walker, area, box, std::min(limits.cells_max, fit), options.stop);
   const bool apart = box.lo.x > box.hi.x || box.lo.y > box.hi.y || box.lo.z > box.hi.z;
   if (!apart) {
     bool begun = false;
@@ -204,18 +216,18 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, std::uint64_t bytes
     } else {
       for (const auto& entry : manifest.tiles) {
         BOOST_OUTCOME_TRYV(search.scan(entry.tile));
+        if (search.too_many()) break;
       }
     }
   }
-  std::size_t count = 0;
-  for (const auto& [tile, cells] : search.found()) count += cells.size();
-  // A cell with its corners, neighbours and tile, and most likely one vertex or less with its attributes.
-  const std::uint64_t needed = count * (64 + sizeof(Point) + 40 + row_bytes(manifest.schema));
-  if (needed > bytes_max)
-    return error(Errc::memory, impl_->out.string() + ": the area has " + std::to_string(count) + " cells, which take " +
-                                   std::to_string(needed >> 20) + " MiB of memory: give more " + option("memory") +
-                                   ", or a smaller area");
-  Collector collector(manifest, count);
+  if (search.too_many() && limits.cells_max < fit)
+    return error(Errc::memory, impl_->out.string() + ": the area has more than " + std::to_string(limits.cells_max) +
+                                   " cells, which is the limit: give a smaller area");
+  if (search.too_many())
+    return error(Errc::memory, impl_->out.string() + ": the area has more than " + std::to_string(fit) +
+                                   " cells, which take " + std::to_string(limits.bytes_max >> 20) +
+                                   " MiB of memory: give more " + option("memory") + ", or a smaller area");
+  Collector collector(manifest, search.count());
   for (auto& [id, cells] : search.found()) {
     walker.keep_only(nullptr);
     BOOST_OUTCOME_TRY(tile, walker.tile(id));

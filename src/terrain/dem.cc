@@ -4,6 +4,8 @@
 #include <atomic>
 #include <cctype>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -30,6 +32,7 @@ namespace {
 
 // Of the whole, drawing; the rest is compressing.
 constexpr double drawing_part = 0.6;
+constexpr std::size_t cells_a_look = 4096;  // at whether to stop
 
 Status check_target(const fs::path& target, bool overwrite) {
   std::string ending = target.extension().string();
@@ -63,10 +66,13 @@ Result<Column> find_column(const fs::path& out, const Manifest& manifest, const 
                                 "; they have " + (names.empty() ? "none" : names));
 }
 
+// Takes the pixels that were drawn. Called by several threads.
+using Take = std::function<Status(Blocks&)>;
+
 class Drawing {
  public:
   Drawing(const fs::path& out, const Manifest& manifest, const Column& column, const Grid& grid,
-          const DemOptions& options, const std::stop_token& stop, CogFile& file)
+          const DemOptions& options, const std::stop_token& stop, Take take)
       : out_(out),
         manifest_(manifest),
         column_(column),
@@ -74,9 +80,16 @@ class Drawing {
         grid_(grid),
         options_(options),
         stop_(stop),
-        file_(file),
+        take_(std::move(take)),
         filter_(options.max_edge) {}
 
+  // Of cells that are in memory, all that may have a pixel.
+  Status run(const StoredTile& cells) {
+    Blocks blocks(grid_);
+    blocks_bytes_ = std::max<std::uint64_t>(options_.memory_bytes, 16 * sizeof(Block));
+    BOOST_OUTCOME_TRYV(draw(cells, out_, blocks));
+    return take_(blocks);
+  }
   Status run() {
     // As a mesh with attributes, and what reading takes beside it.
     std::uint64_t tile_bytes = 1 << 20;
@@ -98,14 +111,14 @@ class Drawing {
         if (options_.progress)
           options_.progress(drawing_part * static_cast<double>(done_) / static_cast<double>(manifest_.tiles.size()));
       }
-      return file_.add(blocks);
+      return take_(blocks);
     });
   }
   std::uint64_t left_out() const { return left_out_; }
 
  private:
-  Error corrupt(TileId tile, const std::string& what) const {
-    return error(Errc::corrupt, stored_tile_file(out_, tile).string() + ": " + what);
+  static Error corrupt(const fs::path& file, const std::string& what) {
+    return error(Errc::corrupt, file.string() + ": " + what);
   }
 
   Result<StoredTile> load(const TileEntry& entry) const {
@@ -113,20 +126,26 @@ class Drawing {
     const TileMesh& mesh = tile.mesh;
     if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.points.size() != entry.points ||
         mesh.cell_ghost.size() != entry.cells)
-      return corrupt(entry.tile, "is not what the manifest says");
+      return corrupt(stored_tile_file(out_, entry.tile), "is not what the manifest says");
     const Bounds& bounds = manifest_.bounds;
     for (const Point& p : mesh.points)
       if (!(p.x >= bounds.lo.x && p.x <= bounds.hi.x && p.y >= bounds.lo.y && p.y <= bounds.hi.y))
-        return corrupt(entry.tile, "has a vertex outside of the manifest's bounds");
+        return corrupt(stored_tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
     return tile;
   }
 
   Status draw(const TileEntry& entry, Blocks& blocks) {
     BOOST_OUTCOME_TRY(tile, load(entry));
+    return draw(tile, stored_tile_file(out_, entry.tile), blocks);
+  }
+
+  // `from`: whose cells they are, for errors.
+  Status draw(const StoredTile& tile, const fs::path& from, Blocks& blocks) {
     const TileMesh& mesh = tile.mesh;
     std::uint64_t left_out = 0;
     bool apart = true;
     for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
+      if (i % cells_a_look == 0 && stop_.stop_requested()) return error(Errc::interrupted, "interrupted while drawing");
       if (!filter_.keeps(mesh, i)) {
         left_out += mesh.cell_ghost[i] == 0 ? 1 : 0;
         continue;
@@ -142,10 +161,10 @@ class Drawing {
             blocks.put(column, row, options_.doubles ? value : static_cast<double>(static_cast<float>(value))) && apart;
       });
       if (blocks.bytes() > blocks_bytes_) {
-        BOOST_OUTCOME_TRYV(file_.add(blocks));
+        BOOST_OUTCOME_TRYV(take_(blocks));
       }
     }
-    if (!apart) return corrupt(entry.tile, "its cells overlap each other, or those of other tiles");
+    if (!apart) return corrupt(from, "its cells overlap each other, or those of other tiles");
     left_out_ += left_out;
     return success();
   }
@@ -157,7 +176,7 @@ class Drawing {
   Grid grid_;
   const DemOptions& options_;
   std::stop_token stop_;
-  CogFile& file_;
+  Take take_;
   exports::CellFilter filter_;
   std::uint64_t blocks_bytes_ = 0;
   std::atomic<std::size_t> next_{0};
@@ -165,6 +184,24 @@ class Drawing {
   std::mutex mutex_;
   std::size_t done_ = 0;  // tiles
 };
+
+// What a raster of this result will be; errors: those of write_dem() before anything is written.
+struct Asked {
+  Manifest manifest;
+  Column column;
+  Grid grid;
+};
+
+Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  if (manifest.dimension != 2)
+    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
+                                  option("dim", "2"));
+  BOOST_OUTCOME_TRY(column, find_column(out, manifest, options.value));
+  BOOST_OUTCOME_TRY(grid, grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
+  return Asked{std::move(manifest), column, grid};
+}
 
 }  // namespace
 }  // namespace terrain
@@ -176,16 +213,14 @@ std::string to_json(const Dem& dem) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
+namespace {
+
+// `cells`: those that may have a pixel; null: they are read.
+Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, const fs::path& target,
+                  const DemOptions& options, const std::stop_token& stop) {
   BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
-  if (manifest.dimension != 2)
-    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
-                                  option("dim", "2"));
-  BOOST_OUTCOME_TRY(column, terrain::find_column(out, manifest, options.value));
-  BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
+  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
+  const auto& [manifest, column, grid] = asked;
 
   // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
   DemOptions drawing_options = options;
@@ -197,8 +232,9 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
                                                     .heights = options.value == "z",
                                                     .cache_bytes = options.memory_bytes / 4,
                                                     .threads = options.threads}));
-  terrain::Drawing drawing(out, manifest, column, grid, drawing_options, stop, *file);
-  BOOST_OUTCOME_TRYV(drawing.run());
+  terrain::Drawing drawing(out, manifest, column, grid, drawing_options, stop,
+                           [&](terrain::Blocks& blocks) { return file->add(blocks); });
+  BOOST_OUTCOME_TRYV(cells ? drawing.run(*cells) : drawing.run());
   BOOST_OUTCOME_TRY(bytes, file->finish([&](double done) {
     if (options.progress) options.progress(terrain::drawing_part + (1 - terrain::drawing_part) * done);
     return !stop.stop_requested();
@@ -210,6 +246,59 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
              .left_out = drawing.left_out(),
              .bytes = bytes,
              .note = crs_note(manifest.crs)};
+}
+
+}  // namespace
+
+Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
+  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  return write(out, std::move(manifest), nullptr, target, options, stop);
+}
+
+Result<Dem> write_dem_of(const fs::path& out, const Manifest& manifest, const StoredTile& cells, const fs::path& target,
+                         const DemOptions& options, std::stop_token stop) {
+  return write(out, manifest, &cells, target, options, stop);
+}
+
+Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::uint64_t pixels_max,
+                          std::stop_token stop) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(manifest), options));
+  const terrain::Grid& grid = asked.grid;
+  const auto width = static_cast<std::uint64_t>(grid.width), height = static_cast<std::uint64_t>(grid.height);
+  if (width > pixels_max / height)
+    return error(Errc::memory, out.string() + ": the raster has " + std::to_string(width) + " x " +
+                                   std::to_string(height) + " pixels, more than " + std::to_string(pixels_max) + ": " +
+                                   option("res") + " must be larger, or " + option("bbox") + " smaller");
+  DemArray array{.width = grid.width,
+                 .height = grid.height,
+                 .left = grid.left(),
+                 .top = grid.top(),
+                 .values = std::vector<double>(width * height, std::numeric_limits<double>::quiet_NaN())};
+  std::mutex mutex;
+  const auto take = [&](terrain::Blocks& blocks) -> Status {
+    const std::lock_guard lock(mutex);
+    bool apart = true;
+    blocks.take([&](std::int64_t x, std::int64_t y, const terrain::Block& block) {
+      const std::int64_t columns = std::min(terrain::block_side, grid.width - x);
+      const std::int64_t lines = std::min(terrain::block_side, grid.height - y);
+      for (std::int64_t line = 0; line < lines; ++line)
+        for (std::int64_t column = 0; column < columns; ++column) {
+          const double value = block.pixels[line * terrain::block_side + column];
+          if (std::isnan(value)) continue;
+          double& pixel = array.values[static_cast<std::size_t>((y + line) * grid.width + x + column)];
+          apart = apart && std::isnan(pixel);
+          pixel = value;
+          ++array.pixels;
+        }
+    });
+    return apart ? Status(success()) : error(Errc::corrupt, out.string() + ": cells of its tiles overlap each other");
+  };
+  terrain::Drawing drawing(out, asked.manifest, asked.column, grid, options, stop, take);
+  BOOST_OUTCOME_TRYV(drawing.run());
+  array.left_out = drawing.left_out();
+  return array;
 }
 
 }  // namespace tessera
