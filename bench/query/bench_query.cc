@@ -94,14 +94,14 @@ int main(int argc, char** argv) {
   double low = 0, high = 1;
   for (int i = 0; i < 12; ++i) {
     const double part = (low + high) / 2;
-    const auto found = value(result.cells({.box = box_of(part)}, std::uint64_t{16} << 30, ask));
+    const auto found = value(result.cells({.box = box_of(part)}, {.bytes_max = std::uint64_t{16} << 30}, ask));
     (found.tiles.size() < 10'000 ? low : high) = part;
   }
   const query::Area area{.box = box_of(high)};
   const auto fresh = open();
   for (const char* state : {"cold", "warm", "warm"}) {
     const Watch watch;
-    const auto found = value(fresh.cells(area, std::uint64_t{16} << 30, ask));
+    const auto found = value(fresh.cells(area, {.bytes_max = std::uint64_t{16} << 30}, ask));
     watch.print("cells", state, found.tiles.size());
   }
   return 0;

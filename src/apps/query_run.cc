@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "src/apps/outcome.h"
-#include "src/apps/query_text.h"
 #include "src/base/option.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/arguments.h"
+#include "src/query/answer_text.h"
 
 namespace tessera {
 namespace {
@@ -24,23 +24,6 @@ Result<StoredTriangulation> open(const QueryRequest& request) {
 Status print(const std::string& text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0) return success();
   return error(Errc::io, "standard output: cannot be written");
-}
-
-// "X,Y" or "X,Y,Z", as many as the result has dimensions; z of a 2D result does not count.
-Result<Point> parse_point(const std::string& text, int dimension) {
-  Point p;
-  int axis = 0;
-  for (std::size_t begin = 0; begin <= text.size(); ++axis) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    auto number = parse_finite(std::string_view(text).substr(begin, end - begin));
-    if (!number || axis > 2) return error(Errc::usage, "'" + text + "' is not a point like 885100,629050");
-    if (axis < dimension) p[axis] = number.value();
-    begin = end + 1;
-  }
-  if (axis < dimension)
-    return error(Errc::usage, "'" + text + "' has " + std::to_string(axis) + " coordinates, and the result is " +
-                                  std::to_string(dimension) + "D");
-  return without_negative_zero(p);
 }
 
 // Asks about all points of a cloud, so many at a time.
@@ -120,7 +103,7 @@ Status query_cells(const QueryRequest& request) {
     if (!box) return error(Errc::usage, "--bbox: " + box.error().where);
     area.box = {box.value().lo, box.value().hi};
   }
-  BOOST_OUTCOME_TRY(set, result.cells(area, request.memory_bytes / 2, request.ask));
+  BOOST_OUTCOME_TRY(set, result.cells(area, {.bytes_max = request.memory_bytes / 2}, request.ask));
   if (set.tiles.empty())
     return error(Errc::usage, request.folder.string() + ": no cell meets " +
                                   (request.polygon.empty() ? "the box " + request.bbox : request.polygon));

@@ -7,10 +7,10 @@
 #include <stop_token>
 #include <string>
 
-#include "src/apps/answers.h"
 #include "src/apps/command.h"
 #include "src/base/result.h"
 #include "src/export/export.h"
+#include "src/query/answers.h"
 #include "src/query/stored_triangulation.h"
 
 namespace tessera {

@@ -146,6 +146,9 @@ fs::path results_folder(const fs::path& data) { return data / "results"; }
 fs::path exports_folder(const fs::path& out) { return out / "exports"; }
 fs::path tileset_of_result(const fs::path& out) { return exports_folder(out) / "3dtiles"; }
 fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
+fs::path answers_folder(const fs::path& data) { return data / "answers"; }
+fs::path answer_file(const fs::path& folder, const std::string& ending) { return folder / ("answer" + ending); }
+fs::path asked_points_file(const fs::path& folder, const std::string& ending) { return folder / ("points" + ending); }
 
 fs::path tokens_file(const fs::path& data) { return data / "tokens"; }
 fs::path part_file(const fs::path& final_name) {

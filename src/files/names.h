@@ -33,6 +33,7 @@
 //   DATA/forgotten.txt             the ids of jobs that were removed, a line each
 //   DATA/events.json               which numbers events may have next
 //   DATA/results/NAME/             a result folder; with exports/ in it, what it was exported to
+//   DATA/answers/TOKEN/            what a question brings along, and its answer, while it is answered
 //   DATA/uploads/NAME/FILE         an input; .FILE.part while it comes
 //   .../exports/3dtiles/           its tileset, which the dashboard shows
 //   .../.unfinished-ID             what job ID makes, until it is whole
@@ -133,6 +134,10 @@ std::filesystem::path results_folder(const std::filesystem::path& data);
 std::filesystem::path exports_folder(const std::filesystem::path& out);
 std::filesystem::path tileset_of_result(const std::filesystem::path& out);
 std::filesystem::path uploads_folder(const std::filesystem::path& data);
+std::filesystem::path answers_folder(const std::filesystem::path& data);
+// `ending`: with its point.
+std::filesystem::path answer_file(const std::filesystem::path& folder, const std::string& ending);
+std::filesystem::path asked_points_file(const std::filesystem::path& folder, const std::string& ending);
 std::filesystem::path tokens_file(const std::filesystem::path& data);
 std::filesystem::path part_file(const std::filesystem::path& final_name);
 // In `folder`, where it will be renamed to the final name.

@@ -192,6 +192,7 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   add_common_routes(routes, shared);
   add_job_routes(routes, shared);
   add_result_routes(routes);
+  add_question_routes(routes);
   add_node_routes(routes);
   add_dashboard_routes(routes);
   add_operations_routes(routes, shared,

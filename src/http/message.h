@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,7 @@ struct Request {
   std::uint16_t port = 0;
   bool tls = false;
   Caller caller;
+  std::stop_token stop = {};  // the caller has gone; only while a question is answered
 
   // The value, empty when it is not there.
   std::string_view header(std::string_view name) const;

@@ -126,6 +126,7 @@ std::string Metrics::text(const Backend::Figures& figures) {
   my.set("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there",
          figures.updates_waiting);
   my.set("tessera_event_watchers", "Subscriptions to events", figures.subscribers);
+  my.set("tessera_open_results", "Results that are kept open for questions", figures.open_results);
   return my.text();
 }
 

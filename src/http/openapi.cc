@@ -51,7 +51,9 @@ ordered_json operation_of(const Route& route, const ordered_json& messages) {
       content["application/octet-stream"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
     } else {
       content["application/json"] = {{"schema", reference(route.body)}};
-      content["application/x-protobuf"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+      const std::vector<std::string> protobuf{"application/x-protobuf"};
+      for (const std::string& type : route.body_types.empty() ? protobuf : route.body_types)
+        content[type] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
     }
     operation["requestBody"] = {{"required", true}, {"content", std::move(content)}};
   }
@@ -100,6 +102,36 @@ void add_documents(ordered_json& schemas) {
                            {"required", {"inputs", "outputs"}},
                            {"properties", {{"inputs", {{"type", "object"}}}, {"outputs", {{"type", "object"}}}}}}}}};
   schemas["Results"] = {{"type", "object"}, {"additionalProperties", {{"type", "object"}}}};
+  const auto list_of = [](const ordered_json& items) { return ordered_json{{"type", "array"}, {"items", items}}; };
+  const ordered_json point = list_of({{"type", "number"}});
+  const ordered_json whole{{"type", "integer"}, {"format", "int64"}};
+  schemas["Points"] = {{"type", "object"}, {"required", {"points"}}, {"properties", {{"points", list_of(point)}}}};
+  schemas["Answers"] = {{"type", "object"},
+                        {"required", {"answers"}},
+                        {"properties", {{"answers", list_of({{"type", "object"}, {"required", {"point"}}})}}}};
+  schemas["Cell"] = {{"type", "object"},
+                     {"nullable", true},
+                     {"properties", {{"tile", whole}, {"cell", whole}, {"vertices", list_of(whole)}}}};
+  schemas["Vertex"] = {{"type", "object"}, {"properties", {{"id", whole}, {"tile", whole}, {"point", point}}}};
+  ordered_json nullable = whole;
+  nullable["nullable"] = true;
+  schemas["Location"] = {{"type", "object"},
+                         {"required", {"point", "cell"}},
+                         {"properties",
+                          {{"point", point},
+                           {"tile", whole},
+                           {"cell", nullable},
+                           {"vertices", list_of(reference("Vertex"))},
+                           {"neighbors", list_of(reference("Cell"))}}}};
+  schemas["Star"] = {{"type", "object"},
+                     {"required", {"asked", "vertex", "voronoi_volume", "on_hull", "neighbors", "cells"}},
+                     {"properties",
+                      {{"asked", whole},
+                       {"vertex", reference("Vertex")},
+                       {"voronoi_volume", {{"type", "number"}, {"nullable", true}}},
+                       {"on_hull", {{"type", "boolean"}}},
+                       {"neighbors", list_of(reference("Vertex"))},
+                       {"cells", list_of(reference("Cell"))}}}};
   schemas["Document"] = {{"type", "object"}};
   schemas["JsonExecute"] = {{"type", "object"},
                             {"required", {"inputs"}},

@@ -70,26 +70,6 @@ bool is_required(const Process& process, const std::string& field) {
   return false;
 }
 
-// Before anything is built of it: a tree of a million levels costs much to make, and more to throw away.
-bool nests_at_most(std::string_view json, int levels) {
-  bool in_string = false;
-  int depth = 0;
-  for (std::size_t at = 0; at < json.size(); ++at) {
-    const char c = json[at];
-    if (in_string) {
-      if (c == '\\') ++at;
-      if (c == '"') in_string = false;
-    } else if (c == '"') {
-      in_string = true;
-    } else if (c == '{' || c == '[') {
-      if (++depth > levels) return false;
-    } else if (c == '}' || c == ']') {
-      --depth;
-    }
-  }
-  return true;
-}
-
 // In protobuf the process of the address and the member of the oneof are the same.
 const google::protobuf::FieldDescriptor& member_of(const Process& process) {
   return *proto::Inputs::descriptor()->FindFieldByName(process.name);
@@ -154,7 +134,7 @@ Result<proto::Inputs> read_inputs(const Process& process, const Request& request
   // In JSON the address alone says which inputs they are.
   proto::Inputs inputs;
   google::protobuf::Message* chosen = inputs.GetReflection()->MutableMessage(&inputs, &member_of(process));
-  if (!nests_at_most(request.body, 32))
+  if (nested_too_deep(request.body))
     return error(Errc::usage, "the body: lists and objects are nested more than 32 deep");
   const nlohmann::json body = nlohmann::json::parse(request.body, nullptr, false);
   if (!body.is_object()) return error(Errc::usage, "the body must be a JSON object");

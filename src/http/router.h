@@ -51,10 +51,12 @@ struct Route {
   std::vector<Response> responses;
   Handler handler;
   std::vector<Parameter> query = {};
-  std::string body = {};  // the name of the schema of what is sent
+  std::string body = {};                     // the name of the schema of what is sent
+  std::vector<std::string> body_types = {};  // media types that it may have beside JSON; none: protobuf
   Place place = Place::api;
   bool waits =
       true;  // for a disk, or for who writes to one: its handler runs beside the threads that serve connections
+  bool asks = false;  // a question to a result: it may take long, has threads of its own, and ends when its caller goes
   UploadHandler upload = {};  // instead of reading the body for `handler`, which then answers once all is taken
 };
 

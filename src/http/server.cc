@@ -11,7 +11,6 @@
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/strand.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <condition_variable>
 #include <exception>
@@ -76,7 +75,7 @@ struct Server::Impl {
   std::unordered_map<Session*, std::weak_ptr<Session>> sessions;
   std::shared_ptr<asio::ssl::context> tls;
   asio::io_context io;
-  asio::thread_pool workers{options.workers};
+  Workers workers{options.workers, options.questions};
   std::vector<std::unique_ptr<Listener>> listeners;
   std::vector<std::thread> threads;
 };
@@ -176,8 +175,12 @@ Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Server::~Server() {
   impl_->io.stop();
   for (std::thread& thread : impl_->threads) thread.join();
-  impl_->workers.stop();
-  impl_->workers.join();  // what they are at refers to sessions
+  for (const auto& [key, weak] : impl_->sessions)
+    if (const auto session = weak.lock()) session->stop_asking();
+  impl_->workers.disk.stop();
+  impl_->workers.questions.stop();
+  impl_->workers.disk.join();  // what they are at refers to sessions
+  impl_->workers.questions.join();
 }
 
 Result<std::unique_ptr<Server>> Server::start(ServerOptions options, Backend& backend) {

@@ -30,6 +30,7 @@ struct ServerOptions {
   bool insecure = false;                   // the API beyond the loopback without TLS
   std::uint32_t threads = 2;               // that serve connections, and never wait for a disk but to send its files
   std::uint32_t workers = 4;               // that do what waits for one; as many such requests are answered at once
+  std::uint32_t questions = 2;             // to results that are answered at once
   std::uint32_t connections = 4096;        // at once; more are refused with 503
   std::chrono::milliseconds header_time{10'000}, idle_time{60'000}, body_time{30'000}, write_time{30'000},
       comment_time{15'000};

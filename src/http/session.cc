@@ -14,7 +14,6 @@
 
 #include "src/http/head.h"
 #include "src/http/incoming.h"
-#include "src/http/workers.h"
 
 namespace tessera::http {
 namespace {
@@ -36,14 +35,15 @@ std::string lower_case(beast::string_view text) {
 }  // namespace
 
 Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
-                 asio::thread_pool& workers)
+                 Workers& workers)
     : transport_(std::move(transport)),
       front_(front),
       place_(place),
       limits_(limits),
       workers_(workers),
       time_(transport_->socket().get_executor()),
-      wake_(transport_->socket().get_executor()) {
+      wake_(transport_->socket().get_executor()),
+      look_(transport_->socket().get_executor()) {
   front_.metrics().add_connections(1);
 }
 
@@ -133,11 +133,18 @@ asio::awaitable<bool> Session::serve_one() {
   co_return co_await send(incoming, std::move(answered));
 }
 
-asio::awaitable<Answer> Session::answer(const Incoming& incoming) {
-  if (!incoming.admitted.route->waits) co_return front_.answer(incoming.request, incoming.admitted);
+asio::awaitable<Answer> Session::answer(Incoming& incoming) {
+  const Route& route = *incoming.admitted.route;
+  if (!route.waits) co_return front_.answer(incoming.request, incoming.admitted);
   never_give_up();
+  if (route.asks) {
+    incoming.request.stop = asked_.emplace().get_token();
+    watch_caller();
+  }
   const auto work = [&] { return front_.answer(incoming.request, incoming.admitted); };
-  std::optional<Answer> answered = co_await on_worker(workers_, work);
+  std::optional<Answer> answered = co_await on_worker(route.asks ? workers_.questions : workers_.disk, work);
+  asked_.reset();
+  look_.cancel();
   co_return std::move(*answered);
 }
 

@@ -4,15 +4,17 @@
 #include "src/http/transport.h"
 
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 
 #include "src/http/front.h"
+#include "src/http/workers.h"
 
 namespace tessera::http {
 
@@ -25,16 +27,20 @@ struct SessionLimits {
 class Session : public std::enable_shared_from_this<Session> {
  public:
   // `place`: what the listener offers. `front` outlives it.
-  // `workers` do what waits for a disk, so that the threads that serve connections never do; they are joined before
-  // what runs sessions dies.
+  // `workers` do what waits, so that the threads that serve connections never do; they are joined before what runs
+  // sessions dies.
   Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
-          asio::thread_pool& workers);
+          Workers& workers);
   ~Session();
 
   // Until the connection ends.
   asio::awaitable<void> run();
   // From any thread: nothing new is begun, an idle connection ends, streams of events end.
   void drain();
+  // The question that is being answered, if any, ends. REQUIRES: nothing runs the session any more.
+  void stop_asking() {
+    if (asked_) asked_->request_stop();
+  }
   asio::any_io_executor executor() { return transport_->socket().get_executor(); }
 
  private:
@@ -42,7 +48,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   void give_up_after(std::chrono::milliseconds time);
   void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker is at it
-  asio::awaitable<Answer> answer(const Incoming& incoming);
+  asio::awaitable<Answer> answer(Incoming& incoming);
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_header(Incoming& incoming);
@@ -52,18 +58,21 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::awaitable<bool> send(Incoming& incoming, Answer answer);
   asio::awaitable<ErrorCode> send_events(EventQueue& queue);
   void watch_peer();
+  void watch_caller();
   asio::awaitable<void> linger();
 
   std::unique_ptr<Transport> transport_;
   Front& front_;
   const Place place_;
   const SessionLimits& limits_;
-  asio::thread_pool& workers_;
+  Workers& workers_;
   boost::beast::flat_buffer buffer_;  // what was read and not yet understood
   asio::steady_timer time_;
   std::chrono::steady_clock::time_point deadline_;
   asio::steady_timer wake_;  // while events are waited for
   std::shared_ptr<EventQueue> events_;
+  asio::steady_timer look_;                // at the caller, while a question is answered
+  std::optional<std::stop_source> asked_;  // of that question
   bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
   std::string remote_;
   std::uint16_t port_ = 0;

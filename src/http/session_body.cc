@@ -1,5 +1,4 @@
 #include "src/http/incoming.h"
-#include "src/http/workers.h"
 
 #include <algorithm>
 #include <boost/beast/http/string_body.hpp>
@@ -44,7 +43,7 @@ asio::awaitable<bool> Session::read_body(Incoming& incoming) {
 asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
   never_give_up();
   const auto begin = [&] { return front_.begin_upload(incoming.request, incoming.admitted); };
-  auto begun = co_await on_worker(workers_, begin);
+  auto begun = co_await on_worker(workers_.disk, begin);
   auto& upload = *begun;
   std::uint64_t left = *incoming.length;
   unread_ = true;
@@ -66,7 +65,7 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
     const auto write = [&] {
       return upload.value()->write(std::string_view(static_cast<const char*>(buffer_.data().data()), bytes));
     };
-    const auto written = co_await on_worker(workers_, write);
+    const auto written = co_await on_worker(workers_.disk, write);
     if (!*written) {
       Answer refused = problem(written->error());
       co_return co_await send(incoming, std::move(refused));
@@ -77,7 +76,7 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
   unread_ = false;
   never_give_up();
   const auto finish = [&] { return upload.value()->finish(); };
-  const auto finished = co_await on_worker(workers_, finish);
+  const auto finished = co_await on_worker(workers_.disk, finish);
   if (!*finished) {
     Answer refused = problem(finished->error());
     co_return co_await send(incoming, std::move(refused));

@@ -1,10 +1,12 @@
 #include "src/http/incoming.h"
 
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <chrono>
 
 namespace tessera::http {
 
@@ -49,6 +51,22 @@ void Session::watch_peer() {
     if (seen > 0 && !self->transport_->is_tls()) return;
     self->peer_gone_ = true;
     self->wake_.cancel();
+  });
+}
+
+// Looks now and then: what the caller may send meanwhile is its next request, and stays where it is.
+void Session::watch_caller() {
+  constexpr std::chrono::milliseconds between{200};
+  look_.expires_after(between);
+  look_.async_wait([weak = weak_from_this()](ErrorCode error) {
+    const auto self = weak.lock();
+    if (error || !self || !self->asked_) return;
+    pollfd peer{self->transport_->socket().native_handle(), POLLRDHUP, 0};
+    if (::poll(&peer, 1, 0) > 0) {
+      self->asked_->request_stop();
+    } else {
+      self->watch_caller();
+    }
   });
 }
 

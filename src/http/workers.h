@@ -1,4 +1,4 @@
-// Work that waits for a disk, done by threads that serve no connection.
+// Work that waits, done by threads that serve no connection.
 #pragma once
 
 #include <utility>  // before awaitable.hpp of Boost 1.74, which forgets it
@@ -15,6 +15,12 @@
 #include <type_traits>
 
 namespace tessera::http {
+
+struct Workers {
+  Workers(unsigned disk_threads, unsigned question_threads) : disk(disk_threads), questions(question_threads) {}
+  boost::asio::thread_pool disk;       // short: what waits for a disk
+  boost::asio::thread_pool questions;  // to results, which may take long; of those more wait for their turn
+};
 
 // What `work()` returns, never nothing, once a worker has called it; what it throws is thrown here. `work` is a named
 // local of the coroutine that waits. Not a coroutine itself: g++ 12 destroys temporaries of such twice.

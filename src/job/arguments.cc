@@ -152,6 +152,23 @@ Result<double> parse_finite(std::string_view text) {
   return *number;
 }
 
+Result<Point> parse_point(std::string_view text, int dimension) {
+  const std::string all(text);
+  Point p;
+  int axis = 0;
+  for (std::size_t begin = 0; begin <= text.size(); ++axis) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    auto number = parse_finite(text.substr(begin, end - begin));
+    if (!number || axis > 2) return error(Errc::usage, "'" + all + "' is not a point like 885100,629050");
+    if (axis < dimension) p[axis] = number.value();
+    begin = end + 1;
+  }
+  if (axis < dimension)
+    return error(Errc::usage, "'" + all + "' has " + std::to_string(axis) + " coordinates, and the result is " +
+                                  std::to_string(dimension) + "D");
+  return without_negative_zero(p);
+}
+
 Result<double> parse_distance(std::string_view text) {
   const auto number = finite_number(text);
   if (!number || *number <= 0) return refuse(text, "is not a distance, a number above 0");

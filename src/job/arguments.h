@@ -29,6 +29,9 @@ Result<bool> parse_switch(std::string_view text);
 // A closed box: xmin,ymin,xmax,ymax (any z) or xmin,ymin,zmin,xmax,ymax,zmax (3D only).
 Result<Box> parse_crop(std::string_view text, int dimension);
 
+// "X,Y" or "X,Y,Z", as many as there are dimensions; z in 2D does not count.
+Result<Point> parse_point(std::string_view text, int dimension);
+
 // A finite number.
 Result<double> parse_finite(std::string_view text);
 

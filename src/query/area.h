@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/base/point.h"
@@ -31,6 +33,8 @@ class Polygon {
   // The polygons of a GeoJSON file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon), with
   // coordinates as they are. Errors: io; bad_input that names the file and the place.
   static Result<Polygon> read_geojson(const std::filesystem::path& path);
+  // The same of the text of such a file; `name`: what errors call it.
+  static Result<Polygon> of_geojson(std::string_view text, const std::string& name);
 
   const Bounds& bounds() const { return bounds_; }
   // Exact. Of a cell of space it is the projection that counts.

@@ -46,20 +46,23 @@ class Collector {
 
 }  // namespace
 
-Result<CellSet> StoredTriangulation::cells(const Area& area, std::uint64_t bytes_max, const AskOptions& options) const {
+Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& limits,
+                                           const AskOptions& options) const {
   const Manifest& manifest = impl_->manifest;
   const bool with_rows = !manifest.schema.empty();
   Walker walker(impl_->cache, manifest, with_rows);
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, manifest, area, options.stop));
-  std::size_t count = 0;
-  for (const auto& [tile, cells] : found.cells) count += cells.size();
   // A cell with its corners, neighbours and tile, and most likely one vertex or less with its attributes.
-  const std::uint64_t needed = count * (64 + sizeof(Point) + 40 + row_bytes(manifest.schema));
-  if (needed > bytes_max)
-    return error(Errc::memory, impl_->out.string() + ": the area has " + std::to_string(count) + " cells, which take " +
-                                   std::to_string(needed >> 20) + " MiB of memory: give more " + option("memory") +
-                                   ", or a smaller area");
-  Collector collector(manifest, count);
+  const std::uint64_t bytes_each = 64 + sizeof(Point) + 40 + row_bytes(manifest.schema);
+  const std::uint64_t fit = limits.bytes_max / bytes_each, most = std::min(limits.cells_max, fit);
+  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, manifest, area, most, options.stop));
+  if (found.count > most && limits.cells_max < fit)
+    return error(Errc::memory, impl_->out.string() + ": the area has more than " + std::to_string(limits.cells_max) +
+                                   " cells, which is the limit: give a smaller area");
+  if (found.count > most)
+    return error(Errc::memory, impl_->out.string() + ": the area has more than " + std::to_string(fit) +
+                                   " cells, which take " + std::to_string(limits.bytes_max >> 20) +
+                                   " MiB of memory: give more " + option("memory") + ", or a smaller area");
+  Collector collector(manifest, found.count);
   for (auto& [id, cells] : found.cells) {
     walker.keep_only(nullptr);
     BOOST_OUTCOME_TRY(tile, walker.tile(id));
@@ -73,7 +76,7 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, std::uint64_t bytes
 
 Result<std::vector<TileId>> StoredTriangulation::tiles(const Area& area, const AskOptions& options) const {
   Walker walker(impl_->cache, impl_->manifest, false);
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, impl_->manifest, area, options.stop));
+  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, impl_->manifest, area, ~std::uint64_t{0}, options.stop));
   return std::vector<TileId>(found.owners.begin(), found.owners.end());
 }
 

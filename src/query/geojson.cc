@@ -97,8 +97,12 @@ class Collection {
 
 Result<std::vector<std::vector<Point>>> read_geojson(const std::filesystem::path& path, GeoJson kind) {
   BOOST_OUTCOME_TRY(text, read_whole(path));
-  const json document = json::parse(as_text(text), nullptr, false);
-  const auto bad = [&](const std::string& reason) { return error(Errc::bad_input, path.string() + ": " + reason); };
+  return of_geojson(as_text(text), path.string());
+}
+
+Result<Polygon> Polygon::of_geojson(std::string_view text, const std::string& name) {
+  const json document = json::parse(text, nullptr, false);
+  const auto bad = [&](const std::string& reason) { return error(Errc::bad_input, name + ": " + reason); };
   if (document.is_discarded()) return bad("is not JSON");
   Collection collection(kind);
   if (auto added = collection.add(document, ""); !added) return bad(added.error().where);

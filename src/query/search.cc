@@ -51,8 +51,8 @@ std::vector<Point> probes_of(const Leg& leg) {
 
 class Search {
  public:
-  Search(Walker& walker, const Area& area, const Bounds& box, const std::stop_token& stop)
-      : walker_(walker), area_(area), box_(box), stop_(stop) {}
+  Search(Walker& walker, const Area& area, const Bounds& box, std::uint64_t cells_max, const std::stop_token& stop)
+      : walker_(walker), area_(area), box_(box), cells_max_(cells_max), stop_(stop) {}
 
   // From this cell on, if it meets the area.
   bool begin(const Place& main) {
@@ -68,7 +68,7 @@ class Search {
     return success();
   }
   Status run() {
-    for (auto tile = tiles_.begin(); tile != tiles_.end();) {
+    for (auto tile = tiles_.begin(); tile != tiles_.end() && !too_many();) {
       if (tile->second.waiting.empty()) {
         ++tile;
         continue;
@@ -78,6 +78,7 @@ class Search {
     }
     return success();
   }
+  bool too_many() const { return found_.count > cells_max_; }
   Found take_found() { return std::move(found_); }
 
  private:
@@ -107,6 +108,7 @@ class Search {
     if (tile.mesh().cell_ghost[static_cast<std::size_t>(cell)] != 0) return;
     if (area_.polygon && !area_.polygon->meets(corners_of(tile, cell))) return;
     found_.cells[tile.id()].push_back(cell);
+    ++found_.count;
     for (std::size_t k = 0; k < tile.corners(); ++k) found_.owners.insert(tile.owner(tile.vertex(cell, k)));
   }
 
@@ -121,12 +123,14 @@ class Search {
       if (meets_area(*tile, cell)) next.push_back(cell);
     };
     for (const CellIds& ids : waiting) {
+      if (too_many()) break;
+      if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while looking for cells");
       BOOST_OUTCOME_TRY(first, tile->find(ids));
       if (first < 0)
         return error(Errc::corrupt, "tile " + to_string(id) + " lacks a cell around a vertex of its own, " +
                                         to_string(ids[0]) + " ..., that another tile has");
       look_at(first);
-      while (!next.empty()) {
+      while (!next.empty() && !too_many()) {
         const std::int32_t cell = next.back();
         next.pop_back();
         take(*tile, cell);
@@ -152,6 +156,7 @@ class Search {
   Walker& walker_;
   const Area& area_;
   Bounds box_;
+  std::uint64_t cells_max_;
   const std::stop_token& stop_;
   std::array<Point, 4> corners_;
   std::map<TileId, InTile> tiles_;
@@ -161,10 +166,10 @@ class Search {
 }  // namespace
 
 Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifest, const Area& area,
-                     const std::stop_token& stop) {
+                     std::uint64_t cells_max, const std::stop_token& stop) {
   const Bounds box = cut(area.box, manifest.bounds, manifest.dimension);
   if (box.lo.x > box.hi.x || box.lo.y > box.hi.y || box.lo.z > box.hi.z) return Found{};
-  Search search(walker, area, box, stop);
+  Search search(walker, area, box, cells_max, stop);
   for (const Point& probe : area.leg ? probes_of(*area.leg) : probes_of(box, manifest.dimension)) {
     BOOST_OUTCOME_TRY(tile, walker.tile(homes(probe)));
     std::size_t from = 0;
@@ -178,6 +183,7 @@ Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifes
   }
   for (const auto& entry : manifest.tiles) {
     BOOST_OUTCOME_TRYV(search.scan(entry.tile));
+    if (search.too_many()) break;
   }
   return search.take_found();
 }

@@ -16,10 +16,12 @@ namespace tessera::query {
 struct Found {
   std::map<TileId, std::vector<std::int32_t>> cells;  // the places of main cells by tile, in no order
   std::set<TileId> owners;                            // of the vertices of these cells
+  std::uint64_t count = 0;                            // of cells
 };
 
-// All main cells that meet the area, each once. Errors: of reading; interrupted.
+// All main cells that meet the area, each once; or more than `cells_max` of them, when it was no use to look any
+// further. Errors: of reading; interrupted.
 Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifest, const Area& area,
-                     const std::stop_token& stop);
+                     std::uint64_t cells_max, const std::stop_token& stop);
 
 }  // namespace tessera::query

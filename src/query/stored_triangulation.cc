@@ -24,6 +24,10 @@ StoredTriangulation::~StoredTriangulation() = default;
 
 Result<StoredTriangulation> StoredTriangulation::open(const std::filesystem::path& out, const OpenOptions& options) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  if (manifest.region)
+    return error(Errc::usage, out.string() +
+                                  ": holds a region of a triangulation: beside its cells nothing is known of what is "
+                                  "asked; triangulate all points, or export its cells");
   BOOST_OUTCOME_TRY(homes, Homes::of(out, manifest));
   return StoredTriangulation(std::make_unique<Impl>(out, std::move(manifest), std::move(homes), options.memory_bytes));
 }

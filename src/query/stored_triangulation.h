@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,6 +62,11 @@ struct Star {
   double voronoi_volume = 0;
 };
 
+struct CellLimits {
+  std::uint64_t bytes_max = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t cells_max = std::numeric_limits<std::uint64_t>::max();
+};
+
 // Cells with the vertices they have, in memory. All are flagged as main and their vertices as own; neighbours are -1
 // where there is none in the set.
 struct CellSet {
@@ -90,7 +96,8 @@ struct Interpolated {
 // error of Errc::corrupt that names it.
 class StoredTriangulation {
  public:
-  // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; format 1.
+  // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; format 1; usage
+  // for a region of a triangulation, whose cells end where the triangulation does not.
   static Result<StoredTriangulation> open(const std::filesystem::path& out, const OpenOptions& options = {});
   StoredTriangulation(StoredTriangulation&&) noexcept;
   ~StoredTriangulation();
@@ -108,8 +115,9 @@ class StoredTriangulation {
   // the vertex, if it is known; else tiles are read until it is found.
   Result<Star> star(PointId id, std::optional<TileId> owner, const AskOptions& options) const;
 
-  // The cells that meet the closed area, each once. Error memory when they need more than `bytes_max`.
-  Result<CellSet> cells(const Area& area, std::uint64_t bytes_max, const AskOptions& options) const;
+  // The cells that meet the closed area, each once. Error memory when they need more than the limits, as soon as that
+  // is known.
+  Result<CellSet> cells(const Area& area, const CellLimits& limits, const AskOptions& options) const;
 
   // The tiles that own a vertex of a cell that meets the closed area, ascending: with them one has those cells, and
   // their neighbours across edges that meet it.

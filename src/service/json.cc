@@ -254,8 +254,14 @@ Status read_object(const Json& json, const std::string& place, Message& message)
   return success();
 }
 
-// How deep lists and objects are nested, of text that may be no JSON at all. Before it is read: reading takes memory
-// for each level.
+}  // namespace
+
+std::string to_json(const Message& message) {
+  Writer writer;
+  writer.write(message);
+  return writer.take();
+}
+
 bool nested_too_deep(std::string_view json) {
   int depth = 0;
   bool in_text = false;
@@ -273,14 +279,6 @@ bool nested_too_deep(std::string_view json) {
     }
   }
   return false;
-}
-
-}  // namespace
-
-std::string to_json(const Message& message) {
-  Writer writer;
-  writer.write(message);
-  return writer.take();
 }
 
 Status from_json(std::string_view json, Message& message) {

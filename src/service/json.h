@@ -22,6 +22,10 @@ std::string to_json(const google::protobuf::Message& message);
 // in which lists and objects are nested more than 32 deep.
 Status from_json(std::string_view json, google::protobuf::Message& message);
 
+// Whether lists and objects are nested more than 32 deep, of text that may be no JSON at all. Before it is read:
+// reading takes memory for each level, and more to throw it away.
+bool nested_too_deep(std::string_view json);
+
 // `text`, with U+FFFD for what is not UTF-8: no message may hold that.
 std::string as_utf8(std::string_view text);
 

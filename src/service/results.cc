@@ -68,25 +68,6 @@ Status remove_result(const fs::path& folder) {
   return success();
 }
 
-// By the ending; what a browser would run is none of it.
-std::string media_type(const fs::path& path) {
-  static const std::map<std::string, std::string> types{
-      {".json", "application/json"},
-      {".geojson", "application/geo+json"},
-      {".csv", "text/csv"},
-      {".gpkg", "application/geopackage+sqlite3"},
-      {".glb", "model/gltf-binary"},
-      {".obj", "model/obj"},
-      {".pvtu", "application/vnd.vtk.xml"},
-      {".vtu", "application/vnd.vtk.xml"},
-      {".txt", "text/plain; charset=utf-8"},
-      {".ply", "application/vnd.ply"},
-      {".xml", "application/landxml+xml"},
-  };
-  const auto found = types.find(path.extension().string());
-  return found == types.end() ? "application/octet-stream" : found->second;
-}
-
 // Of a file that is replaced by renaming alone: another content is another file.
 std::string identity(const struct stat& status) {
   const std::uint64_t parts[] = {status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
@@ -116,6 +97,25 @@ bool is_served(const fs::path& path) {
 }
 
 }  // namespace
+
+std::string media_type_of(const fs::path& path) {
+  static const std::map<std::string, std::string> types{
+      {".json", "application/json"},
+      {".geojson", "application/geo+json"},
+      {".csv", "text/csv"},
+      {".gpkg", "application/geopackage+sqlite3"},
+      {".glb", "model/gltf-binary"},
+      {".obj", "model/obj"},
+      {".pvtu", "application/vnd.vtk.xml"},
+      {".vtu", "application/vnd.vtk.xml"},
+      {".tif", "image/tiff; application=geotiff; profile=cloud-optimized"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".ply", "application/vnd.ply"},
+      {".xml", "application/landxml+xml"},
+  };
+  const auto found = types.find(path.extension().string());
+  return found == types.end() ? "application/octet-stream" : found->second;
+}
 
 Result<ServedFile> served(FileHandle file, const fs::path& path, const std::string& type, std::string etag) {
   struct stat status {};
@@ -247,6 +247,7 @@ Result<Results::Held> Results::hold(std::string_view name) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return io_error(manifest_file(this->folder(name)), "cannot be read", errno);
   const auto key = identity(status);
+  held.identity = key;
   held.created = time_text(std::chrono::system_clock::from_time_t(status.st_mtim.tv_sec) +
                            std::chrono::milliseconds(status.st_mtim.tv_nsec / 1'000'000));
   {
@@ -308,7 +309,7 @@ Reply<ServedFile> Results::file(std::string_view name, std::string_view path) {
   if (::fstat(opened.value().get(), &status) != 0 || !S_ISREG(status.st_mode)) return nothing();
   auto sum = checksum_in(*held.value().manifest, inside);
   const bool page = inside == report_file("");
-  auto sent = served(std::move(opened).value(), inside, page ? "text/html; charset=utf-8" : media_type(inside),
+  auto sent = served(std::move(opened).value(), inside, page ? "text/html; charset=utf-8" : media_type_of(inside),
                      sum.empty() ? "file-" + identity(status) : "xxh3-" + sum);
   if (!sent) return problem_of(sent.error());
   return sent.value();

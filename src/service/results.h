@@ -54,20 +54,23 @@ class Results {
   // Error io when there is none, corrupt.
   Result<std::shared_ptr<const Manifest>> manifest(std::string_view name);
 
- private:
   struct Held {
     FileHandle folder;  // the result cannot be exchanged for another behind it
     std::shared_ptr<const Manifest> manifest;
+    std::string identity;  // another result under the same name has another
     std::string created;
   };
   Result<Held> hold(std::string_view name);
 
+ private:
   std::filesystem::path results_;
   // Manifests are large where there are many tiles: those asked for last, by what identifies the file.
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Manifest>> manifests_;
 };
 
+// By the ending; what a browser would run is none of it.
+std::string media_type_of(const std::filesystem::path& path);
 // A file that is open and regular, to be sent; `etag` without quotes.
 Result<ServedFile> served(FileHandle file, const std::filesystem::path& path, const std::string& type,
                           std::string etag);

@@ -26,6 +26,11 @@ Share share_of(const ServiceOptions& options) {
   return {(options.threads + running - 1) / running, options.memory_bytes / running};
 }
 
+// Questions come beside the jobs, whose memory is most of what the machine has: an eighth of it on top.
+QuestionLimits limits_of_questions(const ServiceOptions& options) {
+  return {.memory_bytes = options.memory_bytes / 8, .threads = std::max(1U, options.threads / 2)};
+}
+
 Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
   if (!options.cluster) return std::make_unique<Engine>(options.threads, options.memory_bytes);
   auto cluster = *options.cluster;
@@ -44,6 +49,7 @@ Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, s
       folder_lock(std::move(lock)),
       store(options.data),
       results(options.data),
+      questions(results, options.data, limits_of_questions(options)),
       uploads(options.data, options.limits.upload_bytes),
       roots(std::move(opened_roots)),
       events(std::move(opened_events)),
@@ -204,6 +210,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   auto impl = std::make_unique<Impl>(std::move(options), std::move(lock), std::move(roots), std::move(events),
                                      std::move(engine));
   BOOST_OUTCOME_TRYV(impl->load());
+  BOOST_OUTCOME_TRYV(impl->questions.open());
   if (impl->options.uploads) {
     BOOST_OUTCOME_TRYV(impl->uploads.open());
   }

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -58,6 +60,25 @@ struct ServedFile {
   std::uint64_t bytes = 0;
   std::string type;  // media type
   std::string etag;  // strong, quoted, from the manifest's checksum; of a file that still grows: empty
+};
+
+// What is asked of a result, in words; the service reads them as the commands do.
+struct Question {
+  enum class About : std::uint8_t { locate, star, cells, interpolate, dem };
+  About about = About::locate;
+  std::string triangulation;
+  std::string vertex = {};                          // star: its source index
+  std::map<std::string, std::string> options = {};  // point, tile, bbox, f, limit, value, method, weights, res, ...
+  std::optional<std::string> body = {};             // locate and interpolate: many points; cells: a polygon
+  std::string type = {};                            // of the body: a media type
+  std::stop_token stop = {};                        // the caller has gone
+};
+
+struct QuestionAnswer {
+  std::string text;                     // of this type, or
+  std::optional<ServedFile> file = {};  // that has its own
+  std::string type = {};
+  bool final = true;  // it is provably that of the triangulation of all points
 };
 
 struct JobQuery {
@@ -114,6 +135,13 @@ class Backend {
   // What a triangulation was exported to. 409 while a job writes it.
   virtual Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) = 0;
 
+  // What tells this result from any other that had its name, or will: its answers, by this program, are always the
+  // same.
+  virtual Reply<std::string> identity(std::string_view name) = 0;
+  // Waits for the disk. 404, 400 for words that say nothing, 422 for points or polygons that are none and for more than
+  // one answer may take, 410 when the caller or the result has gone meanwhile, 500 for a damaged tile.
+  virtual Reply<QuestionAnswer> ask(const Question& question) = 0;
+
   // Bytes `offset`... of an upload are taken as they come. Nothing is there under its name before finish().
   class Upload {
    public:
@@ -139,6 +167,7 @@ class Backend {
     std::uint64_t memory_budget_bytes = 0, memory_used_bytes = 0, disk_free_bytes = 0;
     std::vector<std::pair<std::string, double>> phase_seconds;
     std::uint64_t subscribers = 0;
+    std::uint64_t open_results = 0;                                 // that are kept open for questions
     std::vector<std::pair<std::string, std::uint64_t>> nodes = {};  // by state
     std::uint64_t nodes_lost = 0;                                   // since the start
     std::uint64_t bytes_between = 0, credit_waits = 0;  // sent from node to node, and waited for, since the start
@@ -174,6 +203,8 @@ class Service final : public Backend {
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
+  Reply<std::string> identity(std::string_view name) override;
+  Reply<QuestionAnswer> ask(const Question& question) override;
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;

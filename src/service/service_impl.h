@@ -23,6 +23,7 @@
 #include "src/service/events.h"
 #include "src/service/job_store.h"
 #include "src/service/naming.h"
+#include "src/service/questions.h"
 #include "src/service/results.h"
 #include "src/service/roots.h"
 #include "src/service/service.h"
@@ -112,6 +113,7 @@ struct Service::Impl {
   FolderLock folder_lock;
   JobStore store;
   Results results;
+  Questions questions;
   Uploads uploads;
   const Roots roots;
   std::unique_ptr<Events> events;

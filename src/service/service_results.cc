@@ -81,6 +81,7 @@ Reply<void> Service::remove_triangulation(std::string_view name, const Caller& c
                      Errc::usage);
     auto taken = impl.results.take_away(name);
     if (!taken) return problem_of(taken.error());
+    impl.questions.close(name);
     gone = std::move(taken).value();
   }
   if (const auto discarded = Results::discard(gone); !discarded) return problem_of(discarded.error());
@@ -131,6 +132,10 @@ Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view
   return impl_->uploads.uploaded(folder, file);
 }
 
+Reply<std::string> Service::identity(std::string_view name) { return impl_->questions.identity(name); }
+
+Reply<QuestionAnswer> Service::ask(const Question& question) { return impl_->questions.ask(question); }
+
 Service::Figures Service::figures() const {
   // Before the lock: the cluster's coordinator is asked.
   std::vector<std::pair<std::string, std::uint64_t>> nodes{{"joining", 0}, {"free", 1}};
@@ -162,6 +167,7 @@ Service::Figures Service::figures() const {
   figures.memory_budget_bytes = impl_->options.memory_bytes;
   figures.disk_free_bytes = free_bytes(impl_->options.data);
   figures.phase_seconds = {impl_->phase_seconds.begin(), impl_->phase_seconds.end()};
+  figures.open_results = impl_->questions.open_results();
   figures.subscribers = impl_->events->listeners();
   return figures;
 }

@@ -105,6 +105,7 @@ Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone>
     if (job.inputs().has_triangulate()) {
       BOOST_OUTCOME_TRY(old, results.publish(job.id(), job.triangulation(), job.inputs().triangulate().overwrite()));
       replaced = old;
+      if (!replaced.empty()) questions.close(job.triangulation());
     }
     if (job.inputs().has_export_()) {
       BOOST_OUTCOME_TRYV(results.publish_export(job.id(), job.triangulation()));

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -30,6 +33,7 @@ namespace {
 
 // Of the whole, drawing; the rest is compressing.
 constexpr double drawing_part = 0.6;
+constexpr std::size_t cells_a_look = 4096;  // at whether to stop
 
 Status check_target(const fs::path& target, bool overwrite) {
   if (const std::string ending = ending_of(target); ending != ".tif" && ending != ".tiff")
@@ -37,19 +41,30 @@ Status check_target(const fs::path& target, bool overwrite) {
   return check_free(target, overwrite);
 }
 
+// Takes the pixels that were drawn. Called by several threads.
+using Take = std::function<Status(Blocks&)>;
+
 class Drawing {
  public:
   Drawing(const fs::path& out, const Manifest& manifest, const query::Column& column, const Grid& grid,
-          const DemOptions& options, CogFile& file)
+          const DemOptions& options, const std::stop_token& stop, Take take)
       : out_(out),
         manifest_(manifest),
         column_(column),
         row_bytes_(row_bytes(manifest.schema)),
         grid_(grid),
         options_(options),
-        file_(file),
+        stop_(stop),
+        take_(std::move(take)),
         filter_(options.max_edge) {}
 
+  // Of cells that are in memory, all that may have a pixel.
+  Status run(const StoredTile& cells) {
+    Blocks blocks(grid_);
+    blocks_bytes_ = std::max<std::uint64_t>(options_.memory_bytes, 16 * sizeof(Block));
+    BOOST_OUTCOME_TRYV(draw(cells, out_, blocks));
+    return take_(blocks);
+  }
   Status run(TileQueue& tiles) {
     // As a mesh with attributes, and what reading takes beside it.
     constexpr double tile_factor = 1.25;
@@ -66,14 +81,14 @@ class Drawing {
         BOOST_OUTCOME_TRYV(draw(*entry, blocks));
         tiles.done();
       }
-      return file_.add(blocks);
+      return take_(blocks);
     });
   }
   std::uint64_t left_out() const { return left_out_; }
 
  private:
-  Error corrupt(TileId tile, const std::string& what) const {
-    return error(Errc::corrupt, stored_tile_file(out_, tile).string() + ": " + what);
+  static Error corrupt(const fs::path& file, const std::string& what) {
+    return error(Errc::corrupt, file.string() + ": " + what);
   }
 
   Result<StoredTile> load(const TileEntry& entry) const {
@@ -81,20 +96,26 @@ class Drawing {
     const TileMesh& mesh = tile.mesh;
     if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.points.size() != entry.points ||
         mesh.cell_ghost.size() != entry.cells)
-      return corrupt(entry.tile, "is not what the manifest says");
+      return corrupt(stored_tile_file(out_, entry.tile), "is not what the manifest says");
     const Bounds& bounds = manifest_.bounds;
     for (const Point& p : mesh.points)
       if (!(p.x >= bounds.lo.x && p.x <= bounds.hi.x && p.y >= bounds.lo.y && p.y <= bounds.hi.y))
-        return corrupt(entry.tile, "has a vertex outside of the manifest's bounds");
+        return corrupt(stored_tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
     return tile;
   }
 
   Status draw(const TileEntry& entry, Blocks& blocks) {
     BOOST_OUTCOME_TRY(tile, load(entry));
+    return draw(tile, stored_tile_file(out_, entry.tile), blocks);
+  }
+
+  // `from`: whose cells they are, for errors.
+  Status draw(const StoredTile& tile, const fs::path& from, Blocks& blocks) {
     const TileMesh& mesh = tile.mesh;
     std::uint64_t left_out = 0;
     bool apart = true;
     for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
+      if (i % cells_a_look == 0 && stop_.stop_requested()) return error(Errc::interrupted, "interrupted while drawing");
       if (!filter_.keeps(mesh, i)) {
         left_out += mesh.cell_ghost[i] == 0 ? 1 : 0;
         continue;
@@ -109,10 +130,10 @@ class Drawing {
             blocks.put(column, row, options_.doubles ? value : static_cast<double>(static_cast<float>(value))) && apart;
       });
       if (blocks.bytes() > blocks_bytes_) {
-        BOOST_OUTCOME_TRYV(file_.add(blocks));
+        BOOST_OUTCOME_TRYV(take_(blocks));
       }
     }
-    if (!apart) return corrupt(entry.tile, "its cells overlap each other, or those of other tiles");
+    if (!apart) return corrupt(from, "its cells overlap each other, or those of other tiles");
     left_out_ += left_out;
     return success();
   }
@@ -123,11 +144,47 @@ class Drawing {
   std::size_t row_bytes_;
   Grid grid_;
   const DemOptions& options_;
-  CogFile& file_;
+  std::stop_token stop_;
+  Take take_;
   exports::CellFilter filter_;
   std::uint64_t blocks_bytes_ = 0;
   std::atomic<std::uint64_t> left_out_{0};
 };
+
+// What a raster of this result will be; errors: those of write_dem() before anything is written.
+struct Asked {
+  Manifest manifest;
+  query::Column column;
+  Grid grid;
+};
+
+Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
+  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  if (manifest.dimension != 2)
+    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
+                                  option("dim", "2"));
+  if (options.light && options.doubles)
+    return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
+  if (options.light &&
+      !(std::isfinite(options.light->azimuth) && options.light->altitude > 0 && options.light->altitude <= 90))
+    return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
+  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+  BOOST_OUTCOME_TRY(grid, grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
+  return Asked{std::move(manifest), column, grid};
+}
+
+// The tiles with cells that may have a pixel.
+auto tiles_with_pixels(const Asked& asked, const fs::path& out, const DemOptions& options,
+                       const std::stop_token& stop) {
+  std::optional<Bounds> centres;  // which may be outside of the box, by half a pixel
+  if (const Grid& grid = asked.grid; options.box) {
+    centres.emplace();
+    centres->add(Point{grid.centre(grid.column0), grid.centre(grid.row0), 0});
+    centres->add(Point{grid.centre(grid.column0 + grid.width - 1), grid.centre(grid.row0 + grid.height - 1), 0});
+  }
+  return tiles_meeting(out, asked.manifest, centres, {.memory_bytes = options.memory_bytes / 2, .stop = stop});
+}
 
 }  // namespace
 }  // namespace terrain
@@ -139,33 +196,14 @@ std::string to_json(const Dem& dem) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
-  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
-  if (options.light && options.doubles)
-    return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
-  if (options.light &&
-      !(std::isfinite(options.light->azimuth) && options.light->altitude > 0 && options.light->altitude <= 90))
-    return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
-  if (manifest.dimension != 2)
-    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
-                                  option("dim", "2"));
-  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
-  BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
+namespace {
 
-  std::optional<Bounds> centres;  // which may be outside of the box, by half a pixel
-  if (options.box) {
-    centres.emplace();
-    centres->add(Point{grid.centre(grid.column0), grid.centre(grid.row0), 0});
-    centres->add(Point{grid.centre(grid.column0 + grid.width - 1), grid.centre(grid.row0 + grid.height - 1), 0});
-  }
-  BOOST_OUTCOME_TRY(entries, terrain::tiles_meeting(out, manifest, centres,
-                                                    {.memory_bytes = options.memory_bytes / 2, .stop = stop}));
-  terrain::TileQueue tiles(std::move(entries), stop, [&](double done) {
-    if (options.progress) options.progress(terrain::drawing_part * done);
-  });
+// `cells`: those that may have a pixel; null: they are read.
+Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, const fs::path& target,
+                  const DemOptions& options, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
+  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
+  const auto& [manifest, column, grid] = asked;
 
   // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
   DemOptions drawing_options = options;
@@ -178,8 +216,17 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
                                                     .light = options.light,
                                                     .cache_bytes = options.memory_bytes / 4,
                                                     .threads = options.threads}));
-  terrain::Drawing drawing(out, manifest, column, grid, drawing_options, *file);
-  BOOST_OUTCOME_TRYV(drawing.run(tiles));
+  terrain::Drawing drawing(out, manifest, column, grid, drawing_options, stop,
+                           [&](terrain::Blocks& blocks) { return file->add(blocks); });
+  if (cells) {
+    BOOST_OUTCOME_TRYV(drawing.run(*cells));
+  } else {
+    BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, out, options, stop));
+    terrain::TileQueue tiles(std::move(entries), stop, [&](double done) {
+      if (options.progress) options.progress(terrain::drawing_part * done);
+    });
+    BOOST_OUTCOME_TRYV(drawing.run(tiles));
+  }
   BOOST_OUTCOME_TRY(bytes, file->finish([&](double done) {
     if (options.progress) options.progress(terrain::drawing_part + (1 - terrain::drawing_part) * done);
     return !stop.stop_requested();
@@ -191,6 +238,61 @@ Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOpti
              .left_out = drawing.left_out(),
              .bytes = bytes,
              .note = crs_note(manifest.crs)};
+}
+
+}  // namespace
+
+Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
+  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  return write(out, std::move(manifest), nullptr, target, options, stop);
+}
+
+Result<Dem> write_dem_of(const fs::path& out, const Manifest& manifest, const StoredTile& cells, const fs::path& target,
+                         const DemOptions& options, std::stop_token stop) {
+  return write(out, manifest, &cells, target, options, stop);
+}
+
+Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::uint64_t pixels_max,
+                          std::stop_token stop) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(manifest), options));
+  const terrain::Grid& grid = asked.grid;
+  const auto width = static_cast<std::uint64_t>(grid.width), height = static_cast<std::uint64_t>(grid.height);
+  if (width > pixels_max / height)
+    return error(Errc::memory, out.string() + ": the raster has " + std::to_string(width) + " x " +
+                                   std::to_string(height) + " pixels, more than " + std::to_string(pixels_max) + ": " +
+                                   option("res") + " must be larger, or " + option("bbox") + " smaller");
+  DemArray array{.width = grid.width,
+                 .height = grid.height,
+                 .left = grid.left(),
+                 .top = grid.top(),
+                 .values = std::vector<double>(width * height, std::numeric_limits<double>::quiet_NaN())};
+  std::mutex mutex;
+  const auto take = [&](terrain::Blocks& blocks) -> Status {
+    const std::lock_guard lock(mutex);
+    bool apart = true;
+    blocks.take([&](std::int64_t x, std::int64_t y, const terrain::Block& block) {
+      const std::int64_t columns = std::min(terrain::block_side, grid.width - x);
+      const std::int64_t lines = std::min(terrain::block_side, grid.height - y);
+      for (std::int64_t line = 0; line < lines; ++line)
+        for (std::int64_t column = 0; column < columns; ++column) {
+          const double value = block.pixels[line * terrain::block_side + column];
+          if (std::isnan(value)) continue;
+          double& pixel = array.values[static_cast<std::size_t>((y + line) * grid.width + x + column)];
+          apart = apart && std::isnan(pixel);
+          pixel = value;
+          ++array.pixels;
+        }
+    });
+    return apart ? Status(success()) : error(Errc::corrupt, out.string() + ": cells of its tiles overlap each other");
+  };
+  BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, out, options, stop));
+  terrain::TileQueue tiles(std::move(entries), stop, [](double) {});
+  terrain::Drawing drawing(out, asked.manifest, asked.column, grid, options, stop, take);
+  BOOST_OUTCOME_TRYV(drawing.run(tiles));
+  array.left_out = drawing.left_out();
+  return array;
 }
 
 }  // namespace tessera

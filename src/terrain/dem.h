@@ -7,9 +7,11 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -52,5 +54,23 @@ std::string to_json(const Dem& dem);
 // such attribute, a target that exists; corrupt for a damaged tile; io; interrupted.
 Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
                       std::stop_token stop);
+
+// The same pixels of cells that are in memory: all main cells, with their rows, that have the centre of a pixel, others
+// may be among them. No tile is read.
+Result<Dem> write_dem_of(const std::filesystem::path& out, const Manifest& manifest, const StoredTile& cells,
+                         const std::filesystem::path& target, const DemOptions& options, std::stop_token stop);
+
+struct DemArray {
+  std::int64_t width = 0, height = 0;  // in pixels
+  double left = 0, top = 0;            // of the raster's corner; its pixels are options.res wide and high
+  std::uint64_t pixels = 0;            // with a value
+  std::uint64_t left_out = 0;          // cells, for their edges
+  std::vector<double> values;          // width x height, by lines from the top; NaN where there is none
+};
+
+// The same pixels in memory; options.overwrite does not count, without options.doubles they are rounded to 32 bits.
+// Error memory for more than `pixels_max`.
+Result<DemArray> draw_dem(const std::filesystem::path& out, const DemOptions& options, std::uint64_t pixels_max,
+                          std::stop_token stop);
 
 }  // namespace tessera

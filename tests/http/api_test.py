@@ -35,6 +35,14 @@ class Api(serving.ServerTest):
             ("DELETE", files): ["/v1/triangulations/block/files/exports/mesh.ply",
                                 "/v1/triangulations/block/files/exports/none", "/v1/triangulations/block/files/manifest.json"],
             ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
+            ("GET", "/v1/triangulations/{triangulation}/locate"): ["/v1/triangulations/block/locate?point=1,2",
+                                                                   "/v1/triangulations/none/locate?point=1,2"],
+            ("POST", "/v1/triangulations/{triangulation}/locate"): ["/v1/triangulations/block/locate"],
+            ("GET", "/v1/triangulations/{triangulation}/vertices/{vertex}/star"): ["/v1/triangulations/block/vertices/1/star"],
+            ("GET", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells?bbox=0,0,1,1"],
+            ("POST", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells"],
+            ("POST", "/v1/triangulations/{triangulation}/interpolate"): ["/v1/triangulations/block/interpolate?value=z"],
+            ("GET", "/v1/triangulations/{triangulation}/dem"): ["/v1/triangulations/block/dem?res=1"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",
@@ -51,6 +59,8 @@ class Api(serving.ServerTest):
             for target in targets:
                 with self.subTest(f"{method} {target}"):
                     body = b"abc" if method == "PUT" else execution if "execution" in path or "estimate" in path else None
+                    if method == "POST" and path.rsplit("/", 1)[-1] in ("locate", "interpolate", "cells"):
+                        body = {"points": [[1, 2]]}
                     self.check(self.ask(method, target, body), path, method)
         for method, path in operations:
             self.check(self.ask(method, path, token=None, port=self.server.operations), path, method)

@@ -22,6 +22,56 @@ def closed(connection, timeout=30):
     return got
 
 
+class Questions(serving.ServerTest):
+    # The star of vertex 13 is found when nobody waits for it any more.
+    waiting = "/v1/triangulations/block/vertices/13/star"
+
+    def test_a_caller_that_goes_ends_the_work(self):
+        for gone in range(1, 4):
+            with socket.create_connection(("127.0.0.1", self.server.port), 30) as connection:
+                connection.sendall(self.head("GET", self.waiting))
+            self.assertTrue(self.server.tell(f"given_up {gone}"))
+
+    def test_they_do_not_hold_up_others(self):
+        waiting = [socket.create_connection(("127.0.0.1", self.server.port), 30) for _ in range(8)]
+        for connection in waiting:
+            connection.sendall(self.head("GET", self.waiting))
+        for _ in range(20):
+            self.assertEqual(self.ask("GET", "/v1/triangulations").status, 200)
+        for connection in waiting:
+            connection.close()
+
+    def test_a_request_that_follows_is_no_farewell(self):
+        with socket.create_connection(("127.0.0.1", self.server.port), 30) as connection:
+            connection.sendall(self.head("GET", self.waiting) + self.head("GET", "/v1"))
+            connection.settimeout(1)
+            self.assertRaises(TimeoutError, connection.recv, 1)
+
+    def test_a_server_that_ends_does_not_wait_for_them(self):
+        server = serving.Server()
+        with socket.create_connection(("127.0.0.1", server.port), 30) as connection:
+            connection.sendall(self.head("GET", self.waiting))
+            with socket.create_connection(("127.0.0.1", server.port), 30) as other:
+                other.sendall(self.head("GET", "/v1", "Connection: close\r\n"))
+                self.assertIn(b"200 OK", closed(other))
+            self.assertEqual(server.close(), 0)
+
+    def test_an_answer_is_known_by_its_etag(self):
+        place = "/v1/triangulations/block/locate?point="
+        answer = self.ask("GET", place + "1,2")
+        self.assertEqual((answer.status, answer.headers["Tessera-Final"]), (200, "true"))
+        again = self.ask("GET", place + "1,2", headers={"If-None-Match": answer.headers["ETag"]})
+        self.assertEqual((again.status, again.body, again.headers["ETag"]), (304, b"", answer.headers["ETag"]))
+        other = self.ask("GET", place + "1,3", headers={"If-None-Match": answer.headers["ETag"]})
+        self.assertEqual(other.status, 200)
+        self.assertNotEqual(other.headers["ETag"], answer.headers["ETag"])
+
+    def test_what_is_sent_is_of_a_known_type(self):
+        place = "/v1/triangulations/block/interpolate"
+        for kind, status in (("text/csv; charset=utf-8", 200), ("application/x-npy", 200), ("application/x-www-form-urlencoded", 415)):
+            self.assertEqual(self.ask("POST", place, b"1,2", headers={"Content-Type": kind}).status, status, kind)
+
+
 class Connections(serving.ServerTest):
     def test_are_kept(self):
         connection = self.connect()

@@ -257,6 +257,40 @@ Reply<std::unique_ptr<Backend::Upload>> FakeBackend::upload(std::string_view fol
   return std::unique_ptr<Upload>(std::make_unique<Taken>(*this, std::move(name)));
 }
 
+Reply<std::string> FakeBackend::identity(std::string_view name) {
+  if (name != "block") return refused(404, "there is no such triangulation");
+  return std::string("block-1");
+}
+
+Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
+  if (question.about == Question::About::cells || question.about == Question::About::dem) {
+    const bool cells = question.about == Question::About::cells;
+    auto opened = open(folder_ / "block" / "deep" / "tile.vtu",
+                       cells ? "application/geo+json" : "image/tiff; application=geotiff; profile=cloud-optimized", "");
+    if (!opened) return opened.error();
+    return QuestionAnswer{.text = {}, .file = opened.value()};
+  }
+  if (question.about == Question::About::star && question.vertex == "13") {
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex_);
+    never.wait(lock, question.stop, [] { return false; });
+    ++given_up_;
+    held_changed_.notify_all();
+    return refused(410, "nobody waits for it");
+  }
+  std::string text = R"({"point":[1,2],"cell":null})";
+  if (question.about == Question::About::star)
+    text =
+        R"({"asked":1,"vertex":{"id":1,"tile":0,"point":[1,2]},"voronoi_volume":null,"on_hull":true,"neighbors":[],"cells":[]})";
+  if (question.body) text = R"({"answers":[{"point":[1,2],"value":3}]})";
+  return QuestionAnswer{.text = text, .type = "application/json"};
+}
+
+void FakeBackend::wait_for_given_up(int count) {
+  std::unique_lock lock(mutex_);
+  held_changed_.wait(lock, [&] { return given_up_ >= count; });
+}
+
 Reply<std::uint64_t> FakeBackend::uploaded(std::string_view folder, std::string_view file) {
   const std::scoped_lock lock(mutex_);
   const auto found = uploads_.find(std::string(folder) + "/" + std::string(file));

@@ -52,6 +52,11 @@ class FakeBackend final : public Backend {
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
+  Reply<std::string> identity(std::string_view name) override;
+  // At once; but the star of vertex 13 only when nobody waits for it any more.
+  Reply<QuestionAnswer> ask(const Question& question) override;
+  // Until so many such stars were given up.
+  void wait_for_given_up(int count);
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
@@ -72,6 +77,7 @@ class FakeBackend final : public Backend {
   std::condition_variable held_changed_;  // with mutex_
   bool holding_ = false;
   int held_ = 0;
+  int given_up_ = 0;
   std::vector<proto::StatusInfo> jobs_;                                           // j1, j2, ...
   std::map<std::string, std::pair<std::string, std::string>, std::less<>> keys_;  // key -> inputs, id
   std::vector<Event> events_;

@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
     if (what == "tell") backend.tell(std::stoi(id));
     if (what == "hold") backend.hold(id == "1");
     if (what == "held") backend.wait_for_held(std::stoi(id));
+    if (what == "given_up") backend.wait_for_given_up(std::stoi(id));
     if (what == "reload") done = server.reload().has_value();
     if (what == "drain") done = server.drain(std::chrono::seconds(10));
     std::cout << (done ? "ok" : "failed") << std::endl;

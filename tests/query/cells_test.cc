@@ -25,7 +25,7 @@ std::vector<Point> corners_of(const QuerySample& sample, const IdCell& cell) {
 }
 
 std::vector<IdCell> found(const query::StoredTriangulation& result, const Area& area) {
-  const auto set = result.cells(area, std::uint64_t{1} << 30, {});
+  const auto set = result.cells(area, {.bytes_max = std::uint64_t{1} << 30}, {});
   if (!set) throw std::runtime_error(set.error().where);
   const TileMesh& mesh = set.value().mesh.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
@@ -157,7 +157,7 @@ TEST(Cells, AreTheSameWithHardlyAnyMemory) {
   box.add(sample.points()[1]);
   const auto little = sample.open(1);
   EXPECT_EQ(found(little, {.box = box}), found(sample.open(), {.box = box}));
-  const auto none = little.cells({.box = box}, 10, {});
+  const auto none = little.cells({.box = box}, {.bytes_max = 10}, {});
   ASSERT_FALSE(none);
   EXPECT_EQ(none.error().code, Errc::memory);
 }

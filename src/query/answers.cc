@@ -1,4 +1,4 @@
-#include "src/apps/answers.h"
+#include "src/query/answers.h"
 
 #include <cerrno>
 #include <charconv>
@@ -36,12 +36,13 @@ class ToStandardOutput : public Answers {
 };
 
 // NumPy's header tells the number of rows, which is known last: it is written at the end, where it was left out.
+constexpr std::size_t header_bytes = 128;
+
 class ToFile : public Answers {
  public:
   ToFile(const AnswerOptions& options, exports::OutputFile file)
       : Answers(options),
         array_(options.format == AnswerFormat::npy),
-        columns_(options.values ? 1 : static_cast<std::uint64_t>(options.dimension) + 3),
         file_(std::move(file)),
         stream_(file_, array_ ? header_bytes : 0) {}
 
@@ -49,7 +50,7 @@ class ToFile : public Answers {
     BOOST_OUTCOME_TRYV(stream_.flush());
     if (array_) {
       exports::Stream head(file_, 0);
-      head.text(header());
+      head.text(array_head(stream_.offset() - header_bytes));
       BOOST_OUTCOME_TRYV(head.flush());
     }
     BOOST_OUTCOME_TRYV(file_.finish());
@@ -57,27 +58,20 @@ class ToFile : public Answers {
   }
 
  private:
-  static constexpr std::size_t header_bytes = 128;
-
   Status write(std::string_view bytes) override {
     stream_.text(bytes);
     return stream_.status();
   }
-  std::string header() const {
-    const std::uint64_t bytes = stream_.offset() - header_bytes;
-    const bool values = columns_ == 1;
-    const std::string shape = std::to_string(bytes / 8 / columns_) + (values ? "," : ", " + std::to_string(columns_));
-    std::string text = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + "{'descr': '" + (values ? "<f8" : "<i8") +
-                       "', 'fortran_order': False, 'shape': (" + shape + "), }";
-    text.resize(header_bytes - 1, ' ');
-    return text + "\n";
-  }
 
   bool array_;
-  std::uint64_t columns_;
   exports::OutputFile file_;
   exports::Stream stream_;
 };
+
+Status check(const AnswerOptions& options) {
+  if (options.format != AnswerFormat::npy || !options.weights) return success();
+  return error(Errc::usage, "an array holds values alone: weights need csv or json");
+}
 
 }  // namespace
 
@@ -93,8 +87,7 @@ Result<AnswerFormat> answer_format(const std::string& name, const std::filesyste
 }
 
 Result<std::unique_ptr<Answers>> Answers::open(const AnswerOptions& options) {
-  if (options.format == AnswerFormat::npy && options.weights)
-    return error(Errc::usage, "an array holds values alone: weights need csv or json");
+  BOOST_OUTCOME_TRYV(check(options));
   if (options.target.empty()) {
     if (options.format == AnswerFormat::npy)
       return error(Errc::usage, "an array needs a file to be written to: add -o FILE");
@@ -105,6 +98,31 @@ Result<std::unique_ptr<Answers>> Answers::open(const AnswerOptions& options) {
     return error(Errc::usage, options.target.string() + ": exists already; --overwrite replaces it");
   BOOST_OUTCOME_TRY(file, exports::OutputFile::create(options.target));
   return std::unique_ptr<Answers>(std::make_unique<ToFile>(options, std::move(file)));
+}
+
+Result<std::unique_ptr<TextAnswers>> TextAnswers::make(const AnswerOptions& options) {
+  BOOST_OUTCOME_TRYV(check(options));
+  return std::unique_ptr<TextAnswers>(new TextAnswers(options));
+}
+
+Status TextAnswers::write(std::string_view bytes) {
+  text_ += bytes;
+  return success();
+}
+
+Status TextAnswers::finish() {
+  if (options().format == AnswerFormat::npy) text_.insert(0, array_head(text_.size()));
+  return success();
+}
+
+std::string Answers::array_head(std::uint64_t bytes) const {
+  const auto columns = options_.values ? 1 : static_cast<std::uint64_t>(options_.dimension) + 3;
+  const std::string shape =
+      std::to_string(bytes / 8 / columns) + (options_.values ? "," : ", " + std::to_string(columns));
+  std::string text = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + "{'descr': '" + (options_.values ? "<f8" : "<i8") +
+                     "', 'fortran_order': False, 'shape': (" + shape + "), }";
+  text.resize(header_bytes - 1, ' ');
+  return text + "\n";
 }
 
 Status Answers::add_cells(std::span<const Point> points, std::span<const query::Cell> cells) {

@@ -1,9 +1,9 @@
-#include "src/apps/query_text.h"
+#include "src/query/answer_text.h"
 
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "src/apps/answers.h"
+#include "src/query/answers.h"
 
 namespace tessera {
 namespace {

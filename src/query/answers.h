@@ -1,4 +1,4 @@
-// The answers to many questions, as CSV, JSON lines or a NumPy array; to a file or standard output.
+// The answers to many questions, as CSV, JSON lines or a NumPy array; to a file, standard output or memory.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -45,6 +46,9 @@ class Answers {
 
  protected:
   explicit Answers(const AnswerOptions& options) : options_(options) {}
+  // What stands before an array of so many bytes.
+  std::string array_head(std::uint64_t bytes) const;
+  const AnswerOptions& options() const { return options_; }
 
  private:
   virtual Status write(std::string_view bytes) = 0;
@@ -57,6 +61,21 @@ class Answers {
 
   AnswerOptions options_;
   bool begun_ = false;
+};
+
+// In memory, for a program that asks for few at a time.
+class TextAnswers final : public Answers {
+ public:
+  // Error usage for weights in an array.
+  static Result<std::unique_ptr<TextAnswers>> make(const AnswerOptions& options);
+  Status finish() override;
+  // All of it. REQUIRES: it is finished.
+  std::string take() { return std::move(text_); }
+
+ private:
+  explicit TextAnswers(const AnswerOptions& options) : Answers(options) {}
+  Status write(std::string_view bytes) override;
+  std::string text_;
 };
 
 // The shortest digits that read back as the same number; "null" for what JSON cannot say.

@@ -1,0 +1,151 @@
+// Questions to results. An answer is a function of the result and the question: it has an ETag before it is found.
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "src/files/checksum.h"
+#include "src/http/handlers.h"
+#include "src/http/ranges.h"
+
+namespace tessera::http {
+namespace {
+
+using About = Question::About;
+
+constexpr const char* json = "application/json";
+constexpr const char* csv = "text/csv";
+constexpr const char* npy = "application/x-npy";
+constexpr const char* geojson = "application/geo+json";
+constexpr const char* bytes = "application/octet-stream";
+
+// Of the answer to a GET: of this result and question.
+std::string tag_of(const std::string& identity, const Request& request) {
+  std::string text = identity;
+  for (const std::string& segment : request.target.segments) text += '\n' + segment;
+  for (const auto& [key, value] : request.target.query) text += '\n' + key + '\n' + value;
+  return "\"answer-" + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\"";
+}
+
+Answer answer_of(QuestionAnswer found) {
+  Answer answer;
+  if (found.file) {
+    answer.headers.emplace_back("Content-Type", found.file->type);
+    answer.file = FilePart{FileHandle(found.file->descriptor), 0, found.file->bytes};
+  } else {
+    answer.headers.emplace_back("Content-Type", found.type);
+    answer.body = std::move(found.text);
+  }
+  answer.headers.emplace_back("Tessera-Final", found.final ? "true" : "false");
+  return answer;
+}
+
+Question question_of(const Call& call, About about) {
+  Question question{.about = about, .triangulation = call.arguments[0], .stop = call.request.stop};
+  if (call.arguments.size() > 1) question.vertex = call.arguments[1];
+  for (const auto& [key, value] : call.request.target.query) question.options.emplace(key, value);
+  return question;
+}
+
+Handler asks(About about) {
+  return [about](const Call& call) {
+    const Reply<std::string> identity = call.context.backend.identity(call.arguments[0]);
+    if (!identity) return problem(identity.error());
+    const std::string tag = tag_of(identity.value(), call.request);
+    Answer answer;
+    if (names_tag(call.request.header("if-none-match"), tag, true)) {
+      answer.status = 304;
+    } else {
+      Reply<QuestionAnswer> found = call.context.backend.ask(question_of(call, about));
+      if (!found) return problem(found.error());
+      answer = answer_of(std::move(found).value());
+    }
+    answer.headers.emplace_back("ETag", tag);
+    // Another result may have the name one day.
+    answer.headers.emplace_back("Cache-Control", "private, no-cache");
+    return answer;
+  };
+}
+
+// `types`: of a body; parameters of a type do not count.
+Handler asks_with_body(About about, std::vector<std::string> types) {
+  return [about, types = std::move(types)](const Call& call) {
+    Question question = question_of(call, about);
+    question.type = media_type(call.request.header("content-type"));
+    if (std::find(types.begin(), types.end(), question.type) == types.end()) {
+      std::string list;
+      for (const std::string& type : types) list += (list.empty() ? "" : ", ") + type;
+      return problem(415, "Content-Type: must be one of " + list, 2);
+    }
+    question.body = call.request.body;
+    Reply<QuestionAnswer> found = call.context.backend.ask(question);
+    return found ? answer_of(std::move(found).value()) : problem(found.error());
+  };
+}
+
+Route route(const char* method, const char* path, const char* name, const char* summary,
+            std::vector<Response> responses, Handler handler, std::vector<Parameter> query) {
+  Route made{method,
+             std::string("/v1/triangulations/{triangulation}/") + path,
+             Role::read,
+             name,
+             summary,
+             std::move(responses),
+             std::move(handler),
+             std::move(query)};
+  made.asks = true;
+  if (made.method == "GET") made.responses.push_back({304, "", "", "It is the answer that If-None-Match names"});
+  return made;
+}
+
+}  // namespace
+
+void add_question_routes(std::vector<Route>& routes) {
+  const Parameter bbox{"bbox", "string", "xmin,ymin,xmax,ymax; in 3D also xmin,ymin,zmin,xmax,ymax,zmax"};
+  const Parameter cell_format{"f", "string", "A format of the process export; geojson in 2D, ply in 3D"};
+  const Parameter limit{"limit", "integer", "The most cells that are wanted: an area with more is refused"};
+  const Parameter answer_format{"f", "string", "json, csv or npy; as the points came"};
+  const std::vector<Response> many{{200, json, "Answers", "One for each point, in their order"},
+                                   {200, csv, "", "One for each point, in their order"},
+                                   {200, npy, "", "One for each point, in their order"}};
+  const std::vector<Response> mesh{{200, geojson, "", "The cells, in the format that was asked for"},
+                                   {200, "application/vnd.ply", "", "The cells, in the format that was asked for"},
+                                   {200, bytes, "", "The cells, in the format that was asked for"}};
+
+  routes.push_back(route("GET", "locate", "locate", "The cell that has a point",
+                         {{200, json, "Location", "The cell, its vertices and neighbours; null outside the hull"}},
+                         asks(About::locate), {{"point", "string", "x,y or x,y,z"}}));
+  Route locate = route("POST", "locate", "locatePoints", "The cells that have points", many,
+                       asks_with_body(About::locate, {json, csv, npy, bytes}), {answer_format});
+  locate.body = "Points";
+  locate.body_types = {csv, npy};
+  routes.push_back(std::move(locate));
+  routes.push_back(route("GET", "vertices/{vertex}/star", "getStar", "What is around a vertex",
+                         {{200, json, "Star", "Its cells, neighbours and Voronoi volume"}}, asks(About::star),
+                         {{"tile", "integer", "The tile that owns the vertex, if it is known"}}));
+  routes.push_back(route("GET", "cells", "getCells", "The cells that meet a box", mesh, asks(About::cells),
+                         {bbox, cell_format, limit}));
+  Route cells = route("POST", "cells", "getCellsOfPolygon", "The cells that meet polygons", mesh,
+                      asks_with_body(About::cells, {geojson, json}), {cell_format, limit});
+  cells.body = "Document";
+  cells.body_types = {geojson};
+  routes.push_back(std::move(cells));
+  Route interpolate = route("POST", "interpolate", "interpolate", "Values at points", many,
+                            asks_with_body(About::interpolate, {json, csv, npy, bytes}),
+                            {{"value", "string", "An attribute of the vertices; z, the heights, in 2D"},
+                             {"method", "string", "linear or natural"},
+                             {"weights", "boolean", "Also of which vertices a value is made, and how much of each"},
+                             answer_format});
+  interpolate.body = "Points";
+  interpolate.body_types = {csv, npy};
+  routes.push_back(std::move(interpolate));
+  routes.push_back(route("GET", "dem", "getDem", "The surface of a 2D result as a raster",
+                         {{200, "image/tiff; application=geotiff; profile=cloud-optimized", "", "The raster"}},
+                         asks(About::dem),
+                         {bbox,
+                          {"res", "number", "The width of a pixel"},
+                          {"max-edge", "number", "No pixels in cells with a longer edge"},
+                          {"value", "string", "An attribute of the vertices; z"},
+                          {"type", "string", "float32 or float64"}}));
+}
+
+}  // namespace tessera::http

@@ -1,0 +1,59 @@
+// One question to an open result: its words read as the command reads them, and what the command would print.
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/export/export.h"
+#include "src/query/answers.h"
+#include "src/query/area.h"
+#include "src/query/stored_triangulation.h"
+#include "src/service/questions.h"
+#include "src/service/readers.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+class Answering {
+ public:
+  // `folder`: empty, and removed after the question. All outlive this.
+  Answering(const Reader& reader, const Question& question, const QuestionLimits& limits, std::filesystem::path folder,
+            std::stop_token stop);
+
+  // Errors name options by marks, the body as "the body", and files by their paths.
+  Result<QuestionAnswer> answer() const;
+
+ private:
+  Result<QuestionAnswer> locate() const;
+  Result<QuestionAnswer> locate_many() const;
+  Result<QuestionAnswer> star() const;
+  Result<QuestionAnswer> cells() const;
+  Result<QuestionAnswer> interpolate() const;
+  Result<QuestionAnswer> dem() const;
+
+  std::string word(const std::string& key, const std::string& usual = {}) const;
+  template <class Parse>
+  auto read(const std::string& key, const Parse& parse) const -> decltype(parse(std::string()));
+  Result<std::vector<Point>> points() const;
+  Result<std::vector<Point>> points_in_json() const;
+  Result<std::vector<Point>> points_in_file(const std::string& ending) const;
+  Result<query::Area> area() const;
+  // In which the answers to many points are given: as they came, or as `f` says.
+  Result<AnswerOptions> many() const;
+  Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format) const;
+  Result<QuestionAnswer> file(const std::filesystem::path& path) const;
+  std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }
+
+  const Reader& reader_;
+  const Question& question_;
+  const QuestionLimits& limits_;
+  const std::filesystem::path folder_;
+  const query::AskOptions ask_;
+  const int dimension_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,117 @@
+#include "src/service/questions.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+
+#include "src/base/random_token.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/whole_file.h"
+#include "src/job/version.h"
+#include "src/service/answering.h"
+#include "src/service/beneath.h"
+#include "src/service/naming.h"
+#include "src/service/problem.h"
+
+namespace tessera {
+namespace {
+
+// Stops the work at a question when nobody waits any more, its result is gone, or its time is over.
+class Patience {
+ public:
+  Patience(const std::stop_token& caller, const std::stop_token& result, std::chrono::seconds time)
+      : caller_gone_(caller, [this] { stop_.request_stop(); }),
+        result_gone_(result, [this] { stop_.request_stop(); }),
+        timer_([this, time](const std::stop_token& done) {
+          {
+            std::unique_lock lock(mutex_);
+            over_ = !ended_.wait_for(lock, done, time, [&] { return done.stop_requested(); });
+            if (!over_) return;
+          }
+          stop_.request_stop();
+        }) {}
+
+  std::stop_token token() const { return stop_.get_token(); }
+  bool is_over() {
+    const std::lock_guard lock(mutex_);
+    return over_;
+  }
+
+ private:
+  using Stop = std::stop_callback<std::function<void()>>;
+  std::stop_source stop_;
+  Stop caller_gone_, result_gone_;
+  std::mutex mutex_;
+  std::condition_variable_any ended_;
+  bool over_ = false;
+  std::jthread timer_;  // the last member: it ends first
+};
+
+// Files of the result are called as the caller knows them, however they were opened (path_of()).
+Error in_callers_words(Error failed, const std::string& folder, const std::string& name) {
+  const std::string handle = "/proc/self/fd/", known = "triangulation '" + name + "'";
+  std::string& said = failed.where;
+  for (std::size_t at = 0; at < said.size(); ++at) {
+    std::size_t end = at;
+    if (said.compare(at, handle.size(), handle) == 0)
+      end = std::min(said.find_first_not_of("0123456789", at + handle.size()), said.size());
+    else if (said.compare(at, folder.size(), folder) == 0)
+      end = at + folder.size();
+    if (end == at) continue;
+    const bool inside = end < said.size() && said[end] == '/';
+    said.replace(at, end - at + (inside ? 1 : 0), known + (inside ? ", " : ""));
+  }
+  return failed;
+}
+
+proto::Problem no_triangulation(std::string_view name) {
+  return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+}
+
+}  // namespace
+
+Status Questions::open() {
+  const auto folder = answers_folder(data_);
+  if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
+  return make_directories(folder);
+}
+
+Reply<std::string> Questions::identity(std::string_view name) {
+  if (!check_name(name) || !results_.exists(name)) return no_triangulation(name);
+  const auto held = results_.hold(name);
+  if (!held) return results_.exists(name) ? problem_of(held.error()) : no_triangulation(name);
+  return held.value().identity + "-" + version();
+}
+
+Reply<QuestionAnswer> Questions::ask(const Question& question) {
+  const std::string& name = question.triangulation;
+  if (!check_name(name) || !results_.exists(name)) return no_triangulation(name);
+  auto opened = readers_.open(name);
+  if (!opened) {
+    if (!results_.exists(name)) return no_triangulation(name);
+    return problem_of(in_callers_words(opened.error(), results_.folder(name).string(), name));
+  }
+  const auto& reader = *opened.value();
+  const auto folder = TemporaryFolder::make(answers_folder(data_) / random_token());
+  if (!folder) return problem_of(folder.error());
+  Patience patience(question.stop, reader.gone.get_token(), limits_.time);
+  auto answer = Answering(reader, question, limits_, folder.value().path(), patience.token()).answer();
+  if (answer) return std::move(answer).value();
+  // What failed because of it is no damage.
+  if (reader.gone.stop_requested())
+    return problem(410, "triangulation '" + name + "' was removed while it was asked", Errc::usage);
+  if (answer.error().code == Errc::interrupted && patience.is_over())
+    return problem(422,
+                   "the answer takes longer than the " + std::to_string(limits_.time.count()) +
+                       " seconds that a question may take: ask for less at a time",
+                   Errc::memory);
+  return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
+}
+
+}  // namespace tessera
