@@ -108,6 +108,11 @@ Result<Polygon> Polygon::read_geojson(const std::filesystem::path& path) {
   return Polygon(std::move(rings));
 }
 
+Result<Polygon> Polygon::of_geojson(std::string_view text, const std::string& name) {
+  BOOST_OUTCOME_TRY(rings, query::of_geojson(text, name, GeoJson::polygons));
+  return Polygon(std::move(rings));
+}
+
 Polygon::Polygon(std::vector<std::vector<Point>> rings) {
   std::size_t edges = 0;
   for (const auto& ring : rings) {

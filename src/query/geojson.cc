@@ -97,10 +97,10 @@ class Collection {
 
 Result<std::vector<std::vector<Point>>> read_geojson(const std::filesystem::path& path, GeoJson kind) {
   BOOST_OUTCOME_TRY(text, read_whole(path));
-  return of_geojson(as_text(text), path.string());
+  return of_geojson(as_text(text), path.string(), kind);
 }
 
-Result<Polygon> Polygon::of_geojson(std::string_view text, const std::string& name) {
+Result<std::vector<std::vector<Point>>> of_geojson(std::string_view text, const std::string& name, GeoJson kind) {
   const json document = json::parse(text, nullptr, false);
   const auto bad = [&](const std::string& reason) { return error(Errc::bad_input, name + ": " + reason); };
   if (document.is_discarded()) return bad("is not JSON");
