@@ -4,5 +4,8 @@
 #include "tessera/delaunay.h"
 #include "tessera/failure.h"
 #include "tessera/options.h"
+#include "tessera/questions.h"
+#include "tessera/raster.h"
+#include "tessera/region.h"
 #include "tessera/triangulation.h"
 #include "tessera/version.h"

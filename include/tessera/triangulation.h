@@ -45,7 +45,7 @@ class TESSERA_PUBLIC Tile {
   const std::vector<Field>& attributes() const;
 
  private:
-  friend class Triangulation;
+  friend struct TileMaker;
   struct Impl;
   explicit Tile(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   std::shared_ptr<const Impl> impl_;

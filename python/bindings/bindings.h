@@ -9,6 +9,8 @@ namespace tessera::python {
 void bind_failures();
 void bind_options(pybind11::module_& module);
 void bind_delaunay(pybind11::module_& module);
+void bind_questions(pybind11::module_& module);
+void bind_surfaces(pybind11::module_& module);
 void bind_triangulation(pybind11::module_& module);
 
 }  // namespace tessera::python

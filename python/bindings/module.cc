@@ -6,4 +6,6 @@ PYBIND11_MODULE(_tessera, module) {
   tessera::python::bind_failures();
   tessera::python::bind_delaunay(module);
   tessera::python::bind_triangulation(module);
+  tessera::python::bind_questions(module);
+  tessera::python::bind_surfaces(module);
 }

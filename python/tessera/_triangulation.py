@@ -15,6 +15,7 @@ import numpy.typing as npt
 from . import _tessera
 from ._errors import UsageError
 from ._options import Path, memory_bytes
+from ._questions import Answers
 from ._tile import Tile, cell_word
 
 
@@ -51,7 +52,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation:
+class Triangulation(Answers):
     """A finished triangulation on disk: a sequence of tiles, each read when it is asked for.
 
     `len(t)` is the number of tiles with points, `t[i]` reads one, `for tile in t` one after the other: no more than one
@@ -69,7 +70,7 @@ class Triangulation:
 
     def close(self) -> None:
         """Lets go of the result, as the end of `with` does: a temporary folder is removed; tiles that were read stay good."""
-        self._held = None
+        self._held = self._questions = None
 
     def __enter__(self) -> Triangulation:
         return self

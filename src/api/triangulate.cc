@@ -11,6 +11,7 @@
 #include "src/api/errors.h"
 #include "src/api/options_inside.h"
 #include "src/api/triangulation_impl.h"
+#include "src/api/triangulation_maker.h"
 #include "src/base/option.h"
 #include "src/io/npy/array_source.h"
 #include "src/job/describe.h"
@@ -108,24 +109,25 @@ void run_watched(const TriangulationOptions& given, JobOptions job_options, cons
   for (const auto& warning : warnings) call_back(options.warning, warning);
 }
 
+Triangulation make(const TriangulationOptions& given, const OpenCloud& open) {
+  const Entry entry;
+  const auto& options = OptionsInside::of(given);
+  JobOptions job = guarded([&] { return job_options(given); });
+  std::optional<TemporaryFolder> temporary;
+  if (options.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));
+  const auto path = temporary ? temporary->path() : options.folder;
+  run_watched(given, std::move(job), open,
+              value_or_throw(ResultFolder::inspect(path, options.resume, options.overwrite)));
+  return TriangulationMaker::open(path, std::move(temporary));
+}
+
 }  // namespace
 
-// Has access to the inside of a Triangulation.
-struct TriangulationMaker {
-  static Triangulation make(const TriangulationOptions& given, const OpenCloud& open) {
-    const Entry entry;
-    const auto& options = OptionsInside::of(given);
-    JobOptions job = guarded([&] { return job_options(given); });
-    std::optional<TemporaryFolder> temporary;
-    if (options.folder.empty()) temporary.emplace(value_or_throw(TemporaryFolder::make()));
-    const auto path = temporary ? temporary->path() : options.folder;
-    run_watched(given, std::move(job), open,
-                value_or_throw(ResultFolder::inspect(path, options.resume, options.overwrite)));
-    auto manifest = value_or_throw(read_manifest(path));
-    return Triangulation(std::make_shared<const Triangulation::Impl>(
-        Triangulation::Impl{path, std::move(manifest), std::move(temporary)}));
-  }
-};
+Triangulation TriangulationMaker::open(const std::filesystem::path& path, std::optional<TemporaryFolder> temporary) {
+  auto manifest = value_or_throw(read_manifest(path));
+  return Triangulation(std::make_shared<const Triangulation::Impl>(
+      Triangulation::Impl{path, std::move(manifest), std::move(temporary)}));
+}
 
 Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options) {
   const auto& asked = OptionsInside::of(options);
@@ -136,7 +138,7 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
               std::to_string(dimension));
   require(asked.job.cloud.input_list.empty(), option("input-list") + ": there is an array already");
   require(!asked.resume, option("resume") + ": whether an array is the same cannot be known; save it in a file");
-  return TriangulationMaker::make(options, [&](JobOptions& job, const std::stop_token&) {
+  return make(options, [&](JobOptions& job, const std::stop_token&) {
     return Cloud::open_source(array_source("the array", coordinates, dimension), job.cloud);
   });
 }
@@ -146,8 +148,7 @@ Triangulation triangulate(const std::vector<std::string>& inputs, const Triangul
   require(!inputs.empty() || !asked.job.cloud.input_list.empty(), "no input file is given");
   require(!asked.resume || std::find(inputs.begin(), inputs.end(), "-") == inputs.end(),
           option("resume") + ": standard input cannot be read again; save it in a file");
-  return TriangulationMaker::make(
-      options, [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(inputs, job, stop); });
+  return make(options, [&](JobOptions& job, const std::stop_token& stop) { return open_cloud(inputs, job, stop); });
 }
 
 std::string describe(const std::vector<std::string>& inputs, const TriangulationOptions& options) {

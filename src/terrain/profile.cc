@@ -18,7 +18,7 @@ Result<std::vector<terrain::Triangle>> surface(const query::StoredTriangulation&
   query::Area area{.box = {}, .polygon = {}, .leg = leg};
   area.box.add(leg.from);
   area.box.add(leg.to);
-  BOOST_OUTCOME_TRY(set, result.cells(area, options.memory_bytes, {.stop = options.stop}));
+  BOOST_OUTCOME_TRY(set, result.cells(area, {.bytes_max = options.memory_bytes}, {.stop = options.stop}));
   const TileMesh& mesh = set.mesh.mesh;
   const std::size_t row_bytes = tessera::row_bytes(set.mesh.schema);
   std::vector<terrain::Triangle> cells;

@@ -72,7 +72,8 @@ class Sentences(unittest.TestCase):
         self.assertIn("memory", keys)
         arguments = {*inspect.signature(tessera.triangulate).parameters,
                      *inspect.signature(tessera.Triangulation.export).parameters,
-                     *inspect.signature(tessera.Triangulation.verify).parameters}
+                     *inspect.signature(tessera.Triangulation.verify).parameters,
+                     *inspect.signature(tessera.region).parameters}
         for key in keys:
             self.assertIn(argument(key, ""), arguments)
 

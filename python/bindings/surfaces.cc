@@ -1,0 +1,67 @@
+// Rasters of results, and regions of raw clouds.
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <optional>
+#include <utility>
+
+#include "python/bindings/bindings.h"
+#include "python/bindings/interruptible.h"
+#include "python/bindings/views.h"
+#include "tessera/raster.h"
+#include "tessera/region.h"
+
+namespace tessera::python {
+namespace {
+
+RasterRequest raster_request(double res, const std::optional<std::array<double, 4>>& bbox,
+                             std::optional<double> max_edge, const std::string& value, bool doubles) {
+  RasterRequest request(res);
+  if (bbox) request.bbox(*bbox);
+  if (max_edge) request.max_edge(*max_edge);
+  request.value(value).doubles(doubles);
+  return request;
+}
+
+// (height x width array, left, top)
+py::tuple draw(const Triangulation& self, RasterRequest request) {
+  auto* raster = new Raster;
+  const py::capsule owner(raster, [](void* memory) { delete static_cast<Raster*>(memory); });
+  *raster = run_interruptible([&](std::stop_token stop) { return draw_raster(self, request.stop(std::move(stop))); });
+  return py::make_tuple(
+      py::array(py::dtype::of<double>(), {raster->height, raster->width}, raster->values.data(), owner), raster->left,
+      raster->top);
+}
+
+std::string write(const Triangulation& self, const std::filesystem::path& target, RasterRequest request,
+                  bool overwrite) {
+  request.overwrite(overwrite);
+  return run_interruptible(
+      [&](std::stop_token stop) { return write_raster(self, target, request.stop(std::move(stop))); });
+}
+
+Triangulation region(const std::vector<std::string>& inputs, const std::vector<double>& box,
+                     TriangulationOptions options, const RegionRequest& request, const py::object& warn) {
+  std::vector<std::string> warnings;
+  options.warning([&](const std::string& sentence) { warnings.push_back(sentence); });
+  auto made = run_interruptible(
+      [&](std::stop_token stop) { return triangulate_region(inputs, box, options.stop(std::move(stop)), request); });
+  for (const auto& sentence : warnings) warn(sentence);
+  return made;
+}
+
+}  // namespace
+
+void bind_surfaces(py::module_& module) {
+  py::class_<RasterRequest>(module, "RasterRequest").def(py::init(&raster_request));
+  module.def("draw_raster", &draw);
+  module.def("write_raster", &write);
+  py::class_<RegionRequest>(module, "RegionRequest")
+      .def(py::init<>())
+      .def("scan", [](RegionRequest& self, bool scan) { self.scan(scan); })
+      .def("max_points", [](RegionRequest& self, std::uint64_t points) { self.max_points(points); })
+      .def("max_seconds", [](RegionRequest& self, double seconds) { self.max_seconds(seconds); });
+  module.def("triangulate_region", &region);
+}
+
+}  // namespace tessera::python

@@ -1,0 +1,15 @@
+// What a Tile is made of: a tile of a result, or cells of several in one.
+#pragma once
+
+#include <cstdint>
+
+#include "src/store/tile_store.h"
+#include "tessera/triangulation.h"
+
+namespace tessera {
+
+struct TileMaker {
+  static Tile make(std::uint32_t id, StoredTile stored);
+};
+
+}  // namespace tessera
