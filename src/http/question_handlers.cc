@@ -48,14 +48,14 @@ Question question_of(const Call& call, About about) {
 
 Handler asks(About about) {
   return [about](const Call& call) {
-    const Reply<std::string> identity = call.context.backend.identity(call.arguments[0]);
+    const Reply<std::string> identity = call.context.backend->identity(call.arguments[0]);
     if (!identity) return problem(identity.error());
     const std::string tag = tag_of(identity.value(), call.request);
     Answer answer;
     if (names_tag(call.request.header("if-none-match"), tag, true)) {
       answer.status = 304;
     } else {
-      Reply<QuestionAnswer> found = call.context.backend.ask(question_of(call, about));
+      Reply<QuestionAnswer> found = call.context.backend->ask(question_of(call, about));
       if (!found) return problem(found.error());
       answer = answer_of(std::move(found).value());
     }
@@ -77,7 +77,7 @@ Handler asks_with_body(About about, std::vector<std::string> types) {
       return problem(415, "Content-Type: must be one of " + list, 2);
     }
     question.body = call.request.body;
-    Reply<QuestionAnswer> found = call.context.backend.ask(question);
+    Reply<QuestionAnswer> found = call.context.backend->ask(question);
     return found ? answer_of(std::move(found).value()) : problem(found.error());
   };
 }

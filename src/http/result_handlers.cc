@@ -58,7 +58,7 @@ Answer file(const Call& call) {
 // The files of the tileset that the dashboard shows, where programs look for such.
 Answer tileset(const Call& call) {
   const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
-  const Reply<ServedFile> found = call.context.backend.file(call.arguments[0], path.string());
+  const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], path.string());
   if (found) return file_answer(call.request, found.value());
   if (found.error().status() != 404) return problem(found.error());
   return problem(404,
