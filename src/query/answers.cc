@@ -7,6 +7,7 @@
 #include <cstring>
 #include <utility>
 
+#include "src/base/option.h"
 #include "src/export/output.h"
 
 namespace tessera {
@@ -95,7 +96,8 @@ Result<std::unique_ptr<Answers>> Answers::open(const AnswerOptions& options) {
   }
   std::error_code code;
   if (!options.overwrite && std::filesystem::exists(options.target, code))
-    return error(Errc::usage, options.target.string() + ": exists already; --overwrite replaces it");
+    return error(Errc::usage,
+                 options.target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   BOOST_OUTCOME_TRY(file, exports::OutputFile::create(options.target));
   return std::unique_ptr<Answers>(std::make_unique<ToFile>(options, std::move(file)));
 }

@@ -35,6 +35,7 @@ class Api(serving.ServerTest):
             ("DELETE", files): ["/v1/triangulations/block/files/exports/mesh.ply",
                                 "/v1/triangulations/block/files/exports/none", "/v1/triangulations/block/files/manifest.json"],
             ("GET", files): ["/v1/triangulations/block/files/deep/tile.vtu", "/v1/triangulations/block/files/none"],
+            ("GET", "/v1/triangulations/{triangulation}/3dtiles/{path}"): ["/v1/triangulations/block/3dtiles/tileset.json"],
             ("GET", "/v1/triangulations/{triangulation}/locate"): ["/v1/triangulations/block/locate?point=1,2",
                                                                    "/v1/triangulations/none/locate?point=1,2"],
             ("POST", "/v1/triangulations/{triangulation}/locate"): ["/v1/triangulations/block/locate"],

@@ -121,6 +121,7 @@ class Dashboard(looking.LookingTest):
         self.assertIn("2 times", b.text(".figures"))
         self.assertEqual(b.script("return [...document.querySelectorAll('.legend li')].at(-1).innerText.trim().split(/\\s+/).at(-1)"), "60")
         log = self.daemon.request("GET", f"/v1/jobs/{job}/log")[2].decode()
+        b.until_text("successful", ".log")
         shown = b.script("return document.querySelector('.log').textContent")
         self.assertEqual(shown.split("\n")[-1][24:], log.rstrip("\n").split("\n")[-1][24:])
         b.press("Forget")
