@@ -28,6 +28,7 @@ void Coordinator::lose_found(const NodeHandle& node) {
     if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
     return true;
   });
+  if (asked || answered > 0) ++waits_;  // whoever is left may be one that cannot open its part: others are to come
   if ((asked || answered > 0) && nobody())
     return wait_for_a_node(failure_of(error(Errc::internal, "the last node is lost")));
   if (asked && asked_.empty()) take_over();

@@ -1,6 +1,6 @@
 // What a coordinator costs: the actors of many nodes in one process and one thread, a message at a time, each timed by
 // the kind of actor that it was for. No network, no disk; tiles of few points, so that there is little beside control.
-//   bench_cluster [nodes=4,16,64,256,1000] [tiles=10000] [points a tile=12] [seed=7]
+//   bench_cluster [nodes=4,16,64,256,1000] [tiles=10000] [points a tile=12] [seed=7] [ms between words of progress=100]
 #include <caf/all.hpp>
 #include <caf/scheduler/test_coordinator.hpp>
 #include <chrono>
@@ -141,7 +141,8 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned seed) {
+int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned seed,
+        std::chrono::milliseconds progress) {
   CoordinatorOptions job;
   Setting setting = uniform_setting(tiles, points, seed, job.order);
   for (const auto& tile : setting.tiles) job.points.push_back(tile.size());
@@ -162,6 +163,7 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
   for (std::uint32_t n = 0; n < nodes; ++n) {
     NodeOptions node;
     node.memory_bytes = ~std::uint64_t{0};
+    node.progress_interval = progress;
     handles.push_back(
         system.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting, storage, truth, NodeId{n})));
   }
@@ -201,7 +203,7 @@ int main(int argc, char** argv) {
   int failed = 0;
   for (std::string n; std::getline(nodes, n, ',');) {
     failed |= tessera::run(static_cast<std::uint32_t>(std::strtoul(n.c_str(), nullptr, 10)), tiles, points,
-                           static_cast<unsigned>(value(4, 7)));
+                           static_cast<unsigned>(value(4, 7)), std::chrono::milliseconds(value(5, 100)));
   }
   return failed;
 }
