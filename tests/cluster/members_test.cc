@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "src/cluster/cluster_options.h"
+
 namespace tessera {
 namespace {
 
@@ -71,6 +73,14 @@ TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
   EXPECT_FALSE(members.reached_all("a"));
   EXPECT_FALSE(members.reached_all("nobody"));
   EXPECT_TRUE(members.find("a")->free);
+}
+
+TEST(Addresses, AreAllOfAName) {
+  EXPECT_EQ(addresses_of({"127.0.0.1", 7}).value(), (std::vector<HostPort>{{"127.0.0.1", 7}}));
+  EXPECT_EQ(addresses_of({"::1", 7}).value(), (std::vector<HostPort>{{"::1", 7}}));
+  const auto local = addresses_of({"localhost", 7}).value();
+  for (const HostPort& address : local)
+    EXPECT_TRUE(address.host == "127.0.0.1" || address.host == "::1") << address.host;
 }
 
 }  // namespace
