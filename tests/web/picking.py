@@ -1,6 +1,5 @@
 """Where a click was, and what the service says of the cell that is told for it."""
 import json
-import re
 
 import numpy as np
 from selenium.webdriver import ActionChains
@@ -29,7 +28,7 @@ def is_inside(place, corners, slack):
 
 
 def click(browser, x, y):
-    """At so many pixels from the canvas' middle. Returns tile and cell, once they are told, or None."""
+    """At so many pixels from the canvas' middle. Returns the address that was asked for it, once it is told."""
     before = browser.text(".cell")
     canvas = browser.script("return document.querySelector('.stage canvas')")
     browser.script("performance.clearResourceTimings()")
@@ -38,8 +37,3 @@ def click(browser, x, y):
     browser.until("""const told = document.querySelector('.cell').innerText;
         return told !== arguments[0] || performance.getEntriesByType('resource').some(r => r.name.includes('/locate?') && r.responseEnd > 0)""", before)
     return asked
-
-
-def told(browser):
-    found = re.search(r"Cell (\d+) of tile (\d+)", browser.text(".cell"))
-    return (int(found[2]), int(found[1])) if found else None

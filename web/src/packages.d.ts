@@ -9,7 +9,9 @@ declare module "three" {
     clone(): Vector3;
     add(v: Vector3): this;
     multiplyScalar(s: number): this;
+    normalize(): this;
     project(camera: Camera): this;
+    transformDirection(m: Matrix4): this;
     length(): number;
     distanceTo(v: Vector3): number;
   }
@@ -48,14 +50,14 @@ declare module "three" {
   }
   export class LineBasicMaterial extends Material {
     constructor(parameters: {color: number | string; depthTest?: boolean; opacity?: number; transparent?: boolean});
-    color: Color;
+    color: Color; opacity: number;
   }
   export class MeshBasicMaterial extends Material {
     constructor(parameters: {color: number | string; depthWrite?: boolean; opacity?: number; transparent?: boolean; side?: number});
   }
   export class SphereGeometry extends BufferGeometry { constructor(radius: number, across: number, up: number) }
   export class Mesh extends Object3D { constructor(geometry: BufferGeometry, material: Material); isMesh: true; geometry: BufferGeometry; material: Material }
-  export class LineLoop extends Object3D { constructor(geometry: BufferGeometry, material: Material); geometry: BufferGeometry }
+  export class LineLoop extends Object3D { constructor(geometry: BufferGeometry, material: Material); geometry: BufferGeometry; material: Material }
   export class LineSegments extends LineLoop {}
   export interface Intersection { point: Vector3; distance: number; object: Object3D; faceIndex?: number }
   export class Raycaster {
@@ -105,7 +107,7 @@ declare module "3d-tiles-renderer/three" {
     setCamera(camera: Camera): boolean;
     setResolutionFromRenderer(camera: Camera, renderer: WebGLRenderer): boolean;
     getBoundingSphere(sphere: Sphere): boolean;
-    addEventListener(kind: "load-model", then: (event: {scene: Object3D}) => void): void;
+    addEventListener(kind: "load-model" | "dispose-model", then: (event: {scene: Object3D}) => void): void;
     addEventListener(kind: "load-error", then: (event: {error: Error}) => void): void;
     addEventListener(kind: "load-root-tileset" | "needs-update" | "tiles-load-end", then: () => void): void;
     update(): void;

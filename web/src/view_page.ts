@@ -97,7 +97,7 @@ export class ViewPage implements Page {
     const scene = drawable(stage, () => new Scene(canvas, this.tileset, tileset));
     this.scene = scene;
     scene.onFailure = error => this.notice.tell(error);
-    cell.onFound = ring => scene.mark(ring);
+    cell.onFound = (...found) => scene.mark(...found);
     scene.onPick = point => void this.notice.attempt(async () => {
       await cell.ask(`point=${point.join(",")}`);
       this.context.announce(cell.summary);

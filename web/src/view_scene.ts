@@ -3,7 +3,7 @@ import * as three from "three";
 import {TilesRenderer} from "3d-tiles-renderer/three";
 import {MeshoptDecoder} from "meshopt-decoder";
 import {GLTFLoader} from "three/examples/jsm/loaders/GLTFLoader.js";
-import {Colouring, colourings, Colours, surfaceMaterial} from "./view_colours";
+import {Colouring, Colours, Materials} from "./view_colours";
 import {Stage} from "./view_stage";
 
 export interface TilesetDocument {
@@ -16,8 +16,11 @@ const finest = 1, coarsest = 64, restsFiner = 6;  // pixels that a surface may b
 export class Scene extends Stage {
   onPick: (point: [number, number]) => void = () => undefined;
   private readonly tiles: TilesRenderer;
-  private readonly material: three.ShaderMaterial;
-  private readonly marked: three.LineLoop;
+  private readonly materials: Materials;
+  private readonly meshes = new Set<three.Mesh>();  // that are loaded
+  private by: Colouring = "height";
+  private readonly marked = new three.LineLoop(new three.BufferGeometry(), new three.LineBasicMaterial({color: "#ffffff", depthTest: false}));
+  private readonly circle = new three.LineLoop(new three.BufferGeometry(), new three.LineBasicMaterial({color: "#ff3df2", depthTest: false}));
   protected readonly origin: three.Vector3;
   private inTime: number;  // the error with which a frame is drawn in time, as far as is known
 
@@ -27,11 +30,10 @@ export class Scene extends Stage {
     this.origin = new three.Vector3(transform[12], transform[13], transform[14]);
     this.inTime = this.software ? 24 : 6;
     this.controls.maxPolarAngle = Math.PI * 0.495;
-    this.material = surfaceMaterial(tileset.extras, this.origin.z);
-    this.marked = new three.LineLoop(new three.BufferGeometry(), new three.LineBasicMaterial({color: "#ffffff", depthTest: false}));
-    this.marked.renderOrder = 1;
-    this.marked.visible = false;
-    this.scene.add(this.marked);
+    this.materials = new Materials(tileset.extras, this.origin.z);
+    this.marked.renderOrder = this.circle.renderOrder = 1;
+    this.mark([]);
+    this.scene.add(this.circle, this.marked);
 
     this.tiles = new TilesRenderer(url);
     this.tiles.fetchOptions = {credentials: "same-origin"};
@@ -41,6 +43,7 @@ export class Scene extends Stage {
     this.tiles.group.position.copy(this.origin).multiplyScalar(-1);
     this.tiles.setCamera(this.camera);
     this.tiles.addEventListener("load-model", ({scene}) => this.dress(scene));
+    this.tiles.addEventListener("dispose-model", ({scene}) => scene.traverse(object => this.meshes.delete(object as three.Mesh)));
     this.tiles.addEventListener("load-error", ({error}) => this.onFailure(error));
     for (const kind of ["load-root-tileset", "needs-update", "tiles-load-end"] as const)
       this.tiles.addEventListener(kind, () => this.draw());
@@ -50,26 +53,34 @@ export class Scene extends Stage {
   override close(): void {
     super.close();
     this.tiles.dispose();
-    this.material.dispose();
+    this.materials.dispose();
     this.marked.geometry.dispose();
+    this.circle.geometry.dispose();
   }
 
   colour(by: Colouring): void {
-    this.material.uniforms.colouring.value = colourings.findIndex(([id]) => id === by);
+    this.by = by;
+    for (const mesh of this.meshes) mesh.material = this.materials.get(by);
     this.draw();
   }
 
-  // A ring of places of the plane; none takes the mark away. Its heights are those of what is drawn there.
-  mark(ring: number[][]): void {
+  // A ring of places of the plane, and the circle through them; none takes the mark away. Heights are those of what is
+  // drawn there, and of the circle their mean.
+  mark(ring: number[][], centre: number[] = [], radius = 0): void {
     const caster = new three.Raycaster(), top = this.camera.far, down = new three.Vector3(0, 0, -1);
     const places = ring.flatMap(([x, y]) => {
       const at = new three.Vector3(x - this.origin.x, y - this.origin.y, top);
       caster.set(at, down);
       return [at.x, at.y, caster.intersectObject(this.tiles.group, true)[0]?.point.z ?? this.controls.target.z];
     });
-    this.marked.geometry.dispose();
-    this.marked.geometry = new three.BufferGeometry().setAttribute("position", new three.Float32BufferAttribute(places, 3));
-    this.marked.visible = ring.length > 0;
+    const level = ring.reduce((sum, _, i) => sum + places[3 * i + 2] / ring.length, 0), parts = 96;
+    const round = Array.from({length: ring.length > 0 ? parts : 0}, (_, i) => [centre[0] - this.origin.x + radius * Math.cos(2 * Math.PI * i / parts),
+      centre[1] - this.origin.y + radius * Math.sin(2 * Math.PI * i / parts), level]).flat();
+    for (const [line, at] of [[this.marked, places], [this.circle, round]] as const) {
+      line.geometry.dispose();
+      line.geometry = new three.BufferGeometry().setAttribute("position", new three.Float32BufferAttribute(at, 3));
+      line.visible = ring.length > 0;
+    }
     this.draw();
   }
 
@@ -88,6 +99,7 @@ export class Scene extends Stage {
     this.tiles.errorTarget = Math.max(finest, moving ? this.inTime : this.inTime / restsFiner);
     this.tiles.setResolutionFromRenderer(this.camera, this.renderer);
     this.tiles.update();
+    this.materials.light(this.camera);
     return this.tiles.loadProgress < 1;
   }
 
@@ -96,7 +108,8 @@ export class Scene extends Stage {
       const mesh = object as three.Mesh;
       if (!mesh.isMesh) return;
       mesh.material.dispose();
-      mesh.material = this.material;
+      mesh.material = this.materials.get(this.by);
+      this.meshes.add(mesh);
     });
     this.draw();
   }

@@ -36,10 +36,13 @@ export class Slider {
     this.tell();
   }
 
+  // As if somebody had.
   move(by: number): void {
-    this.set(this.exact + by);
+    this.grow(by);
     this.then();
   }
+
+  grow(by: number): void { this.set(this.exact + by); }
 
   private tell(): void {
     const words = this.words(this.value);

@@ -1,20 +1,23 @@
 // A 3D result on a canvas: its hull as edges or a body, and in it a section or some cells; a cell that was clicked at.
 import * as three from "three";
-import {Colouring, colourings, surfaceMaterial} from "./view_colours";
+import {Colouring, Materials} from "./view_colours";
 import {CellName, Shape, ShapeExtras} from "./view_shape";
 import {Stage} from "./view_stage";
+
+const whole = 1.65;    // how far the camera is away, in radii of what is looked at and the length of its first direction
+const edgesMost = 0.55, edgesFew = 3000;  // how strong edges are of so many cells; of more they would hide what they are edges of
 
 export class SolidScene extends Stage {
   onPick: (cell: CellName) => void = () => undefined;
   // Shift and the mouse: by how much of the result's extent it was moved along `along`.
   onPull: (part: number) => void = () => undefined;
   along: three.Vector3 | null = null;
-  private readonly material: three.ShaderMaterial;
+  private readonly materials: Materials;
   protected readonly origin: three.Vector3;
   private readonly line = (color: string, opacity = 1) => new three.LineBasicMaterial({color, opacity, transparent: opacity < 1});
   private readonly hullEdges = new three.LineSegments(new three.BufferGeometry(), this.line("#7f8c99", 0.5));
   private readonly body: three.Mesh;
-  private readonly bodyEdges = new three.LineSegments(new three.BufferGeometry(), this.line("#10161c", 0.55));
+  private readonly bodyEdges = new three.LineSegments(new three.BufferGeometry(), this.line("#10161c", edgesMost));
   private readonly box = new three.LineSegments(new three.BufferGeometry(), this.line("#e0803a"));
   private readonly marked = new three.LineSegments(new three.BufferGeometry(), new three.LineBasicMaterial({color: "#ff3df2", depthTest: false}));
   private readonly sphere = new three.Mesh(new three.SphereGeometry(1, 48, 24),
@@ -26,12 +29,11 @@ export class SolidScene extends Stage {
   constructor(canvas: HTMLCanvasElement, hull: ShapeExtras, private readonly low: number[], private readonly high: number[]) {
     const middle = low.map((value, axis) => (value + high[axis]) / 2 - hull.origin[axis]);
     const radius = Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2 || 1;
-    super(canvas, new three.Vector3(middle[0], middle[1], middle[2]), radius, 1.7 / Math.min(1, canvas.parentElement!.clientWidth / canvas.parentElement!.clientHeight));
+    super(canvas, new three.Vector3(middle[0], middle[1], middle[2]), radius, whole / Math.min(1, canvas.parentElement!.clientWidth / canvas.parentElement!.clientHeight));
     this.origin = new three.Vector3(hull.origin[0], hull.origin[1], hull.origin[2]);
-    this.material = surfaceMaterial(hull, this.origin.z);
     // Edges are in front of the facets that they are edges of.
-    Object.assign(this.material, {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
-    this.body = new three.Mesh(new three.BufferGeometry(), this.material);
+    this.materials = new Materials(hull, this.origin.z, {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
+    this.body = new three.Mesh(new three.BufferGeometry(), this.materials.get("height"));
     this.circles.geometry.setAttribute("position", new three.Float32BufferAttribute(greatCircles(), 3));
     for (const above of [this.marked, this.sphere, this.circles]) above.renderOrder = 1;
     this.mark([]);
@@ -45,11 +47,11 @@ export class SolidScene extends Stage {
     this.hull?.dispose();
     if (this.shape !== this.hull) this.shape?.dispose();
     for (const object of [this.box, this.marked, this.sphere, this.circles]) object.geometry.dispose();
-    this.material.dispose();
+    this.materials.dispose();
   }
 
   colour(by: Colouring): void {
-    this.material.uniforms.colouring.value = colourings.findIndex(([id]) => id === by);
+    this.body.material = this.materials.get(by);
     this.draw();
   }
 
@@ -66,6 +68,7 @@ export class SolidScene extends Stage {
     this.shape = next;
     this.body.geometry = next.geometry;
     this.bodyEdges.geometry = next.edges;
+    (this.bodyEdges.material as three.LineBasicMaterial).opacity = edgesMost * Math.min(1, Math.sqrt(edgesFew / Math.max(1, next.extras.cells)));
     this.hullEdges.visible = next !== this.hull;
     this.draw();
   }
@@ -79,6 +82,17 @@ export class SolidScene extends Stage {
 
   shrink(part: number): void {
     if (this.shape && this.shape !== this.hull) this.shape.shrink(part);
+    this.draw();
+  }
+
+  // Turns around this place, from as far as is right for what has this radius, or as before.
+  look(at: number[], radius?: number): void {
+    const target = new three.Vector3(at[0] - this.origin.x, at[1] - this.origin.y, at[2] - this.origin.z);
+    const away = this.camera.position.clone().add(this.controls.target.clone().multiplyScalar(-1));
+    if (radius) away.multiplyScalar(radius * whole * 1.8 / Math.min(1, this.camera.aspect) / away.length());
+    this.camera.position.copy(target).add(away);
+    this.controls.target.copy(target);
+    this.controls.update();
     this.draw();
   }
 
@@ -105,6 +119,11 @@ export class SolidScene extends Stage {
       part.scale.set(radius, radius, radius);
     }
     this.draw();
+  }
+
+  protected override prepare(): boolean {
+    this.materials.light(this.camera);
+    return false;
   }
 
   protected override get shown(): boolean { return this.shape !== null; }

@@ -30,7 +30,8 @@ export class SolidView {
   private readonly closing = new AbortController();
   private scene: SolidScene | null = null;
   private mode: Mode = "hull";
-  private cut = 0;  // the axis that the plane is upright on
+  private chosen = false;  // the box is as somebody wants it
+  private cut = 1;  // the axis that the plane is upright on
   private corners: number[][] = [];
 
   constructor(private readonly context: Context, private readonly notice: Notice, private readonly body: HTMLElement,
@@ -42,9 +43,16 @@ export class SolidView {
       await this.notice.attempt(async () => this.take(url, await loadShape(url, signal)));
     });
     this.place = new Slider("cut-place", "Place", () => this.ask());
-    this.centre = this.axis.map(axis => new Slider(`cells-${"xyz"[axis]}`, `Middle, ${"xyz"[axis]}`, () => this.ask()));
+    this.centre = this.axis.map(axis => new Slider(`cells-${"xyz"[axis]}`, `Middle, ${"xyz"[axis]}`, () => {
+      this.chosen = true;
+      this.ask();
+      this.look(false);
+    }));
     const part = Math.cbrt(usualCells / Math.max(1, result.cells));
-    this.side = new Slider("cells-side", "Size", () => this.ask(), value => `${(100 * value).toLocaleString("en", {maximumSignificantDigits: 2})} % of a side`);
+    this.side = new Slider("cells-side", "Size", () => {
+      this.chosen = true;
+      this.ask();
+    }, value => `${(100 * value).toLocaleString("en", {maximumSignificantDigits: 2})} % of a side`);
     this.side.range(Math.log(smallest), 0, Math.log(Math.max(smallest, Math.min(1, part))), Math.exp);
     this.shrunk = new Slider("cells-shrink", "Shrunk to", () => this.scene?.shrink(this.shrunk.value), value => `${Math.round(100 * value)} %`);
     this.shrunk.range(0.05, 1, 0.75);
@@ -65,10 +73,12 @@ export class SolidView {
     const stage = h("div", {class: "stage"}, canvas);
     const panels = {cut: this.cutPanel(), cells: this.cellsPanel()};
     const chosen = (mode: Mode) => {
+      const other = (mode === "cells") !== (this.mode === "cells");
       this.mode = mode;
       show(panels.cut, mode === "cut");
       show(panels.cells, mode === "cells");
       this.ask();
+      if (other) this.look(true);
     };
     const side = h("div", {class: "view-side"},
       h("section", {class: "panel", "aria-labelledby": "show-title"}, h("h2", {id: "show-title"}, "Shown"),
@@ -107,7 +117,15 @@ export class SolidView {
         if (this.corners.length === 0) return;
         this.centre.forEach((slider, axis) => slider.set(this.corners.reduce((sum, p) => sum + p[axis] / this.corners.length, 0)));
         this.ask();
+        this.look(true);
       }));
+  }
+
+  // At what is shown.
+  private look(anew: boolean): void {
+    const part = this.mode === "cells" ? this.side.value : 1;
+    const centre = this.axis.map(axis => this.mode === "cells" ? this.centre[axis].value : (this.low[axis] + this.high[axis]) / 2);
+    this.scene?.look(centre, anew ? part * Math.hypot(...this.axis.map(axis => this.high[axis] - this.low[axis])) / 2 : undefined);
   }
 
   private turn(axis: number): void {
@@ -143,7 +161,16 @@ export class SolidView {
   private take(url: string, shape: Shape): void {
     // What was chosen may have changed meanwhile.
     if (this.mode === "hull" || url.includes("/section?") !== (this.mode === "cut")) return shape.dispose();
-    if (this.mode === "cells") shape.shrink(this.shrunk.value);
+    if (this.mode === "cells") {
+      shape.shrink(this.shrunk.value);
+      // Where there are few, a larger one.
+      this.chosen ||= shape.extras.cells > usualCells / 4 || this.side.value > 0.6;
+      if (!this.chosen) {
+        this.side.grow(Math.log(1.6));
+        this.ask();
+        this.look(true);
+      }
+    }
     this.scene!.put(shape);
     say(this.told, this.mode === "cut" ? `The plane cuts ${count(shape.extras.cells)} cells.` : `${count(shape.extras.cells)} cells meet the box.`);
   }
