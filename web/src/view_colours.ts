@@ -1,4 +1,5 @@
 // How a surface is coloured, for its shader and for the legend that explains it.
+import * as three from "three";
 
 export type Colouring = "height" | "class" | "intensity" | "tile";
 export const colourings: [Colouring, string][] = [["height", "Height"], ["class", "Class"], ["intensity", "Intensity"], ["tile", "Tile"]];
@@ -22,8 +23,8 @@ const vec3 = (colour: number[]) => `vec3(${colour.map(c => (c / 255).toFixed(4))
 
 const colourOfClass = Object.entries(classes).map(([number, [, colour]]) => `  if (n == ${number}) return ${vec3(colour)};`).join("\n");
 
-// Heights are z of the page's scene, in which the tileset's origin is 0.
-export const vertexShader = `
+// Heights are z of the page's scene.
+const vertexShader = `
 in float _intensity;
 in float _classification;
 in float _tile;
@@ -44,7 +45,7 @@ void main() {
 }`;
 
 // Lit as facets: a triangle is what is looked at here.
-export const fragmentShader = `
+const fragmentShader = `
 uniform int colouring;
 uniform vec2 heights;
 uniform float brightest;
@@ -77,3 +78,17 @@ void main() {
   vec3 sun = normalize((viewMatrix * vec4(-0.4, 0.5, 0.75, 0.0)).xyz);
   colour = vec4(plain * (0.45 + 0.6 * abs(dot(normal, sun))), 1.0);
 }`;
+
+// What there is to colour by.
+export interface Colours {
+  heights: [number, number]; intensityMax: number; classes: number[]; attributes: string[]; tiles: number;
+}
+
+// `level`: the height of the result that is 0 in the scene.
+export function surfaceMaterial(colours: Colours, level: number): three.ShaderMaterial {
+  const [low, high] = colours.heights;
+  return new three.ShaderMaterial({glslVersion: three.GLSL3, side: three.DoubleSide, vertexShader, fragmentShader, uniforms: {
+    colouring: {value: 0},
+    heights: {value: new three.Vector2(low - level, high - level)},
+    brightest: {value: Math.max(colours.intensityMax, 1)}}});
+}
