@@ -115,6 +115,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
                lost.why);
         });
       },
+      [this](const NobodyCame& over) { attempt([&] { give_up_waiting(over); }); },
       [this](const NodeJoined& joined) { attempt([&] { join(caf::actor_cast<NodeHandle>(joined.node)); }); },
       [this](PartProgress& message) { attempt([&] { show_progress(message); }); },
       [this](const TileDone& done) { attempt([&] { take(done); }); },
@@ -137,12 +138,7 @@ void Coordinator::prepare(NodeId node) {
 void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
   p.opened = true;
-  if (message.failure) {
-    const bool needed = !p.lost && state_ == State::opening;  // later ones only help
-    p.lost = !needed;
-    p.ended = true;
-    return needed ? fail(message.failure) : finish_if_over();
-  }
+  if (message.failure) return not_opened(message);
   ++nodes_;
   p.settled = message.settled;
   p.threads = message.threads;
@@ -157,6 +153,18 @@ void Coordinator::opened(const PartOpened& message) {
   if (state_ == State::opening) return begin_if_opened();
   if (!p.name.empty()) owner_.said("node " + p.name + " has come, and takes part");
   welcome(message.node);
+}
+
+// Others do without it, if there are any. What nobody can open, and nobody was lost, is not waited for.
+void Coordinator::not_opened(const PartOpened& message) {
+  PartOf& p = parts_.at(message.node.value);
+  p.lost = p.ended = p.refused = true;
+  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
+  const bool by_all = std::all_of(parts_.begin(), parts_.end(), [](const PartOf& part) { return part.refused; });
+  if (by_all && waits_ == 0) return fail(message.failure);
+  owner_.said("a node cannot take part: " + message.failure.text);
+  if (nobody()) return wait_for_a_node(message.failure);
+  if (state_ == State::opening) begin_if_opened();
 }
 
 // REQUIRES: the part is open, and has not been told.
@@ -320,7 +328,8 @@ void Coordinator::ended(PartEnded& message) {
 
 void Coordinator::finish_if_over() noexcept {
   // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
-  if (told_ || !all([](const PartOf& p) { return p.ended; })) return;
+  const bool ends = state_ == State::finishing || state_ == State::ending;
+  if (told_ || !ends || !all([](const PartOf& p) { return p.ended; })) return;
   told_ = true;
   const auto now = std::chrono::steady_clock::now();
   RunEnded end;

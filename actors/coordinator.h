@@ -14,7 +14,7 @@
 // any        | PartReleased     | a new epoch: what is released begins where work is wanted   |
 // exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
 // collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
-// any        | NodeLost, the last one | the job fails                                         | ending
+// any        | NodeLost, the last one | waits for another; fails when none has come for the grace    | ending
 // any        | a part is gone without a word | as NodeLost                                    |
 // any        | PartProgress     | progress to the owner                                       |
 // any        | Cancel           | Suspend to all parts                                        | ending
@@ -78,6 +78,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
     std::string name;         // of the node, once it is opened
     std::uint32_t tiles = 0;  // by the table of the epoch counted_
     bool opened = false, begun = false, lost = false, ended = false;
+    bool refused = false;    // its node could not open it
     bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
     bool collected = false;  // as it says of this epoch
     bool there() const { return !ended && opened; }
@@ -91,6 +92,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   template <class Step>
   void attempt(Step step) noexcept;
   void opened(const PartOpened& message);
+  void not_opened(const PartOpened& message);
   void begin();
   void begin_if_opened();
   void find(const NodeHandle& node);
@@ -108,6 +110,10 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void lose(const NodeHandle& node, Failure failure, const std::string& why);
   void lose_found(const NodeHandle& node);
   void lose(NodeId node, Failure failure, const std::string& why);
+  void orphan_tiles(NodeId node, const std::string& why);
+  bool nobody() const;
+  void wait_for_a_node(Failure failure);
+  void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
   // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
@@ -157,6 +163,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::multiset<NodeId> releasing_;  // have been asked for tiles, each time that a node came, and have not answered
   std::vector<TileId> released_;     // what they gave up
   std::vector<TileId> lost_;         // of lost nodes, not placed yet
+  Failure missed_;                   // why the job fails if no node comes
+  std::uint64_t waits_ = 0;          // for one, so far
   std::optional<Failure> failure_;
   PartEnded sum_;
   std::uint32_t nodes_ = 0, nodes_lost_ = 0;  // that had a part

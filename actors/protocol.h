@@ -239,6 +239,11 @@ struct NodeJoined {
   caf::actor node;
 };
 
+// coordinator -> itself: the job has been without a node for its grace.
+struct NobodyCame {
+  std::uint64_t wait = 0;  // the how many-th of the job
+};
+
 // router -> node: route this stretch of the input (src/run/routing.h), with one of so many shares of your threads and
 // memory. Done or not, it is given up when the router is gone.
 struct RouteStretch {
@@ -288,8 +293,8 @@ using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
                      caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,
                      caf::reacts_to<PartCollected>, caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>,
-                     caf::reacts_to<NodeJoined>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
-                     caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
+                     caf::reacts_to<NodeJoined>, caf::reacts_to<NobodyCame>, caf::reacts_to<PartProgress>,
+                     caf::reacts_to<TileDone>, caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera
 
