@@ -1,5 +1,5 @@
 // The viewer of a 3D result: its hull, a cut through it, the cells of a box; and what a cell is.
-import {address, Triangulation} from "./api";
+import {address, Failure, Triangulation} from "./api";
 import {h, replace, say, show} from "./dom";
 import {count} from "./format";
 import {action, Context, Notice} from "./page";
@@ -30,6 +30,7 @@ export class SolidView {
   private readonly closing = new AbortController();
   private scene: SolidScene | null = null;
   private mode: Mode = "hull";
+  private hullWords = "The facets that no other cell is behind.";
   private chosen = false;  // the box is as somebody wants it
   private cut = 1;  // the axis that the plane is upright on
   private corners: number[][] = [];
@@ -68,7 +69,7 @@ export class SolidView {
   private shape(name: string, query = ""): string { return address("triangulations", this.result.name, "shapes", name) + query; }
 
   async open(): Promise<void> {
-    const hull = await loadShape(this.shape("hull"), this.closing.signal);
+    const hull = await this.loadHull();
     const canvas = h("canvas", {tabindex: 0, role: "img", "aria-label": `${this.result.name}, ${count(this.result.cells)} tetrahedra`, "aria-describedby": "view-help"});
     const stage = h("div", {class: "stage"}, canvas);
     const panels = {cut: this.cutPanel(), cells: this.cellsPanel()};
@@ -100,6 +101,18 @@ export class SolidView {
     scene.onPull = part => this.place.move(part * (this.high[this.cut] - this.low[this.cut]));
     this.turn(this.cut);
     chosen("hull");
+  }
+
+  // One with too many facets is left out: an empty section tells the rest of what it would.
+  private async loadHull(): Promise<Shape> {
+    try {
+      return await loadShape(this.shape("hull"), this.closing.signal);
+    } catch (error) {
+      if (!(error instanceof Failure && error.status === 422)) throw error;
+      this.hullWords = error.message;
+      const beside = this.high.map((value, axis) => value + (value - this.low[axis]));
+      return await loadShape(this.shape("section", `?through=${beside.join(",")}&normal=1,1,1`), this.closing.signal);
+    }
   }
 
   private cutPanel(): HTMLElement {
@@ -143,7 +156,7 @@ export class SolidView {
       this.notice.clear();
       scene.put(null);
       scene.outline([], []);
-      return say(this.told, "The facets that no other cell is behind.");
+      return say(this.told, this.hullWords);
     }
     if (this.mode === "cut") {
       const at = (bounds: number[]) => bounds.map((value, axis) => axis === this.cut ? this.place.value : value);
