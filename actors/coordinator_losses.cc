@@ -44,6 +44,7 @@ void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
   p.part = nullptr;
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
   releasing_.erase(node);
+  handing_.erase(node);
   if (state_ != State::opening) orphan_tiles(node, why);
   if (nobody()) return wait_for_a_node(std::move(failure));
   if (state_ == State::opening) return begin_if_opened();
@@ -66,6 +67,18 @@ void Coordinator::orphan_tiles(NodeId node, const std::string& why) {
     state_ = State::exchanging;
     quiet_.reset();
   }
+}
+
+// Others do without it, if there are any. What nobody can open, and nobody was lost, is not waited for.
+void Coordinator::not_opened(const PartOpened& message) {
+  PartOf& p = parts_.at(message.node.value);
+  p.lost = p.ended = p.refused = true;
+  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
+  const bool by_all = std::all_of(parts_.begin(), parts_.end(), [](const PartOf& part) { return part.refused; });
+  if (by_all && waits_ == 0) return fail(message.failure);
+  owner_.said("a node cannot take part: " + message.failure.text);
+  if (nobody()) return wait_for_a_node(message.failure);
+  if (state_ == State::opening) begin_if_opened();
 }
 
 // No part is there, and none is on its way.
@@ -104,7 +117,7 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
 // All at once, when it is known which there are. Until then nothing is believed quiet, or finished.
 void Coordinator::place_orphans() {
   const std::vector<Host> all = hosts();
-  if (!releasing_.empty() || all.empty()) return;  // a part that is being opened will take them
+  if (!releasing_.empty() || !handing_.empty() || all.empty()) return;  // a part that is being opened will take them
   std::vector<Host> late;
   std::copy_if(all.begin(), all.end(), std::back_inserter(late), [&](const Host& host) {
     return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
@@ -117,7 +130,7 @@ void Coordinator::place_orphans() {
   if (!changes.empty()) return change_table(changes);
   if (state_ == State::exchanging) {
     detector_.restart(nodes());
-    act(detector_.notice());
+    act(detector_.look());
   }
   // Whoever is lost without tiles may have been the last that was waited for.
   collect_if_settled();

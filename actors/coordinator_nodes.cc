@@ -106,7 +106,9 @@ void Coordinator::go_on() {
     const bool lost = parts_.at(table_.node_of(t).value).lost || nowhere[t.value];
     if (lost && !stored_[t.value]) tiles.push_back(t);
   }
-  change_table(again(tiles, hosts()));
+  const std::vector<Host> there = hosts();
+  if (there.empty()) released_ = tiles;  // all that are there are to leave
+  change_table(there.empty() ? std::vector<Placement>() : again(tiles, there));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
   }
@@ -164,7 +166,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
   table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
   ChangeTable message{table_, part_handles(), state_ == State::collecting};
   for (PartOf& p : parts_) p.settled = p.collected = false;
-  detector_.restart(nodes());
+  detector_.restart_busy(nodes());
   if (state_ == State::settling) {
     state_ = State::exchanging;
     quiet_.reset();
@@ -175,7 +177,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
 std::vector<Host> Coordinator::hosts() const {
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].there()) hosts.push_back({NodeId{n}, parts_[n].threads});
+    if (parts_[n].there() && !leaves(parts_[n].node)) hosts.push_back({NodeId{n}, parts_[n].threads});
   }
   return hosts;
 }

@@ -34,7 +34,8 @@ Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage&
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
-      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)) {}
+      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)),
+      usher_(system_.spawn<Usher>(*this)) {}
 
 Outcome Life::live(End end, std::uint64_t end_at) {
   for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node(NodeId{n});
@@ -66,6 +67,8 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
+  if (options_.faults.orderly() && outcome_.ended && outcome_.ended->tiles_again > 0)
+    outcome_.failure = std::to_string(outcome_.ended->tiles_again) + " tiles began again where a node left in order";
   const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
   if (settled && !losses.any() && storage_.take_reads() > 1) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
@@ -149,6 +152,7 @@ void Life::end_all() {
   scheduler_.thaw();
   for (const auto& [home, node] : nodes_) caf::anon_send_exit(node, caf::exit_reason::kill);
   caf::anon_send_exit(network_, caf::exit_reason::kill);
+  caf::anon_send_exit(usher_, caf::exit_reason::kill);
   for (const CoordinatorHandle& coordinator : coordinators_) {
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
   }
@@ -195,6 +199,22 @@ void Life::join(NodeId node) {
   tell("node " + to_string(node) + " joins");
   add_node(node);
   tell_of(node);
+}
+
+void Life::leave(NodeId node) {
+  tell("node " + to_string(node) + " is to leave");
+  caf::anon_send(coordinators_.back(),
+                 NodeLeaves{caf::actor_cast<caf::actor>(nodes_.at(node)), caf::actor_cast<caf::actor>(usher_)});
+}
+
+void Life::let(const NodeLet& let) {
+  const Turn ours(options_.memory_faults, false);
+  for (const auto& [home, node] : nodes_) {
+    if (caf::actor_cast<caf::actor>(node) != let.node || given_up_.contains(home)) continue;
+    tell("node " + to_string(home) + " leaves");
+    give_up(home);
+    caf::anon_send(node, Leave{});
+  }
 }
 
 void Life::join_in_vain(NodeId node) {

@@ -50,6 +50,17 @@ class Life final : private Misfortune {
    private:
     std::optional<RunEnded> end_;
   };
+  // Whom the coordinator tells that a node may go.
+  class Usher final : public UsherHandle::base {
+   public:
+    Usher(caf::actor_config& config, Life& life) : UsherHandle::base(config), life_(life) {}
+    behavior_type make_behavior() override {
+      return {[this](const NodeLet& let) { life_.let(let); }};
+    }
+
+   private:
+    Life& life_;
+  };
   class Config : public caf::actor_system_config {
    public:
     Config();
@@ -59,6 +70,7 @@ class Life final : private Misfortune {
   void go_on(NodeId node) override;
   void give_up(NodeId node) override;
   void join(NodeId node) override;
+  void leave(NodeId node) override;
   void join_in_vain(NodeId node) override;
   void lose(NodeId node) override;
   void stop_coordinator() override;
@@ -67,6 +79,7 @@ class Life final : private Misfortune {
 
   void add_node(NodeId home, std::uint64_t memory_bytes = ~std::uint64_t{0});
   void tell_of(NodeId node);
+  void let(const NodeLet& let);
   void add_coordinator();
   CoordinatorOptions coordinator_options();
   void believed_quiet(const Table& table);
@@ -87,9 +100,10 @@ class Life final : private Misfortune {
   caf::actor_system system_;
   SeededScheduler& scheduler_;
   NetworkHandle network_;
+  UsherHandle usher_;
   std::map<NodeId, NodeHandle> nodes_;
-  std::set<NodeId> given_up_;                    // and those that no coordinator begins with
-  bool began_alone_ = false;  // the coordinator in office: one that cannot be used would be all it has
+  std::set<NodeId> given_up_;  // and those that no coordinator begins with
+  bool began_alone_ = false;   // the coordinator in office: one that cannot be used would be all it has
   std::vector<CoordinatorHandle> coordinators_;  // the last is in office
 };
 

@@ -13,11 +13,12 @@ constexpr std::uint64_t steps_unnoticed = 150;
 }  // namespace
 
 Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64& rng) : rng_(rng), numbered_(nodes) {
-  enum class Kind : std::uint8_t { kill, pause, early, join, coordinator, last, all };
+  enum class Kind : std::uint8_t { kill, pause, early, join, leave, coordinator, last, all };
   std::vector<Kind> kinds;
   if (faults.kill) kinds.push_back(Kind::kill);
   if (faults.pause) kinds.insert(kinds.end(), {Kind::pause, Kind::early});
   if (faults.join) kinds.push_back(Kind::join);
+  if (faults.leave) kinds.push_back(Kind::leave);
   if (faults.coordinator) kinds.push_back(Kind::coordinator);
   if (faults.last) kinds.push_back(Kind::last);
   if (faults.all) kinds.push_back(Kind::all);
@@ -38,6 +39,12 @@ Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64
         break;
       case Kind::join:
         come(step);
+        break;
+      case Kind::leave:
+        if (there_.size() > 1) {
+          const There one = take_any();
+          add({std::max(step, one.since), What::leave, one.node});
+        }
         break;
       case Kind::coordinator:
         step = std::max(step, replaced_);  // one after the other
@@ -60,14 +67,19 @@ void Losses::come(std::uint64_t step) {
   add({step, What::join, there_.back().node});
 }
 
+Losses::There Losses::take_any() {
+  const auto chosen = there_.begin() + static_cast<std::ptrdiff_t>(draw(there_.size()));
+  const There one = *chosen;
+  there_.erase(chosen);
+  return one;
+}
+
 // Any but the last.
 void Losses::lose_one(std::uint64_t step, bool stops, bool goes_on) {
   const std::uint64_t unnoticed = draw(steps_unnoticed);
   if (there_.size() < 2) return;
-  const auto chosen = there_.begin() + static_cast<std::ptrdiff_t>(draw(there_.size()));
-  const NodeId node = chosen->node;
-  step = std::max(step, chosen->since);
-  there_.erase(chosen);
+  const auto [node, since] = take_any();
+  step = std::max(step, since);
   if (stops) add({step, What::stop, node});
   add({step + unnoticed, What::give_up, node});
   if (goes_on) add({step + draw(steps_between), What::go_on, node});
@@ -133,6 +145,9 @@ void Losses::befall(std::uint64_t step, Misfortune& whom) {
         break;
       case What::join:
         whom.join(event.node);
+        break;
+      case What::leave:
+        whom.leave(event.node);
         break;
       case What::join_in_vain:
         whom.join_in_vain(event.node);

@@ -1,6 +1,6 @@
 // What befalls the nodes of a run, drawn in advance, by the step at which it happens: some are killed, some stop for a
-// while and go on after they have been given up, some are given up while they work, others join; all are lost, and
-// others come; the coordinator stops, another one takes over, and the first goes on after that.
+// while and go on after they have been given up, some are given up while they work, others join, or leave in order; all
+// are lost, and others come; the coordinator stops, another one takes over, and the first goes on after that.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@ class Misfortune {
   virtual void go_on(NodeId node) = 0;
   virtual void give_up(NodeId node) = 0;
   virtual void join(NodeId node) = 0;
+  virtual void leave(NodeId node) = 0;
   virtual void join_in_vain(NodeId node) = 0;  // it cannot open its part
   virtual void lose(NodeId node) = 0;          // with whoever would notice
   virtual void stop_coordinator() = 0;
@@ -46,6 +47,7 @@ class Losses {
     go_on,
     give_up,
     join,
+    leave,
     join_in_vain,
     lose,
     stop_coordinator,
@@ -70,6 +72,7 @@ class Losses {
     NodeId node;
     std::uint64_t since = 0;  // step
   };
+  There take_any();
   std::vector<There> there_;
   std::uint32_t numbered_;      // nodes so far
   std::uint64_t replaced_ = 0;  // when the last coordinator is
