@@ -48,19 +48,19 @@ double seconds(std::uint64_t microseconds) { return static_cast<double>(microsec
 
 }  // namespace
 
-void Caller::progressed(const RunProgress& now) { show(now, opened_s_, progress_); }
+void RunCaller::progressed(const RunProgress& now) { show(now, opened_s_, progress_); }
 
-void Caller::stored(const TileDone& tile) {
+void RunCaller::stored(const TileDone& tile) {
   done_.push_back(tile);
   progress_.map.reached(tile.entry.tile, TileStage::stored);
 }
 
-void Caller::ended(RunEnded end) noexcept {
+void RunCaller::ended(RunEnded end) noexcept {
   const auto told = end_;  // whoever waits may be gone before this returns
   told->set_value(std::move(end));
 }
 
-RunSummary Caller::summary(const RunEnded& ended) {
+RunSummary RunCaller::summary(const RunEnded& ended) {
   std::sort(done_.begin(), done_.end(),
             [](const TileDone& a, const TileDone& b) { return a.entry.tile < b.entry.tile; });
   RunSummary summary;

@@ -12,9 +12,9 @@
 
 namespace tessera {
 
-class Caller final : public RunOwner {
+class RunCaller final : public RunOwner {
  public:
-  explicit Caller(Progress& progress) : progress_(progress) {}
+  explicit RunCaller(Progress& progress) : progress_(progress) {}
 
   void progressed(const RunProgress& now) override;
   void stored(const TileDone& tile) override;

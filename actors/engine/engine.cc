@@ -137,7 +137,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
     nodes = std::move(free);
   }
 
-  Caller caller(progress);
+  RunCaller caller(progress);
   Prepared<Cancel> prepared_cancel;
   source->offer(std::move(lent));
   RunEnded end;

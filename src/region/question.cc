@@ -12,9 +12,9 @@
 
 namespace tessera {
 
-Question::Question(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
-                   std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
-                   std::stop_token stop)
+RegionQuestion::RegionQuestion(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree,
+                               int dimension, std::size_t row_bytes, const Bounds& region, RegionShape shape,
+                               const RegionLimits& limits, std::stop_token stop)
     : units_(units),
       loaded_(loaded),
       tree_(tree),
@@ -25,7 +25,7 @@ Question::Question(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded,
       stop_(std::move(stop)),
       triangulation_(dimension) {}
 
-Result<RegionCells> Question::answer() {
+Result<RegionCells> RegionQuestion::answer() {
   const int dimension = triangulation_.dimension();
   std::vector<std::size_t> next = first_units();
   std::size_t groping = 1;
@@ -58,7 +58,7 @@ Result<RegionCells> Question::answer() {
   }
 }
 
-std::vector<std::size_t> Question::first_units() const {
+std::vector<std::size_t> RegionQuestion::first_units() const {
   std::vector<std::size_t> units;
   for (std::size_t i = 0; i < units_.list().size(); ++i)
     if (meets_region(units_.list()[i].bounds)) units.push_back(i);
@@ -66,7 +66,7 @@ std::vector<std::size_t> Question::first_units() const {
 }
 
 // What is not read now is read later, if a cell depends on it.
-bool Question::meets_region(const Bounds& unit) const {
+bool RegionQuestion::meets_region(const Bounds& unit) const {
   if (!boxes_meet(unit, region_)) return false;
   if (!shape_ || !(unit.lo.x < unit.hi.x && unit.lo.y < unit.hi.y)) return true;
   const Point low{unit.lo.x, unit.lo.y, 0}, right{unit.hi.x, unit.lo.y, 0}, high{unit.hi.x, unit.hi.y, 0},
@@ -74,7 +74,7 @@ bool Question::meets_region(const Bounds& unit) const {
   return shape_(std::array{low, right, high}) || shape_(std::array{low, high, left});
 }
 
-std::vector<std::size_t> Question::nearest_units(std::size_t n) const {
+std::vector<std::size_t> RegionQuestion::nearest_units(std::size_t n) const {
   std::vector<std::size_t> units;
   for (std::size_t i = 0; i < units_.list().size(); ++i)
     if (tree_.is_unread(i)) units.push_back(i);
@@ -85,11 +85,11 @@ std::vector<std::size_t> Question::nearest_units(std::size_t n) const {
   return units;
 }
 
-bool Question::late() const {
+bool RegionQuestion::late() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count() > limits_.max_seconds;
 }
 
-Question::Wanted Question::within_limits(std::vector<std::size_t> units) const {
+RegionQuestion::Wanted RegionQuestion::within_limits(std::vector<std::size_t> units) const {
   Wanted wanted;
   std::sort(units.begin(), units.end(),
             [&](auto a, auto b) { return std::pair(tree_.distance(a), a) < std::pair(tree_.distance(b), b); });
@@ -112,7 +112,7 @@ Question::Wanted Question::within_limits(std::vector<std::size_t> units) const {
   return wanted;
 }
 
-Status Question::add(Wanted& wanted) {
+Status RegionQuestion::add(Wanted& wanted) {
   if (wanted.units.empty()) return success();
   BOOST_OUTCOME_TRYV(load(wanted.units, wanted.beyond));
   if (wanted.units.empty()) return success();
@@ -131,7 +131,7 @@ Status Question::add(Wanted& wanted) {
 }
 
 // Units come by ascending number, each whole when the next one comes.
-Status Question::load(std::vector<std::size_t>& units, std::string& beyond) {
+Status RegionQuestion::load(std::vector<std::size_t>& units, std::string& beyond) {
   std::sort(units.begin(), units.end());
   std::vector<std::size_t> absent;
   for (const std::size_t unit : units)
@@ -165,7 +165,7 @@ Status Question::load(std::vector<std::size_t>& units, std::string& beyond) {
   return success();
 }
 
-std::string Question::needed(const std::string& beyond, const std::vector<std::size_t>& units) const {
+std::string RegionQuestion::needed(const std::string& beyond, const std::vector<std::size_t>& units) const {
   constexpr std::size_t named_max = 5;
   std::uint64_t points = 0;
   std::string names;
@@ -182,7 +182,7 @@ std::string Question::needed(const std::string& beyond, const std::vector<std::s
          " points of " + std::to_string(missing) + " more units are needed: " + names;
 }
 
-RegionCells Question::finished(const CellList& cells, const Judgement& judgement) {
+RegionCells RegionQuestion::finished(const CellList& cells, const Judgement& judgement) {
   PartMesh part = part_mesh(triangulation_, cells, judgement);
   RegionCells answer;
   answer.mesh = std::move(part.mesh);
@@ -194,7 +194,7 @@ RegionCells Question::finished(const CellList& cells, const Judgement& judgement
 }
 
 // `ids`: ascending.
-std::vector<std::byte> Question::rows_of(const std::vector<PointId>& ids) const {
+std::vector<std::byte> RegionQuestion::rows_of(const std::vector<PointId>& ids) const {
   std::vector<std::byte> rows(ids.size() * row_bytes_);
   if (row_bytes_ == 0) return rows;
   for (const std::size_t unit : used_) {

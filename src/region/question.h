@@ -15,13 +15,13 @@
 
 namespace tessera {
 
-class Question {
+class RegionQuestion {
  public:
   // What is read is added to `loaded`. REQUIRES: the region is within the bounds of all units, and not empty;
   // tree.begin(region) was called.
-  Question(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
-           std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
-           std::stop_token stop);
+  RegionQuestion(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
+                 std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
+                 std::stop_token stop);
 
   Result<RegionCells> answer();
 

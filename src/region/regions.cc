@@ -62,7 +62,7 @@ Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, 
 Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,
                                         const std::stop_token& stop) {
   tree_.begin(region);
-  return Question(*units_, loaded_, tree_, dimension_, row_bytes_, region, shape, limits, stop).answer();
+  return RegionQuestion(*units_, loaded_, tree_, dimension_, row_bytes_, region, shape, limits, stop).answer();
 }
 
 }  // namespace tessera

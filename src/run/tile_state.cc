@@ -197,6 +197,7 @@ Status TileState::sleep() {
   }
   triangulation_.reset();
   points_.reset();
+  counters_.trim();  // there are many tiles asleep
   phase_ = Phase::asleep;
   return success();
 }

@@ -15,6 +15,7 @@
 #include "src/service/questions.h"
 #include "src/service/readers.h"
 #include "src/service/service.h"
+#include "src/tileset/shapes.h"
 
 namespace tessera {
 
@@ -29,22 +30,35 @@ class Answering {
 
  private:
   Result<QuestionAnswer> locate() const;
+  Result<QuestionAnswer> locate_named() const;  // a cell by its tile and place
   Result<QuestionAnswer> locate_many() const;
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
   Result<QuestionAnswer> interpolate() const;
   Result<QuestionAnswer> dem() const;
+  Result<QuestionAnswer> hull() const;
+  Result<QuestionAnswer> section() const;
+  Result<QuestionAnswer> solids() const;
 
   std::string word(const std::string& key, const std::string& usual = {}) const;
   template <class Parse>
-  auto read(const std::string& key, const Parse& parse) const -> decltype(parse(std::string()));
+  auto read(const std::string& key, const Parse& parse) const -> decltype(parse(std::string())) {
+    auto value = parse(word(key));
+    if (!value) return error(value.error().code, key + ": " + value.error().where);
+    return value;
+  }
   Result<std::vector<Point>> points() const;
   Result<std::vector<Point>> points_in_json() const;
   Result<std::vector<Point>> points_in_file(const std::string& ending) const;
   Result<query::Area> area() const;
+  // How many cells an answer may have.
+  Result<query::CellLimits> limits_of_cells() const;
   // In which the answers to many points are given: as they came, or as `f` says.
   Result<AnswerOptions> many() const;
   Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format) const;
+  // Parts of a 3D result.
+  Status has_volume() const;
+  Result<QuestionAnswer> shown(const tileset::Shape& shape, const query::CellSet& cells) const;
   Result<QuestionAnswer> file(const std::filesystem::path& path) const;
   std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }
 

@@ -64,11 +64,11 @@ struct ServedFile {
 
 // What is asked of a result, in words; the service reads them as the commands do.
 struct Question {
-  enum class About : std::uint8_t { locate, star, cells, interpolate, dem };
+  enum class About : std::uint8_t { locate, star, cells, interpolate, dem, hull, section, solids };
   About about = About::locate;
   std::string triangulation;
   std::string vertex = {};                          // star: its source index
-  std::map<std::string, std::string> options = {};  // point, tile, bbox, f, limit, value, method, weights, res, ...
+  std::map<std::string, std::string> options = {};  // point, cell, tile, bbox, f, limit, value, method, weights, ...
   std::optional<std::string> body = {};             // locate and interpolate: many points; cells: a polygon
   std::string type = {};                            // of the body: a media type
   std::stop_token stop = {};                        // the caller has gone

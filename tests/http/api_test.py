@@ -44,6 +44,10 @@ class Api(serving.ServerTest):
             ("POST", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells"],
             ("POST", "/v1/triangulations/{triangulation}/interpolate"): ["/v1/triangulations/block/interpolate?value=z"],
             ("GET", "/v1/triangulations/{triangulation}/dem"): ["/v1/triangulations/block/dem?res=1"],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/hull"): ["/v1/triangulations/block/shapes/hull", "/v1/triangulations/none/shapes/hull"],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/section"): [
+                "/v1/triangulations/block/shapes/section?through=0,0,0&normal=0,0,1"],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/cells"): ["/v1/triangulations/block/shapes/cells?bbox=0,0,0,1,1,1&shrink=0.5"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",

@@ -263,10 +263,22 @@ Reply<std::string> FakeBackend::identity(std::string_view name) {
 }
 
 Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
-  if (question.about == Question::About::cells || question.about == Question::About::dem) {
-    const bool cells = question.about == Question::About::cells;
-    auto opened = open(folder_ / "block" / "deep" / "tile.vtu",
-                       cells ? "application/geo+json" : "image/tiff; application=geotiff; profile=cloud-optimized", "");
+  const auto type = [&]() -> std::string {
+    switch (question.about) {
+      case Question::About::cells:
+        return "application/geo+json";
+      case Question::About::dem:
+        return "image/tiff; application=geotiff; profile=cloud-optimized";
+      case Question::About::hull:
+      case Question::About::section:
+      case Question::About::solids:
+        return "model/gltf-binary";
+      default:
+        return {};
+    }
+  }();
+  if (!type.empty()) {
+    auto opened = open(folder_ / "block" / "deep" / "tile.vtu", type.c_str(), "");
     if (!opened) return opened.error();
     return QuestionAnswer{.text = {}, .file = opened.value()};
   }

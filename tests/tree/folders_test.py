@@ -74,6 +74,16 @@ class Folders(unittest.TestCase):
                           for name in target.public & {*private}]
         self.assertEqual(wrong, [])
 
+    def test_a_type_has_one_definition(self):
+        # Two of one name in one program: which of them a function meant by it gets is the linker's choice.
+        where = {}
+        for path, text in self.texts.items():
+            if path.split("/")[0] in ("src", "actors", "include", "python"):
+                for name in tree.types_in(text):
+                    where.setdefault(name, []).append(path)
+        self.assertGreater(len(where), 300)
+        self.assertEqual({name: paths for name, paths in where.items() if len(paths) > 1}, {})
+
     def test_no_source_file_is_longer_than_350_lines(self):
         lengths = {path: len((SOURCE / path).read_text().splitlines()) for path in self.files
                    if path.endswith(tree.SOURCES)}

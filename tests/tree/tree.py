@@ -37,6 +37,29 @@ def rooms(readme):
     return found
 
 
+def types_in(text):
+    """The types that a file defines in namespaces, with these: not those of nameless ones, nor templates' others."""
+    text = re.sub(r"(?<=\w)'(?=\w)", "", text)  # 1'000
+    text = re.sub(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|//[^\n]*|/\*.*?\*/', "0", text, flags=re.DOTALL)
+    text = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*$", "", text, flags=re.MULTILINE)
+    found, open_ones, begin = [], [], 0
+    for brace in re.finditer(r"[{};]", text):
+        head, begin = text[begin:brace.start()].strip(), brace.end()
+        if brace[0] == "}":
+            open_ones.pop()
+            continue
+        if brace[0] == ";":
+            continue
+        namespace = re.search(r"\bnamespace\b\s*([\w:]*)$", head)
+        defined = re.search(r"\b(?:class|struct|union|enum(?:\s+class)?)\s+(\w+)\s*(?:final\b\s*)?(?::[^:].*)?$", head,
+                            re.DOTALL)
+        if defined and None not in open_ones:
+            found.append("::".join([*open_ones, defined[1]]))
+        # What is within a type, a function or a nameless namespace has names of its own.
+        open_ones.append(namespace[1] if namespace and namespace[1] else None)
+    return found
+
+
 def room_of(path, all_rooms):
     """The innermost room that holds the file, or None."""
     inside = [room for room in all_rooms if path.startswith(room + "/")]

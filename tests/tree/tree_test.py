@@ -55,6 +55,21 @@ class Walls(unittest.TestCase):
         self.assertEqual(targets["high_test"].sources, ["tests/high/high_test.cc"])
 
 
+class Types(unittest.TestCase):
+    def test_those_of_named_namespaces_are_found(self):
+        text = """namespace a::b {  // struct Not {};
+struct One { struct Inner {}; };
+template <class T>
+class Two final : public One { const char* text = "struct Not { //"; };
+enum class Three : char { x };
+class Declared;
+inline void f() { struct Local {}; }
+namespace { struct Hidden {}; }
+}
+"""
+        self.assertEqual(tree.types_in(text), ["a::b::One", "a::b::Two", "a::b::Three"])
+
+
 class Rooms(unittest.TestCase):
     README = """# X
 
