@@ -34,6 +34,7 @@ class Collector {
       if (row_bytes_ > 0) set_.mesh.rows.insert(set_.mesh.rows.end(), tile.row(v), tile.row(v) + row_bytes_);
     }
     mesh.cell_ghost.push_back(0);
+    if (!tile.mesh().cell_final.empty()) mesh.cell_final.push_back(tile.is_final(cell) ? 1 : 0);
     set_.tiles.push_back(tile.id());
   }
   CellSet take() { return std::move(set_); }
@@ -54,7 +55,7 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
   // A cell with its corners, neighbours and tile, and most likely one vertex or less with its attributes.
   const std::uint64_t bytes_each = 64 + sizeof(Point) + 40 + row_bytes(manifest.schema);
   const std::uint64_t fit = limits.bytes_max / bytes_each, most = std::min(limits.cells_max, fit);
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, manifest, area, most, options.stop));
+  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, most, options.stop));
   if (found.count > most && limits.cells_max < fit)
     return error(Errc::memory, impl_->out.string() + ": the area has more than " + std::to_string(limits.cells_max) +
                                    " cells, which is the limit: give a smaller area");
@@ -70,13 +71,14 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
     for (const std::int32_t cell : cells) collector.add(*tile, cell);
   }
   CellSet set = collector.take();
+  set.final = knows(area.box);
   BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, TileId{0}, impl_->out));
   return set;
 }
 
 Result<std::vector<TileId>> StoredTriangulation::tiles(const Area& area, const AskOptions& options) const {
   Walker walker(impl_->cache, impl_->manifest, false);
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, impl_->manifest, area, ~std::uint64_t{0}, options.stop));
+  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, ~std::uint64_t{0}, options.stop));
   return std::vector<TileId>(found.owners.begin(), found.owners.end());
 }
 

@@ -33,19 +33,34 @@ class Answering {
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
   Result<QuestionAnswer> interpolate() const;
+  // answering_terrain.cc
   Result<QuestionAnswer> dem() const;
+  Result<QuestionAnswer> contours() const;
+  Result<QuestionAnswer> profile() const;
+  // answering_maps.cc
+  Result<QuestionAnswer> features() const;
+  Result<QuestionAnswer> map_tile() const;
+  Result<std::vector<Point>> hull() const;
+  template <class Options>
+  Status read_surface(Options& options) const;
 
   std::string word(const std::string& key, const std::string& usual = {}) const;
   template <class Parse>
-  auto read(const std::string& key, const Parse& parse) const -> decltype(parse(std::string()));
+  auto read(const std::string& key, const Parse& parse) const -> decltype(parse(std::string())) {
+    auto value = parse(word(key));
+    if (!value) return error(value.error().code, key + ": " + value.error().where);
+    return value;
+  }
+  // answering_points.cc
   Result<std::vector<Point>> points() const;
   Result<std::vector<Point>> points_in_json() const;
   Result<std::vector<Point>> points_in_file(const std::string& ending) const;
   Result<query::Area> area() const;
   // In which the answers to many points are given: as they came, or as `f` says.
   Result<AnswerOptions> many() const;
-  Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format) const;
-  Result<QuestionAnswer> file(const std::filesystem::path& path) const;
+  Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool final) const;
+  Result<QuestionAnswer> file(const std::filesystem::path& path, bool final) const;
+  bool is_part() const { return reader_.stored.manifest().region.has_value(); }
   std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }
 
   const Reader& reader_;
