@@ -59,6 +59,7 @@ template <class Step>
 void Coordinator::attempt(Step step) noexcept {
   try {
     step();
+    if (!leaving_.empty()) let_go();
   } catch (...) {
     give_up(failure_of(std::current_exception(), [] { return std::string("the coordinator"); }));
   }
@@ -79,14 +80,15 @@ Coordinator::behavior_type Coordinator::make_behavior() {
         if (!begun_ && all([](const PartOf& p) { return p.begun || !p.opened; }))
           begun_ = std::chrono::steady_clock::now();
       },
-      [this](const PartIdle&) {
+      [this](const PartIdle& idle) {
         attempt([&] {
-          if (state_ == State::exchanging) act(detector_.notice());
+          if (state_ == State::exchanging) act(detector_.notice(idle.node));
         });
       },
       [this](const PartTally& tally) {
         attempt([&] {
-          if (state_ != State::exchanging || tally.epoch != table_.epoch || !releasing_.empty()) return;
+          if (state_ != State::exchanging || tally.epoch != table_.epoch) return;
+          if (!releasing_.empty() || !handing_.empty()) return;
           act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
         });
       },
@@ -115,6 +117,9 @@ Coordinator::behavior_type Coordinator::make_behavior() {
                lost.why);
         });
       },
+      [this](const NodeLeaves& leaves) { attempt([&] { leave(leaves); }); },
+      [this](const NodeBack& back) { attempt([&] { note(back); }); },
+      [this](const NobodyCame& over) { attempt([&] { give_up_waiting(over); }); },
       [this](const NodeJoined& joined) { attempt([&] { join(caf::actor_cast<NodeHandle>(joined.node)); }); },
       [this](PartProgress& message) { attempt([&] { show_progress(message); }); },
       [this](const TileDone& done) { attempt([&] { take(done); }); },
@@ -137,12 +142,7 @@ void Coordinator::prepare(NodeId node) {
 void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
   p.opened = true;
-  if (message.failure) {
-    const bool needed = !p.lost && state_ == State::opening;  // later ones only help
-    p.lost = !needed;
-    p.ended = true;
-    return needed ? fail(message.failure) : finish_if_over();
-  }
+  if (message.failure) return not_opened(message);
   ++nodes_;
   p.settled = message.settled;
   p.threads = message.threads;
@@ -187,11 +187,11 @@ void Coordinator::begin() {
   state_ = settled ? State::collecting : State::exchanging;
   if (settled) begun_ = quiet_ = started_;
   for (const Host& host : hosts()) begin(host.node);
-  detector_.restart(nodes());
+  detector_.restart_busy(nodes());
   for (const TileId t : options_.order) {  // of nodes that were lost before anything began
-    if (parts_.at(table_.node_of(t).value).lost) lost_.push_back(t);
+    if (parts_.at(table_.node_of(t).value).lost) released_.push_back(t);
   }
-  if (!lost_.empty()) place_orphans();
+  if (!released_.empty()) place_orphans();
 }
 
 void Coordinator::act(QuiescenceDetector::Verdict verdict) {
@@ -218,7 +218,7 @@ void Coordinator::collect_if_settled() {
 
 void Coordinator::finish_if_collected() {
   const bool over = all([](const PartOf& p) { return p.collected || !p.opened; });
-  if (state_ != State::collecting || !releasing_.empty() || !lost_.empty() || !over) return;
+  if (state_ != State::collecting || !releasing_.empty() || !lost_.empty() || !released_.empty() || !over) return;
   state_ = State::finishing;
   tell_parts(Finish{});
 }
@@ -248,7 +248,7 @@ void Coordinator::show_progress(PartProgress& message) {
     progress.sum.gates += now.gates;
     if (p.name.empty()) continue;
     progress.nodes.push_back({p.name, p.tiles, static_cast<std::uint32_t>(now.tiles_begun),
-                              static_cast<std::uint32_t>(now.tiles_stored), now.memory_bytes, p.lost});
+                              static_cast<std::uint32_t>(now.tiles_stored), now.memory_bytes, p.lost && !p.left});
   }
   owner_.progressed(progress);
 }
@@ -315,12 +315,15 @@ void Coordinator::ended(PartEnded& message) {
   sum_.splay_us += message.splay_us;
   sum_.collect_us += message.collect_us;
   if (message.failure) return fail(std::move(message.failure));
+  const bool handed = handing_.contains(message.node) && state_ == State::exchanging;
+  if (handed || (p.finished && state_ == State::collecting)) return left(message);
   finish_if_over();
 }
 
 void Coordinator::finish_if_over() noexcept {
   // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
-  if (told_ || !all([](const PartOf& p) { return p.ended; })) return;
+  const bool ends = state_ == State::finishing || state_ == State::ending;
+  if (told_ || !ends || !all([](const PartOf& p) { return p.ended; })) return;
   told_ = true;
   const auto now = std::chrono::steady_clock::now();
   RunEnded end;

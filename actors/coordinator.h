@@ -11,13 +11,15 @@
 // collecting | TileDone         | pass it on to the owner                                     | collecting
 // collecting | PartCollected    | when all have: Finish to all                                | finishing
 // any        | NodeJoined       | open a part there; when it is open, Release to all others   |
+// any        | NodeLeaves       | NodeLet, once nothing is to be done there (coordinator_leaving.cc)
 // any        | PartReleased     | a new epoch: what is released begins where work is wanted   |
 // exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
 // collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
-// any        | NodeLost, the last one | the job fails                                         | ending
+// any        | NodeLost, the last one | waits for another; fails when none has come for the grace    | ending
 // any        | a part is gone without a word | as NodeLost                                    |
 // any        | PartProgress     | progress to the owner                                       |
 // any        | Cancel           | Suspend to all parts                                        | ending
+// exchanging | PartEnded        | without one, of a node that leaves: a new epoch, its tiles go on elsewhere
 // any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
 //            |                  | ended                                                       |
 // collecting | PartEnded        | with damage: the run is not settled any more, too           | ending
@@ -78,6 +80,9 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
     std::string name;         // of the node, once it is opened
     std::uint32_t tiles = 0;  // by the table of the epoch counted_
     bool opened = false, begun = false, lost = false, ended = false;
+    bool left = false;       // in order: it counts as lost
+    bool finished = false;   // has been told Finish, and leaves
+    bool refused = false;    // its node could not open it
     bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
     bool collected = false;  // as it says of this epoch
     bool there() const { return !ended && opened; }
@@ -91,6 +96,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   template <class Step>
   void attempt(Step step) noexcept;
   void opened(const PartOpened& message);
+  void not_opened(const PartOpened& message);
   void begin();
   void begin_if_opened();
   void find(const NodeHandle& node);
@@ -102,12 +108,23 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void take(const TileDone& done);
   void prepare(NodeId node);
   void join(const NodeHandle& node);
+  void leave(const NodeLeaves& leaves);
+  bool leaves(const NodeHandle& node) const;
+  void let_go();
+  bool may_go(const NodeHandle& node);
+  void dismiss(NodeId node);
+  void left(const PartEnded& message);
+  void note(const NodeBack& back);
   bool knows(const NodeHandle& node) const;
   void welcome(NodeId node);
   void take(PartReleased& released);
   void lose(const NodeHandle& node, Failure failure, const std::string& why);
   void lose_found(const NodeHandle& node);
   void lose(NodeId node, Failure failure, const std::string& why);
+  void orphan_tiles(NodeId node, const std::string& why);
+  bool nobody() const;
+  void wait_for_a_node(Failure failure);
+  void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
   // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
@@ -155,8 +172,16 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::vector<bool> stored_;         // by tile
   std::vector<NodeId> waiting_;      // have joined, and wait for tiles
   std::multiset<NodeId> releasing_;  // have been asked for tiles, each time that a node came, and have not answered
-  std::vector<TileId> released_;     // what they gave up
-  std::vector<TileId> lost_;         // of lost nodes, not placed yet
+  std::vector<TileId> released_;     // what they gave up, or have handed over
+  struct Leaving {
+    NodeHandle node;
+    UsherHandle registry;
+  };
+  std::vector<Leaving> leaving_;  // nodes that are to leave, and are not let go yet
+  std::set<NodeId> handing_;      // of these, those that hand over what they have
+  std::vector<TileId> lost_;      // of lost nodes, not placed yet
+  Failure missed_;                // why the job fails if no node comes
+  std::uint64_t waits_ = 0;       // for one, so far
   std::optional<Failure> failure_;
   PartEnded sum_;
   std::uint32_t nodes_ = 0, nodes_lost_ = 0;  // that had a part

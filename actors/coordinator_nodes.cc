@@ -1,18 +1,11 @@
-// Which nodes a coordinator has: it finds those of one before it, others come and are lost, and each has its tiles.
+// Which nodes a coordinator has: it finds those of one before it, others come, and each has its tiles.
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "actors/coordinator.h"
 #include "actors/failing.h"
 
 namespace tessera {
-namespace {
-
-std::string gone(const caf::down_msg& down) { return "came to an end (" + caf::to_string(down.reason) + ")"; }
-
-}  // namespace
-
 std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
   return place_again(table_, tiles, options_.points, hosts, first_incarnation());
 }
@@ -76,7 +69,6 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
     hosts.push_back({NodeId{static_cast<std::uint32_t>(parts_.size())}, 1});
     parts_.emplace_back().node = std::move(node);
   }
-  if (hosts.empty()) return fail(failure_of(error(Errc::internal, "there is no node")));
   // Others than those of parts that nobody was asked for, and that go on.
   table_ = {first_epoch(), std::vector<NodeId>(options_.points.size()),
             std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
@@ -114,7 +106,9 @@ void Coordinator::go_on() {
     const bool lost = parts_.at(table_.node_of(t).value).lost || nowhere[t.value];
     if (lost && !stored_[t.value]) tiles.push_back(t);
   }
-  change_table(again(tiles, hosts()));
+  const std::vector<Host> there = hosts();
+  if (there.empty()) released_ = tiles;  // all that are there are to leave
+  change_table(there.empty() ? std::vector<Placement>() : again(tiles, there));
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
   }
@@ -166,92 +160,13 @@ void Coordinator::take(PartReleased& released) {
   place_orphans();
 }
 
-void Coordinator::lose(const NodeHandle& node, Failure failure, const std::string& why) {
-  if (state_ == State::finding) return lose_found(node);
-  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure), why);
-  }
-}
-
-// Whether it has answered or not. If it has, its part may still speak, so nobody else gets its number.
-void Coordinator::lose_found(const NodeHandle& node) {
-  const bool asked = std::erase(asked_, node) > 0;
-  std::erase_if(answers_, [&](const PartFound& found) {
-    if (caf::actor_cast<NodeHandle>(found.node) != node) return false;
-    if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
-    return true;
-  });
-  if (asked && asked_.empty()) take_over();
-}
-
-void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
-  PartOf& p = parts_.at(node.value);
-  if (p.ended) return;
-  p.lost = p.ended = true;
-  if (p.part) {
-    ++nodes_lost_;
-    demonitor(p.part.address());
-  }
-  p.part = nullptr;
-  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
-  if (all([](const PartOf&) { return false; })) return fail(std::move(failure));  // there is no other
-  if (state_ == State::opening) return begin_if_opened();
-  const std::size_t before = lost_.size();
-  for (const TileId t : options_.order) {
-    if (table_.node_of(t) == node && !stored_[t.value]) lost_.push_back(t);
-  }
-  if (!p.name.empty()) {
-    owner_.said("node " + p.name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " +
-                std::to_string(lost_.size() - before) + " tiles begin again on others");
-  }
-  releasing_.erase(node);
-  place_orphans();
-}
-
-void Coordinator::lost_actor(const caf::down_msg& down) {
-  const auto asked =
-      std::find_if(asked_.begin(), asked_.end(), [&](const NodeHandle& node) { return node.address() == down.source; });
-  if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason), gone(down));
-  for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    const PartOf& p = parts_[n];
-    const bool node = p.node && down.source == p.node.address();
-    const bool part = p.part && down.source == p.part.address();
-    if ((!node && !part) || p.ended) continue;
-    if (node && p.opened) continue;  // its part lives on, or will be missed by itself
-    return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason), gone(down));
-  }
-}
-
-// All at once, when it is known which there are. Until then nothing is believed quiet, or finished.
-void Coordinator::place_orphans() {
-  const std::vector<Host> all = hosts();
-  if (!releasing_.empty() || all.empty()) return;  // a part that is being opened will take them
-  std::vector<Host> late;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(late), [&](const Host& host) {
-    return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
-  });
-  waiting_.clear();
-  tiles_again_ += lost_.size();
-  auto changes = again(std::exchange(lost_, {}), all);
-  const auto moved = again(std::exchange(released_, {}), late.empty() ? all : late);
-  changes.insert(changes.end(), moved.begin(), moved.end());
-  if (!changes.empty()) return change_table(changes);
-  if (state_ == State::exchanging) {
-    detector_.restart(nodes());
-    act(detector_.notice());
-  }
-  // Whoever is lost without tiles may have been the last that was waited for.
-  collect_if_settled();
-  finish_if_collected();
-}
-
 // A new epoch. Each part counts as busy until all its tiles go by the table, and then until what they tell again has
 // been heard.
 void Coordinator::change_table(const std::vector<Placement>& changes) {
   table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
   ChangeTable message{table_, part_handles(), state_ == State::collecting};
   for (PartOf& p : parts_) p.settled = p.collected = false;
-  detector_.restart(nodes());
+  detector_.restart_busy(nodes());
   if (state_ == State::settling) {
     state_ = State::exchanging;
     quiet_.reset();
@@ -262,7 +177,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
 std::vector<Host> Coordinator::hosts() const {
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].there()) hosts.push_back({NodeId{n}, parts_[n].threads});
+    if (parts_[n].there() && !leaves(parts_[n].node)) hosts.push_back({NodeId{n}, parts_[n].threads});
   }
   return hosts;
 }

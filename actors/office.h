@@ -31,8 +31,9 @@ struct Hooks {
 // Where whoever is asked for can be reached, in one epoch.
 struct Routes {
   std::shared_ptr<const Table> table;
-  std::vector<TileHandle> tiles;  // by tile; null where there is none here
-  std::vector<PartHandle> parts;  // by node; null where there is none
+  std::shared_ptr<const Rebirths> rebirths;  // up to this table, since the oldest that a tile here may go by
+  std::vector<TileHandle> tiles;             // by tile; null where there is none here
+  std::vector<PartHandle> parts;             // by node; null where there is none
 
   // Of a node of an earlier epoch, too, which this one may not number any more: null.
   PartHandle part_of(NodeId node) const { return node.value < parts.size() ? parts[node.value] : PartHandle(); }

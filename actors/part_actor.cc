@@ -89,6 +89,10 @@ PartActor::behavior_type PartActor::make_behavior() {
       [this](const Release& wanted) {
         if (obeyed()) release(wanted);
       },
+      [this](const HandOver&) {
+        if (obeyed()) hand_over();
+        dispatch();
+      },
       [this](const TileRejoined& rejoined) {
         take(rejoined);
         dispatch();
@@ -100,11 +104,12 @@ PartActor::behavior_type PartActor::make_behavior() {
           return name_of(self_) + ": wave " + std::to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") +
                  ", sent " + std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
+        told_idle_ = false;
         tell(tally);
       },
       [this](const Settle&) {
         if (!obeyed()) return;
-        if (!failure_) schedule_.enter(Schedule::Stage::settling);
+        if (!failure_ && schedule_.stage() <= Schedule::Stage::settling) schedule_.enter(Schedule::Stage::settling);
         dispatch();
       },
       [this](const Collect&) {
@@ -147,7 +152,10 @@ PartActor::behavior_type PartActor::make_behavior() {
         stop(failure_of(error(Errc::interrupted, "the node leaves")));
         dispatch();
       },
-      [this](const TileLeft& left) { take(left); },
+      [this](const TileLeft& left) {
+        take(left);
+        if (schedule_.stage() == Schedule::Stage::handing) dispatch();
+      },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
         stop(failure_of(error(Errc::interrupted, "no coordinator has taken over")));
@@ -188,6 +196,7 @@ void PartActor::take(TileReport& report) {
   schedule_.done(span.tile, span.work, report.memory,
                  {report.waiting.updates, report.waiting.points, report.waiting.bytes, report.waiting.hops},
                  report.storing);
+  if (span.work == Work::hand_over) ++(report.kept ? sum_.handed : sum_.not_handed);
   if (span.work == Work::begin) {
     ++progress_.tiles_begun;
     progress_.points_begun += part_->tile_points[span.tile.value];
@@ -240,7 +249,7 @@ void PartActor::dispatch() {
     case Schedule::Stage::exchanging:
       if (!opened_) return;
       if (!std::exchange(told_begun_, true)) tell(PartBegun{self_});
-      tell(PartIdle{self_});
+      if (!std::exchange(told_idle_, true)) tell(PartIdle{self_});
       return;
     case Schedule::Stage::settling:
       if (std::exchange(told_settled_, true)) return;
@@ -254,6 +263,9 @@ void PartActor::dispatch() {
     case Schedule::Stage::collecting:
       if (!std::exchange(told_collected_, true)) tell(PartCollected{self_, table_->epoch});
       return;
+    case Schedule::Stage::handing:
+      if (leaving_ == 0) end();
+      return;
     case Schedule::Stage::suspending:
     case Schedule::Stage::stopping:
       return end();
@@ -261,7 +273,7 @@ void PartActor::dispatch() {
 }
 
 void PartActor::enter_collecting() {
-  if (failure_ || schedule_.stage() == Schedule::Stage::collecting) return;
+  if (failure_ || schedule_.stage() >= Schedule::Stage::collecting) return;
   schedule_.enter(Schedule::Stage::collecting);
   for (const TileEntry& entry : part_->stored) tell_stored({entry, 0});  // by an earlier process
 }

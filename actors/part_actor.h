@@ -14,8 +14,9 @@
 // any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
 // any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
 // opened, exchanging, collecting | Release | Leave to fresh tiles; when all have left: PartReleased
+// exchanging | HandOver      | grant hand over to every tile that has begun; PartEnded when all are handed over
 // any        | FindPart      | obey its sender from now on, if the term is a higher one; PartFound, when no tile is
-//            |               | about to leave
+//            |               | about to leave; whoever hands over says PartEnded
 // any        | Suspend       | work under way stops, its tiles are given up; nothing but sleep is granted;
 //            |               | PartEnded (interrupted) when no tile is in memory
 // any        | Abort, failed TileReport, TileFailed, the coordinator is gone
@@ -95,6 +96,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void take(const TileRejoined& rejoined);
   void take(const TileLeft& left);
   void answer_if_left();
+  void hand_over();
   void lost_coordinator(const caf::down_msg& down);
   void abandon(TileId tile, Failure failure);
   void stop(Failure failure);
@@ -133,9 +135,10 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::optional<FindPart> finder_;  // one that waits for an answer
   std::vector<TileDone> stored_;    // what a coordinator that takes over must hear again
   std::shared_ptr<const Table> table_;
-  std::vector<Delivery> early_;  // of epochs whose table is still to come
-  std::uint32_t rejoining_ = 0;  // tiles that do not yet go by the table
-  Totals totals_;                // sums over tiles
+  std::vector<Delivery> early_;               // of epochs whose table is still to come
+  std::uint32_t rejoining_ = 0;               // tiles that do not yet go by the table
+  std::shared_ptr<const Rebirths> rebirths_;  // since the oldest table that a tile goes by
+  Totals totals_;                             // sums over tiles
   std::map<NodeId, Gate> gates_;
   std::map<NodeId, Owed> owed_;
   PartEnded sum_;
@@ -145,6 +148,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
   std::optional<Failure> failure_;
+  bool told_idle_ = false;  // since it has answered a probe, has had a new table, or another coordinator
   bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false,
        left_ = false;
 };

@@ -35,6 +35,7 @@ void PartActor::schedule_by(const Table& table) {
 void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts) {
   auto routes = std::make_shared<Routes>();
   routes->table = table;
+  routes->rebirths = rebirths_;
   routes->tiles.resize(part_->tile_points.size());
   for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<PartHandle>(part));
   for (const Hosted& hosted : hosted_) routes->tiles[hosted.tile.value] = hosted.handle;
@@ -63,12 +64,15 @@ void PartActor::change_table(ChangeTable& change) {
   } else if (schedule_.stage() == Schedule::Stage::settling) {
     schedule_.enter(Schedule::Stage::exchanging);
   }
-  told_settled_ = told_collected_ = false;
+  told_idle_ = told_settled_ = told_collected_ = false;
+  const bool rejoins = schedule_.stage() == Schedule::Stage::exchanging;
+  if (rejoins) rebirths_ = rebirths_between(*table_, change.table, std::move(rebirths_));
   const std::size_t before = hosted_.size();
   go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);
   close_gates();
-  if (schedule_.stage() == Schedule::Stage::exchanging) {
+  if (rejoins) {
     rejoining_ = static_cast<std::uint32_t>(before);
+    if (before == 0) rebirths_ = nullptr;
     for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
   }
   deliver_early();
@@ -81,12 +85,14 @@ void PartActor::take(const TileRejoined& rejoined) {
   schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
   // Of two tables that follow each other a tile may say twice that it goes by the second.
   if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
+  if (rejoining_ == 0) rebirths_ = nullptr;
 }
 
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
   std::vector<TileId> released;
-  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling;
+  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling &&
+                   schedule_.stage() != Schedule::Stage::handing;
   if (can) released = schedule_.release(wanted.points);
   for (const TileId tile : released) {
     const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
@@ -106,11 +112,20 @@ void PartActor::take(const TileLeft&) {
   answer_if_left();
 }
 
+// Those that nobody has begun need nothing: others begin them. Whatever comes from now on, a tile that is handed over
+// does not hear any more, and is told again where it goes on.
+void PartActor::hand_over() {
+  if (failure_ || !opened_ || schedule_.stage() != Schedule::Stage::exchanging) return;
+  office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
+  schedule_.enter(Schedule::Stage::handing);
+}
+
 // As long as a tile is about to leave, it may write to the scratch that would be that of its next incarnation.
 void PartActor::answer_if_left() {
   if (leaving_ > 0) return;
   for (; releases_ > 0; --releases_) tell(PartReleased{self_, std::exchange(given_up_, {})});
-  if (!finder_) return;
+  // Whoever takes over finds no part then: that its tiles are handed over their images say.
+  if (!finder_ || schedule_.stage() == Schedule::Stage::handing) return;
   PartFound answer;
   answer.term = term_;
   answer.node = finder_->node;
@@ -142,7 +157,7 @@ void PartActor::obey(const FindPart& found) {
   if (coordinator_) demonitor(coordinator_.address());
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
-  told_begun_ = told_settled_ = told_collected_ = false;
+  told_begun_ = told_idle_ = told_settled_ = told_collected_ = false;
   releases_ = 0;
   given_up_.clear();
   finder_ = found;

@@ -53,6 +53,7 @@ struct WorkSpan {
 struct TileReport {
   WorkSpan span;
   Failure failure;
+  bool kept = true;           // false: it was to be handed over, and could not be
   std::uint64_t memory = 0;   // held, mail not counted
   std::uint64_t storing = 0;  // bytes of the mesh that is on its way to the store
   MailNotice waiting;
@@ -173,6 +174,9 @@ struct Release {
   std::uint64_t points = 0;
 };
 
+// Your node leaves: tiles that have begun are handed over, for others to go on with. Answered by a PartEnded.
+struct HandOver {};
+
 // node -> coordinator
 struct PartOpened {
   NodeId node;
@@ -226,6 +230,7 @@ struct PartEnded {
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
   GateCounts gates;                                          // of what was sent to other nodes
+  std::uint64_t handed = 0, not_handed = 0;                  // tiles that it had begun, when its node leaves
 };
 
 // whoever runs the job -> coordinator
@@ -237,6 +242,23 @@ struct NodeLost {
 };
 struct NodeJoined {
   caf::actor node;
+};
+// It is to leave, and takes no more work: say NodeLet to `registry` when nothing is to be done there any more.
+struct NodeLeaves {
+  caf::actor node, registry;
+};
+// Its process is back, as another node: how the one before it ended.
+struct NodeBack {
+  std::string name, last_words;
+};
+// whoever uses nodes -> whoever keeps count of them
+struct NodeLet {
+  caf::actor node, follower;
+};
+
+// coordinator -> itself: the job has been without a node for its grace.
+struct NobodyCame {
+  std::uint64_t wait = 0;  // the how many-th of the job
 };
 
 // router -> node: route this stretch of the input (src/run/routing.h), with one of so many shares of your threads and
@@ -268,27 +290,31 @@ struct Leave {
 
 using TileHandle =
     caf::typed_actor<caf::reacts_to<Delivery>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
-using PartHandle =
-    caf::typed_actor<caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>,
-                     caf::reacts_to<FindPart>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>,
-                     caf::reacts_to<Probe>, caf::reacts_to<Settle>, caf::reacts_to<Collect>, caf::reacts_to<Suspend>,
-                     caf::reacts_to<Abort>, caf::reacts_to<Parcel>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>,
-                     caf::reacts_to<Credit>, caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>,
-                     caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>, caf::reacts_to<TileLeft>,
-                     caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
+using PartHandle = caf::typed_actor<
+    caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>, caf::reacts_to<FindPart>,
+    caf::reacts_to<HandOver>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>, caf::reacts_to<Probe>,
+    caf::reacts_to<Settle>, caf::reacts_to<Collect>, caf::reacts_to<Suspend>, caf::reacts_to<Abort>,
+    caf::reacts_to<Parcel>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>, caf::reacts_to<Credit>,
+    caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>,
+    caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
 // What stands between tiles in the harness: a parcel, and the part that it is for.
 using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Parcel>, caf::reacts_to<caf::tick_atom>>;
 using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<RouteStretch>,
                                     caf::reacts_to<Leave>>;
 // Whoever hears of nodes that come and go.
-using FollowerHandle = caf::typed_actor<caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>>;
-using RouterHandle = caf::typed_actor<caf::reacts_to<StretchRouted>, caf::reacts_to<NodeLost>,
-                                      caf::reacts_to<NodeJoined>, caf::reacts_to<Cancel>>;
+using FollowerHandle = caf::typed_actor<caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
+                                        caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>>;
+// Whoever has asked for nodes that are to leave.
+using UsherHandle = caf::typed_actor<caf::reacts_to<NodeLet>>;
+using RouterHandle =
+    caf::typed_actor<caf::reacts_to<StretchRouted>, caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
+                     caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>, caf::reacts_to<Cancel>>;
 using CoordinatorHandle =
     caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
                      caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,
                      caf::reacts_to<PartCollected>, caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>,
-                     caf::reacts_to<NodeJoined>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
+                     caf::reacts_to<NodeJoined>, caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>,
+                     caf::reacts_to<NobodyCame>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
                      caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera

@@ -27,6 +27,11 @@ Router::behavior_type Router::make_behavior() {
       [this](StretchRouted& routed) { take(routed); },
       [this](const NodeLost& lost) { lose(lost.node.address()); },
       [this](const NodeJoined& joined) { join(caf::actor_cast<NodeHandle>(joined.node)); },
+      [this](const NodeLeaves& leaves) {  // its stretch is another's at once
+        lose(leaves.node.address());
+        send(caf::actor_cast<UsherHandle>(leaves.registry), NodeLet{leaves.node, caf::actor_cast<caf::actor>(this)});
+      },
+      [](const NodeBack&) {},
       [this](const Cancel&) { end(failure_of(error(Errc::interrupted, "interrupted while points were routed"))); },
   };
 }

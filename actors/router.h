@@ -5,7 +5,7 @@
 // read
 //               | everything, and the node gets no more: it may not see the files
 // NodeJoined    | a stretch for it
-// NodeLost      | its stretch is another's
+// NodeLost, NodeLeaves | its stretch is another's
 // a node is gone without a word | as NodeLost
 // Cancel        | the end
 //

@@ -57,7 +57,7 @@ TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const
       state_(self, part_->context) {
   live_at(office_->hooks.home);
   last_word_.message().tile = self.tile;
-  state_.rejoin(std::move(table));
+  state_.rejoin(std::move(table), nullptr);  // it is fresh
 }
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
@@ -125,7 +125,10 @@ void TileActor::work(Work work) {
   report.span = {self_.tile, work, thread_number(), since_opened(), 0};
   const std::uint64_t before = state_.memory();
   try {
-    if (Status done = perform(work); !done) report.failure = failure_of(std::move(done).error());
+    if (Status done = perform(work); !done) {
+      report.kept = work != Work::hand_over;  // it begins again elsewhere
+      if (report.kept) report.failure = failure_of(std::move(done).error());
+    }
     post_outgoing();
   } catch (...) {  // an actor that ends by an exception says little, and its grant would stay out
     report.failure =
@@ -159,11 +162,11 @@ void TileActor::post_outgoing() {
 
 // What others must be told again waits for the next splay: whoever is asleep stays so until there is room.
 void TileActor::rejoin() {
-  const auto table = office_->routes()->table;
-  state_.rejoin(table);
+  const auto routes = office_->routes();
+  state_.rejoin(routes->table, routes->rebirths.get());
   post_outgoing();
   const Totals totals = state_.totals();
-  send(office_->part, TileRejoined{self_.tile, table->epoch, totals.sent, totals.processed, waiting()});
+  send(office_->part, TileRejoined{self_.tile, routes->table->epoch, totals.sent, totals.processed, waiting()});
 }
 
 void TileActor::store() {
@@ -189,6 +192,8 @@ Status TileActor::perform(Work work) {
     case Work::drop:
       state_.drop();
       return success();
+    case Work::hand_over:
+      return state_.hand_over();
   }
   return success();
 }

@@ -42,9 +42,11 @@ if [[ $base == mmdebstrap ]]; then
   fi
 fi
 
-cache=${CCACHE_DIR:-$HOME/.cache/ccache}
+# What has been compiled and fetched before need not be again.
 mounted=()
-[[ -d $cache ]] && mounted=(--volume "$cache:/root/.cache/ccache")
+mount_cache() { if [[ -d $1 ]]; then mounted+=(--volume "$1:/root/$2"); fi; }
+mount_cache "${CCACHE_DIR:-$HOME/.cache/ccache}" .cache/ccache
+mount_cache "${npm_config_cache:-$HOME/.npm}" .npm
 buildah bud --format docker --network host --ignorefile deploy/containerignore "${mounted[@]}" --build-arg BASE="$base" \
   -f deploy/Containerfile -t localhost/tesserad:latest .
 podman images localhost/tesserad --format 'try-container: {{.Repository}} {{.Size}}'

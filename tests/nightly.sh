@@ -73,8 +73,9 @@ for name in $parts; do
     network) part network daemon_test network_test ;;
     slow) POINTS=4M MEMORY=1G TILES=64 SLOW_FIGURES=1 part slow-node daemon_test slow_node_test ;;
     seeds)
-      part seeds-all-faults run_seeds kill,pause,join,coordinator 1
+      part seeds-all-faults run_seeds kill,pause,join,coordinator,leave,last,all 1
       part seeds-coordinator run_seeds coordinator 4
+      part seeds-leave run_seeds leave,join 4
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;

@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 4;
+inline constexpr std::uint32_t wire_version = 5;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {
@@ -86,7 +86,7 @@ using MemberHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Coor
 using RegistryHandle =
     caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>, caf::reacts_to<Renew>,
                      caf::reacts_to<Unreachable>, caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
-                     caf::replies_to<AskMembers>::with<MemberList>, caf::reacts_to<Leave>,
+                     caf::reacts_to<NodeLet>, caf::replies_to<AskMembers>::with<MemberList>, caf::reacts_to<Leave>,
                      caf::reacts_to<caf::tick_atom>>;
 
 TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
@@ -106,7 +106,7 @@ TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
 TESSERA_MESSAGE(AskPlace)
 TESSERA_MESSAGE(NodePlace, x.member, x.trouble, x.others, x.silent_ms)
-TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.seconds, x.silent_ms, x.memory_used)
+TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.seconds, x.silent_ms, x.memory_used)
 TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
 }  // namespace tessera

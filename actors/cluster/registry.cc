@@ -39,7 +39,7 @@ Registry::behavior_type Registry::make_behavior() {
       },
       [this](const Hello& hello) { welcome(hello); },
       [this](const ReachedAll& reached) {
-        if (!members_.reached_all(reached.uuid)) return;
+        if (!members_.reached_all(reached.uuid) || leaving_.contains(reached.uuid)) return;
         const Actors& actors = actors_.at(reached.uuid);
         options_.log(known_as(members_.find(reached.uuid)->info) + " has joined");
         for (const FollowerHandle& job : jobs_) send(job, NodeJoined{actors.node});
@@ -51,6 +51,11 @@ Registry::behavior_type Registry::make_behavior() {
       [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
       [this](const Follow& job) { follow(job.follower); },
       [this](const Drain& wanted) { return drain(wanted.node); },
+      [this](const NodeLet& let_go) {
+        for (const auto& [uuid, actors] : actors_) {
+          if (actors.node == let_go.node) return let(caf::actor_cast<FollowerHandle>(let_go.follower), NodeUuid(uuid));
+        }
+      },
       [this](const AskMembers&) { return list(); },
       [this](const Leave&) { quit(); },
       [this](caf::tick_atom) { tick(); },
@@ -79,8 +84,10 @@ void Registry::welcome(const Hello& hello) {
   if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
   if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) {
     monitor(member);
-    if (!hello.last_words.empty())
+    if (!hello.last_words.empty()) {
       options_.log(known_as(hello.info) + " is back; the process before it " + hello.last_words);
+      for (const FollowerHandle& job : jobs_) send(job, NodeBack{hello.info.name, hello.last_words});
+    }
   }
   Welcome welcome;
   welcome.coordinator = to_string(options_.advertised);
@@ -99,6 +106,7 @@ void Registry::lose(const Members::Loss& loss, bool again) {
   if (found == actors_.end()) return;
   const Actors actors = found->second;
   actors_.erase(found);
+  leaving_.erase(loss.member.info.uuid);
   demonitor(actors.member.address());
   for (const FollowerHandle& job : jobs_) send(job, NodeLost{actors.node, loss.why});
   send(actors.member, Expelled{loss.why, again});
@@ -109,7 +117,11 @@ void Registry::follow(const caf::actor& job) {
   if (!jobs_.insert(follower).second) return;
   monitor(follower);
   for (const auto& [uuid, member] : members_.all()) {
-    if (member.free) send(follower, NodeJoined{actors_.at(uuid).node});
+    if (leaving_.contains(uuid)) {
+      ask_to_let(uuid, follower);  // it may have begun with it
+    } else if (member.free) {
+      send(follower, NodeJoined{actors_.at(uuid).node});
+    }
   }
 }
 
@@ -118,15 +130,41 @@ Drained Registry::drain(const std::string& node) {
   const auto wanted = std::find_if(
       all.begin(), all.end(), [&](const auto& entry) { return entry.first == node || entry.second.info.name == node; });
   if (wanted == all.end()) return {};
-  const bool other = std::any_of(all.begin(), all.end(),
-                                 [&](const auto& entry) { return entry.first != wanted->first && entry.second.free; });
+  const bool other = std::any_of(all.begin(), all.end(), [&](const auto& entry) {
+    return entry.first != wanted->first && entry.second.free && !leaving_.contains(entry.first);
+  });
   if (!other) return {true, "it is the only node that is free for work: start another one first"};
-  if (const auto loss = members_.lose(NodeUuid(wanted->first), "is drained")) lose(*loss, false);
+  const NodeUuid uuid = wanted->first;
+  if (leaving_.contains(uuid)) return {true, {}};
+  options_.log(known_as(wanted->second.info) + " leaves: what it has goes to others");
+  leaving_[uuid];
+  for (const FollowerHandle& job : std::set(jobs_)) ask_to_let(uuid, job);
+  if (leaving_[uuid].empty()) let({}, uuid);
   return {true, {}};
 }
 
+void Registry::ask_to_let(const NodeUuid& uuid, const FollowerHandle& job) {
+  leaving_[uuid].insert(job);
+  send(job, NodeLeaves{actors_.at(uuid).node, caf::actor_cast<caf::actor>(this)});
+}
+
+// `job` has nothing there any more, or has ended.
+void Registry::let(const FollowerHandle& job, const NodeUuid& uuid) {
+  const auto leaving = leaving_.find(uuid);
+  if (leaving == leaving_.end()) return;
+  leaving->second.erase(job);
+  if (!leaving->second.empty()) return;
+  if (const auto loss = members_.lose(uuid, "is drained")) lose(*loss, false);
+}
+
 void Registry::gone(const caf::down_msg& down) {
-  std::erase_if(jobs_, [&](const FollowerHandle& job) { return job.address() == down.source; });
+  for (const FollowerHandle& job : std::set(jobs_)) {
+    if (job.address() != down.source) continue;
+    jobs_.erase(job);
+    std::vector<NodeUuid> leaving;
+    for (const auto& [uuid, jobs] : leaving_) leaving.push_back(uuid);
+    for (const NodeUuid& uuid : leaving) let(job, uuid);
+  }
   const auto found = std::find_if(actors_.begin(), actors_.end(),
                                   [&](const auto& entry) { return entry.second.member.address() == down.source; });
   if (found == actors_.end()) return;
@@ -152,8 +190,9 @@ MemberList Registry::list() const {
   };
   for (const auto& [number, uuid] : by_number) {
     const Members::Member& member = *members_.find(uuid);
-    out.members.push_back({member.info, false, member.free, since(std::chrono::seconds(), member.came),
-                           since(std::chrono::milliseconds(), member.heard), member.memory_used});
+    out.members.push_back({member.info, false, member.free && !leaving_.contains(uuid), leaving_.contains(uuid),
+                           since(std::chrono::seconds(), member.came), since(std::chrono::milliseconds(), member.heard),
+                           member.memory_used});
     out.nodes.push_back(actors_.at(uuid).node);
   }
   return out;

@@ -7,8 +7,9 @@
 // Renew       | its lease begins anew                                           | Renewed
 // Unreachable | one of the two will be lost                                     | -
 // Follow      | this job hears of nodes from now on: NodeJoined for each        | -
-// Drain       | NodeLost to every job; Expelled to the node, for good; nothing  | whether there is one of that name;
-//             | when no other node is free                                      | why it stays
+// Drain       | NodeLeaves to every job; nothing when no other node is free     | whether there is one of that name;
+//             |                                                                 | why it stays
+// NodeLet     | when all jobs have: Expelled to the node, for good              | -
 // AskMembers  | -                                                               | MemberList
 // a member is gone, tick | NodeLost to every job; Expelled to the node          | -
 #pragma once
@@ -43,6 +44,8 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   void lose(const Members::Loss& loss, bool again = true);
   void follow(const caf::actor& job);
   Drained drain(const std::string& node);
+  void ask_to_let(const NodeUuid& uuid, const FollowerHandle& job);
+  void let(const FollowerHandle& job, const NodeUuid& uuid);
   void gone(const caf::down_msg& down);
   void tick();
   MemberList list() const;
@@ -51,6 +54,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   Members members_;
   std::map<NodeUuid, Actors> actors_;
   std::set<FollowerHandle> jobs_;
+  std::map<NodeUuid, std::set<FollowerHandle>> leaving_;  // and the jobs that still have something there
   std::uint64_t lost_ = 0;
 };
 

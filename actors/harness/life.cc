@@ -34,10 +34,11 @@ Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage&
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
-      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)) {}
+      network_(system_.spawn<Network>(network_state_, options_.trace, rng_(), setting_.patience)),
+      usher_(system_.spawn<Usher>(*this)) {}
 
 Outcome Life::live(End end, std::uint64_t end_at) {
-  for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node();
+  for (std::uint32_t n = 0; n < setting_.nodes; ++n) add_node(NodeId{n});
   Losses losses(options_.faults, setting_.nodes, rng_);
   scheduler_.run_all();  // from here on nodes and network wait for messages
   storage_.take_reads();
@@ -66,6 +67,8 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
+  if (options_.faults.orderly() && outcome_.ended && outcome_.ended->tiles_again > 0)
+    outcome_.failure = std::to_string(outcome_.ended->tiles_again) + " tiles began again where a node left in order";
   const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
   if (settled && !losses.any() && storage_.take_reads() > 1) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
@@ -73,22 +76,21 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   return std::move(outcome_);
 }
 
-void Life::add_node() {
+void Life::add_node(NodeId home, std::uint64_t memory_bytes) {
   const Turn ours(options_.memory_faults, false);
   NodeOptions node;
-  node.memory_bytes = ~std::uint64_t{0};
+  node.memory_bytes = memory_bytes;
   node.progress_interval = std::chrono::hours(24);
-  const NodeId home{static_cast<std::uint32_t>(nodes_.size())};
   node.hooks = {options_.trace, network_, home};
-  nodes_.push_back(
-      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, truth_, home)));
+  nodes_[home] =
+      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, truth_, home));
 }
 
 CoordinatorOptions Life::coordinator_options() {
   CoordinatorOptions job;
   const std::size_t number = coordinators_.size();
   job.spec = setting_.spec;
-  job.spec.grace_s = options_.faults.coordinator ? grace_s : 0;
+  job.spec.grace_s = options_.faults.waits() ? grace_s : 0;
   job.term = number;
   job.take_over = number > 0;
   job.home = home_of_coordinator(number);
@@ -114,9 +116,10 @@ CoordinatorOptions Life::coordinator_options() {
 void Life::add_coordinator() {
   const Turn ours(options_.memory_faults, false);
   std::vector<NodeHandle> nodes;
-  for (std::size_t n = 0; n < nodes_.size(); ++n) {
-    if (!given_up_.contains(n)) nodes.push_back(nodes_[n]);
+  for (const auto& [home, node] : nodes_) {
+    if (!given_up_.contains(home)) nodes.push_back(node);
   }
+  began_alone_ = nodes.empty();
   owners_.push_back(std::make_unique<Owner>());
   auto job = coordinator_options();
   coordinators_.push_back(system_.spawn<Coordinator>(std::move(job), *owners_.back(), std::move(nodes)));
@@ -147,13 +150,14 @@ bool Life::step() {
 
 void Life::end_all() {
   scheduler_.thaw();
-  for (const NodeHandle& node : nodes_) caf::anon_send_exit(node, caf::exit_reason::kill);
+  for (const auto& [home, node] : nodes_) caf::anon_send_exit(node, caf::exit_reason::kill);
   caf::anon_send_exit(network_, caf::exit_reason::kill);
+  caf::anon_send_exit(usher_, caf::exit_reason::kill);
   for (const CoordinatorHandle& coordinator : coordinators_) {
     caf::anon_send_exit(coordinator, caf::exit_reason::kill);
   }
-  const std::size_t came = nodes_.size();
-  nodes_.clear();
+  std::set<NodeId> homes;
+  for (const auto& [home, node] : std::exchange(nodes_, {})) homes.insert(home);
   coordinators_.clear();
   do {
     scheduler_.run_all();
@@ -163,9 +167,9 @@ void Life::end_all() {
   scheduler_.run_all();
   // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
   const bool resumed = !outcome_.ended || outcome_.ended->failure;
-  for (std::size_t n = 0; n < came; ++n) {
-    if (!given_up_.contains(n) && (n < setting_.nodes || !resumed)) continue;
-    if (!storage_.at(NodeId{static_cast<std::uint32_t>(n)}).clear(ScratchKind::mail)) std::abort();
+  for (const NodeId home : homes) {
+    if (!given_up_.contains(home) && (home.value < setting_.nodes || !resumed)) continue;
+    if (!storage_.at(home).clear(ScratchKind::mail)) std::abort();
   }
 }
 
@@ -187,14 +191,46 @@ void Life::go_on(NodeId node) {
 
 void Life::give_up(NodeId node) {
   tell("node " + to_string(node) + " is given up");
-  given_up_.insert(node.value);
-  caf::anon_send(coordinators_.back(), NodeLost{caf::actor_cast<caf::actor>(nodes_.at(node.value))});
+  given_up_.insert(node);
+  caf::anon_send(coordinators_.back(), NodeLost{caf::actor_cast<caf::actor>(nodes_.at(node))});
 }
 
 void Life::join(NodeId node) {
   tell("node " + to_string(node) + " joins");
-  add_node();
-  caf::anon_send(coordinators_.back(), NodeJoined{caf::actor_cast<caf::actor>(nodes_.at(node.value))});
+  add_node(node);
+  tell_of(node);
+}
+
+void Life::leave(NodeId node) {
+  tell("node " + to_string(node) + " is to leave");
+  caf::anon_send(coordinators_.back(),
+                 NodeLeaves{caf::actor_cast<caf::actor>(nodes_.at(node)), caf::actor_cast<caf::actor>(usher_)});
+}
+
+void Life::let(const NodeLet& let) {
+  const Turn ours(options_.memory_faults, false);
+  for (const auto& [home, node] : nodes_) {
+    if (caf::actor_cast<caf::actor>(node) != let.node || given_up_.contains(home)) continue;
+    tell("node " + to_string(home) + " leaves");
+    give_up(home);
+    caf::anon_send(node, Leave{});
+  }
+}
+
+void Life::join_in_vain(NodeId node) {
+  tell("node " + to_string(node) + " joins, without memory");
+  add_node(node, 0);
+  given_up_.insert(node);
+  if (!began_alone_) tell_of(node);
+}
+
+void Life::lose(NodeId node) {
+  tell("node " + to_string(node) + " is lost");
+  given_up_.insert(node);
+}
+
+void Life::tell_of(NodeId node) {
+  caf::anon_send(coordinators_.back(), NodeJoined{caf::actor_cast<caf::actor>(nodes_.at(node))});
 }
 
 void Life::stop_coordinator() {

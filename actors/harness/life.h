@@ -3,6 +3,7 @@
 
 #include <caf/all.hpp>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -49,6 +50,17 @@ class Life final : private Misfortune {
    private:
     std::optional<RunEnded> end_;
   };
+  // Whom the coordinator tells that a node may go.
+  class Usher final : public UsherHandle::base {
+   public:
+    Usher(caf::actor_config& config, Life& life) : UsherHandle::base(config), life_(life) {}
+    behavior_type make_behavior() override {
+      return {[this](const NodeLet& let) { life_.let(let); }};
+    }
+
+   private:
+    Life& life_;
+  };
   class Config : public caf::actor_system_config {
    public:
     Config();
@@ -58,11 +70,16 @@ class Life final : private Misfortune {
   void go_on(NodeId node) override;
   void give_up(NodeId node) override;
   void join(NodeId node) override;
+  void leave(NodeId node) override;
+  void join_in_vain(NodeId node) override;
+  void lose(NodeId node) override;
   void stop_coordinator() override;
   void take_over() override;
   void coordinators_go_on() override;
 
-  void add_node();
+  void add_node(NodeId home, std::uint64_t memory_bytes = ~std::uint64_t{0});
+  void tell_of(NodeId node);
+  void let(const NodeLet& let);
   void add_coordinator();
   CoordinatorOptions coordinator_options();
   void believed_quiet(const Table& table);
@@ -83,8 +100,10 @@ class Life final : private Misfortune {
   caf::actor_system system_;
   SeededScheduler& scheduler_;
   NetworkHandle network_;
-  std::vector<NodeHandle> nodes_;
-  std::set<std::size_t> given_up_;
+  UsherHandle usher_;
+  std::map<NodeId, NodeHandle> nodes_;
+  std::set<NodeId> given_up_;  // and those that no coordinator begins with
+  bool began_alone_ = false;   // the coordinator in office: one that cannot be used would be all it has
   std::vector<CoordinatorHandle> coordinators_;  // the last is in office
 };
 

@@ -1,6 +1,7 @@
 #include "actors/harness/losses.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tessera {
 namespace {
@@ -11,43 +12,108 @@ constexpr std::uint64_t steps_unnoticed = 150;
 
 }  // namespace
 
-Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64& rng) {
-  enum class Kind : std::uint8_t { kill, pause, early, join, coordinator };
+Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64& rng) : rng_(rng), numbered_(nodes) {
+  enum class Kind : std::uint8_t { kill, pause, early, join, leave, coordinator, last, all };
   std::vector<Kind> kinds;
   if (faults.kill) kinds.push_back(Kind::kill);
   if (faults.pause) kinds.insert(kinds.end(), {Kind::pause, Kind::early});
   if (faults.join) kinds.push_back(Kind::join);
+  if (faults.leave) kinds.push_back(Kind::leave);
   if (faults.coordinator) kinds.push_back(Kind::coordinator);
+  if (faults.last) kinds.push_back(Kind::last);
+  if (faults.all) kinds.push_back(Kind::all);
   if (kinds.empty()) return;
-  std::vector<NodeId> there;
-  for (std::uint32_t n = 0; n < nodes; ++n) there.push_back(NodeId{n});
-  std::uint32_t numbered = nodes;
-  std::uint64_t step = 0, replaced = 0;
-  for (std::uint64_t e = 1 + rng() % events_max; e > 0; --e) {
-    step += rng() % steps_between;
-    const std::uint64_t noticed = step + rng() % steps_unnoticed;
-    const Kind kind = kinds[rng() % kinds.size()];
-    if (kind == Kind::join) {
-      there.push_back(NodeId{numbered++});
-      add({step, What::join, there.back()});
-      continue;
+  for (std::uint32_t n = 0; n < nodes; ++n) there_.push_back({NodeId{n}});
+  std::uint64_t step = 0;
+  for (std::uint64_t e = 1 + draw(events_max); e > 0; --e) {
+    step += draw(steps_between);
+    switch (kinds[draw(kinds.size())]) {
+      case Kind::kill:
+        lose_one(step, true, false);
+        break;
+      case Kind::pause:
+        lose_one(step, true, true);
+        break;
+      case Kind::early:
+        lose_one(step, false, false);
+        break;
+      case Kind::join:
+        come(step);
+        break;
+      case Kind::leave:
+        if (there_.size() > 1) {
+          const There one = take_any();
+          add({std::max(step, one.since), What::leave, one.node});
+        }
+        break;
+      case Kind::coordinator:
+        step = std::max(step, replaced_);  // one after the other
+        replace_coordinator(step);
+        if (draw(2) == 0) add({replaced_ + draw(steps_between), What::coordinators_go_on, {}});
+        break;
+      case Kind::last:
+        lose_last(step);
+        break;
+      case Kind::all:
+        step = std::max(step, replaced_);
+        lose_all(step, faults.coordinator && draw(2) == 0);
+        break;
     }
-    if (kind == Kind::coordinator) {
-      step = std::max(step, replaced);  // one after the other
-      replaced = step + rng() % steps_unnoticed;
-      add({step, What::stop_coordinator, {}});
-      add({replaced, What::take_over, {}});
-      if (rng() % 2 == 0) add({replaced + rng() % steps_between, What::coordinators_go_on, {}});
-      continue;
-    }
-    if (there.size() < 2) continue;
-    const auto chosen = there.begin() + static_cast<std::ptrdiff_t>(rng() % there.size());
-    const NodeId node = *chosen;
-    there.erase(chosen);
-    if (kind != Kind::early) add({step, What::stop, node});
-    add({noticed, What::give_up, node});
-    if (kind == Kind::pause) add({step + rng() % steps_between, What::go_on, node});
   }
+}
+
+void Losses::come(std::uint64_t step) {
+  there_.push_back({NodeId{numbered_++}, step});
+  add({step, What::join, there_.back().node});
+}
+
+Losses::There Losses::take_any() {
+  const auto chosen = there_.begin() + static_cast<std::ptrdiff_t>(draw(there_.size()));
+  const There one = *chosen;
+  there_.erase(chosen);
+  return one;
+}
+
+// Any but the last.
+void Losses::lose_one(std::uint64_t step, bool stops, bool goes_on) {
+  const std::uint64_t unnoticed = draw(steps_unnoticed);
+  if (there_.size() < 2) return;
+  const auto [node, since] = take_any();
+  step = std::max(step, since);
+  if (stops) add({step, What::stop, node});
+  add({step + unnoticed, What::give_up, node});
+  if (goes_on) add({step + draw(steps_between), What::go_on, node});
+}
+
+// Another one comes before, meanwhile or after: it may just be opening its part.
+void Losses::lose_last(std::uint64_t step) {
+  const std::vector<There> lost = std::exchange(there_, {});
+  for (const There& one : lost) step = std::max(step, one.since);
+  if (draw(2) == 0) add({step + draw(2 * steps_unnoticed), What::join_in_vain, NodeId{numbered_++}});
+  come(step + draw(2 * steps_unnoticed));
+  for (const auto& [node, since] : lost) {
+    const std::uint64_t stops = step + draw(steps_unnoticed);
+    add({stops, What::stop, node});
+    add({stops + draw(steps_unnoticed), What::give_up, node});
+  }
+}
+
+// As many come as there were.
+void Losses::lose_all(std::uint64_t step, bool coordinator) {
+  const std::vector<There> lost = std::exchange(there_, {});
+  for (const There& one : lost) step = std::max(step, one.since);
+  for (const auto& [node, since] : lost) {
+    add({step, What::stop, node});
+    add({coordinator ? step : step + draw(steps_unnoticed), coordinator ? What::lose : What::give_up, node});
+    come(step + draw(steps_unnoticed));
+  }
+  if (coordinator) replace_coordinator(step);  // after them: whoever takes over does not begin with them
+}
+
+void Losses::replace_coordinator(std::uint64_t step) {
+  replaced_ = step + draw(steps_unnoticed);
+  add({step, What::stop_coordinator, {}});
+  add({replaced_, What::take_over, {}});
 }
 
 // Those of one step in the order in which they were drawn: a node joins before it is lost.
@@ -79,6 +145,15 @@ void Losses::befall(std::uint64_t step, Misfortune& whom) {
         break;
       case What::join:
         whom.join(event.node);
+        break;
+      case What::leave:
+        whom.leave(event.node);
+        break;
+      case What::join_in_vain:
+        whom.join_in_vain(event.node);
+        break;
+      case What::lose:
+        whom.lose(event.node);
         break;
       case What::stop_coordinator:
         whom.stop_coordinator();

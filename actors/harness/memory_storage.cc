@@ -64,6 +64,28 @@ class MemoryStorage::AtNode final : public TileStorage {
     return success();
   }
 
+  Status hand_over(TileId tile, std::span<const std::byte> bytes) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write));
+    all_.scratch_[handed_place(tile)] = {{{bytes.begin(), bytes.end()}}, false};
+    return success();
+  }
+
+  Result<Pieces> handed(TileId tile) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
+    const auto found = all_.scratch_.find(handed_place(tile));
+    if (found == all_.scratch_.end()) return Pieces{};
+    if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
+    return found->second.pieces;
+  }
+
+  Status forget_handed(TileId tile) override {
+    const Turn ours(all_.memory_faults, false);
+    all_.scratch_.erase(handed_place(tile));
+    return success();
+  }
+
   Status clear(ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
     const auto node = place_of(node_, {}, what).node;
@@ -80,6 +102,8 @@ class MemoryStorage::AtNode final : public TileStorage {
   }
 
  private:
+  static Place handed_place(TileId tile) { return {{}, tile, ScratchKind::state}; }
+
   MemoryStorage& all_;
   NodeId node_;
 };

@@ -31,6 +31,7 @@ class Truth final : public ExchangeWatch {
   }
   void rejoined(Peer self, Totals now) override {
     const Turn ours(memory_faults_, false);
+    forgotten_ |= totals_[self] != now;
     note(self, now);
   }
 
@@ -43,8 +44,9 @@ class Truth final : public ExchangeWatch {
     return sum;
   }
   std::uint64_t sent() const { return sent_; }
-  // Whether the counters of all tiles differ by what is under way. As long as no tile has begun again.
-  bool agrees() const { return counted_ == under_way_; }
+  // Whether the counters of all tiles differ by what is under way, as long as none has forgotten what it exchanged with
+  // the dead: a node that cannot open its part is lost, too.
+  bool agrees() const { return forgotten_ || counted_ == under_way_; }
 
  private:
   void note(Peer self, Totals now) {
@@ -57,6 +59,7 @@ class Truth final : public ExchangeWatch {
   MemoryFaults* memory_faults_;
   std::map<Peer, Totals> totals_;
   std::map<std::pair<Peer, Peer>, std::int64_t> by_pair_;
+  bool forgotten_ = false;
   std::int64_t under_way_ = 0, counted_ = 0;
   std::uint64_t sent_ = 0;
 };

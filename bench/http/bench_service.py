@@ -38,6 +38,15 @@ def processor_seconds(daemon):
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
+def answering_seconds(daemon):
+    """Processor time of the threads that tell and answer, not of those that triangulate."""
+    nanoseconds = 0
+    for task in pathlib.Path(f"/proc/{daemon.process.pid}/task").iterdir():
+        if (task / "comm").read_text().strip() in ("http", "events"):
+            nanoseconds += int((task / "schedstat").read_text().split()[0])
+    return nanoseconds / 1e9
+
+
 def resident(daemon):
     return int(pathlib.Path(f"/proc/{daemon.process.pid}/statm").read_text().split()[1]) * 4096
 
@@ -174,7 +183,7 @@ def memory(daemon, args):
 
 
 def job_costs(daemon, args, watchers):
-    """Processor and wall seconds of a job that so many watch, and how much each was told."""
+    """Of a job that so many watch: processor and wall seconds, those of the threads that tell and answer, bytes told."""
     first = execute(daemon, **options(args, "first"))  # the job waits behind it until all watch
     job = execute(daemon, **options(args, "block"))
     connections = []
@@ -187,13 +196,14 @@ def job_costs(daemon, args, watchers):
     running(daemon, first)
     daemon.request("DELETE", f"/v1/jobs/{first}")
     stopped_after(daemon, first)
-    before, begin = processor_seconds(daemon), time.monotonic()
+    before, answering, begin = processor_seconds(daemon), answering_seconds(daemon), time.monotonic()
     while daemon.request("GET", f"/v1/jobs/{job}")[2]["status"] in ("accepted", "running"):
         time.sleep(0.1)
+    wall, answering = time.monotonic() - begin, answering_seconds(daemon) - answering
     told = int(sink.communicate()[0])
     for connection in connections:
         connection.close()
-    return processor_seconds(daemon) - before, time.monotonic() - begin, told
+    return processor_seconds(daemon) - before, wall, answering, told
 
 
 def drain(descriptors_given):
@@ -221,10 +231,14 @@ def watch(daemon, args):
         alone.append(job_costs(daemon, args, 0))
         watched.append(job_costs(daemon, args, args.watchers))
         print(f"alone {alone[-1][0]:.2f} s of processor time, {alone[-1][1]:.2f} s; "
-              f"watched {watched[-1][0]:.2f} s, {watched[-1][1]:.2f} s, {watched[-1][2] / 1e6:.1f} MB told", flush=True)
+              f"watched {watched[-1][0]:.2f} s, {watched[-1][1]:.2f} s; telling and answering "
+              f"{alone[-1][2]:.3f} s, {watched[-1][2]:.3f} s, {watched[-1][3] / 1e6:.1f} MB told", flush=True)
     for name, at in (("processor time", 0), ("wall time", 1)):
         one, other = (statistics.median(run[at] for run in runs) for runs in (alone, watched))
         print(f"{name}: {one:.2f} s alone, {other:.2f} s with {args.watchers} watchers: {(other / one - 1) * 100:+.2f} %")
+    job = statistics.median(run[0] for run in alone)
+    telling = statistics.median(run[2] for run in watched) - statistics.median(run[2] for run in alone)
+    print(f"telling {args.watchers} watchers: {telling:.3f} s of processor time, {telling / job * 100:.2f} % of the job's")
 
 
 def main():

@@ -38,7 +38,7 @@ Result<std::pair<std::uint64_t, std::uint64_t>> parse_seeds(const std::string& t
   return std::pair(static_cast<std::uint64_t>(first.value()), static_cast<std::uint64_t>(last.value()));
 }
 
-constexpr const char* fault_names = "storage, kill, pause, join, coordinator";
+constexpr const char* fault_names = "storage, kill, pause, join, coordinator, leave, last, all";
 
 // "kill,join"
 Result<HarnessFaults> parse_faults(const std::string& text) {
@@ -50,6 +50,9 @@ Result<HarnessFaults> parse_faults(const std::string& text) {
                         : name == "pause"       ? &faults.pause
                         : name == "join"        ? &faults.join
                         : name == "coordinator" ? &faults.coordinator
+                        : name == "leave"       ? &faults.leave
+                        : name == "last"        ? &faults.last
+                        : name == "all"         ? &faults.all
                                                 : nullptr;
     if (!fault) return error(Errc::usage, "'" + name + "' is no fault; there are " + std::string(fault_names));
     *fault = true;
@@ -175,7 +178,9 @@ Command add_harness(CLI::App& root) {
   add_value(
       command, "faults", "LIST",
       "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "
-      "their lease), join (nodes come later), coordinator (is killed)",
+      "their lease), join (nodes come later), coordinator (is killed), leave (nodes, in order), last (all nodes, one "
+      "after the other; another comes), "
+      "all (at once; they come again)",
       0, true);
   add_switch(command, "restarts", "the processes are killed or cancelled, and the run is resumed", 0, true);
   add_switch(command, "trace", "print every step", 0, true);

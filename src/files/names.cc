@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "src/base/random_token.h"
+#include "src/files/handed_file.h"
 
 namespace tessera {
 
@@ -123,6 +124,7 @@ fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
 fs::path settled_file(const fs::path& run, NodeId node) {
   return numbered(scratch_folder(run, ScratchKind::settled), node, settled_ending);
 }
+fs::path handed_file(const fs::path& run, TileId tile) { return numbered(run / "handed", tile, ".bin"); }
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 fs::path terms_folder(const fs::path& run) { return run / "terms"; }
 
@@ -213,7 +215,7 @@ bool is_run_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
   return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
          name == segments_file("") || name == routing_file("") || name == stretches_folder("") ||
-         name == settled_marker("") || name == terms_folder("") ||
+         name == settled_marker("") || name == terms_folder("") || name == handed_file("", {}).parent_path() ||
          std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),
                      [&](ScratchKind kind) { return name == scratch_folder("", kind); });
 }

@@ -16,6 +16,7 @@ constexpr const char* json = "application/json";
 constexpr const char* csv = "text/csv";
 constexpr const char* npy = "application/x-npy";
 constexpr const char* geojson = "application/geo+json";
+constexpr const char* gltf = "model/gltf-binary";
 constexpr const char* bytes = "application/octet-stream";
 constexpr const char* tiff = "image/tiff; application=geotiff; profile=cloud-optimized";
 
@@ -114,7 +115,9 @@ void add_question_routes(std::vector<Route>& routes) {
 
   routes.push_back(route("GET", "locate", "locate", "The cell that has a point",
                          {{200, json, "Location", "The cell, its vertices and neighbours; null outside the hull"}},
-                         asks(About::locate), {{"point", "string", "x,y or x,y,z"}}));
+                         asks(About::locate),
+                         {{"point", "string", "x,y or x,y,z"},
+                          {"cell", "string", "Instead of a point: TILE,CELL, as answers name cells"}}));
   Route locate = route("POST", "locate", "locatePoints", "The cells that have points", many,
                        asks_with_body(About::locate, {json, csv, npy, bytes}), {answer_format});
   locate.body = "Points";
@@ -169,6 +172,20 @@ void add_question_routes(std::vector<Route>& routes) {
   profile.body = "Document";
   profile.body_types = {geojson};
   routes.push_back(std::move(profile));
+
+  const std::string place = "x,y,z";
+  const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell by itself"}};
+  routes.push_back(route("GET", "shapes/hull", "getHull", "The hull of a 3D result, to be shown", shape,
+                         asks(About::hull), {limit}));
+  routes.push_back(route("GET", "shapes/section", "getSection", "What a plane cuts out of a 3D result, to be shown",
+                         shape, asks(About::section),
+                         {{"through", "string", place + ": a point of the plane"},
+                          {"normal", "string", place + ": upright on it"},
+                          bbox,
+                          limit}));
+  routes.push_back(route(
+      "GET", "shapes/cells", "getSolids", "The tetrahedra that meet a box, to be shown", shape, asks(About::solids),
+      {bbox, {"shrink", "number", "Each towards its mean; from 0.01 to 1, which is the usual"}, limit}));
 }
 
 }  // namespace tessera::http

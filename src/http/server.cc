@@ -19,6 +19,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/base/thread_name.h"
 #include "src/http/front.h"
 #include "src/http/session.h"
 #include "src/http/tls.h"
@@ -206,7 +207,10 @@ Status Server::listen() {
   }
   for (const auto& listener : my.listeners) asio::co_spawn(my.io, my.accept_all(*listener), asio::detached);
   for (std::uint32_t at = 0; at < std::max(1U, my.options.threads); ++at)
-    my.threads.emplace_back([&my] { my.io.run(); });
+    my.threads.emplace_back([&my] {
+      name_thread("http");
+      my.io.run();
+    });
   return success();
 }
 

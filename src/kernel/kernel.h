@@ -113,6 +113,11 @@ class Kernel {
   // The finite vertices joined to v by an edge.
   virtual void neighbours(Vertex v, std::vector<Vertex>& around) const = 0;
 
+  // Visits (v, w) for the edges between finite vertices that have an end from `first` on, which is v: each at least
+  // once, in any order. For many v cheaper than their neighbours. REQUIRES: dimension() == max_dimension(), and no
+  // vertex from `first` on has frozen cells.
+  virtual void edges_from(Vertex first, const std::function<void(Vertex v, Vertex w)>& visit) const = 0;
+
   // All cells, infinite ones included, with neighbours. REQUIRES: dimension() == max_dimension().
   virtual CellList cells() const = 0;
   // The same as rows, some of which may be gaps. The kernel can then only be destroyed, built or loaded.

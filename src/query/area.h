@@ -1,5 +1,5 @@
 // Where cells are asked for: a closed box, or in the plane a closed polygon, and whatever is above and below it, or a
-// line.
+// line, or a plane of space.
 #pragma once
 
 #include <filesystem>
@@ -53,10 +53,23 @@ class Polygon {
   std::vector<std::vector<Edge>> strips_;
 };
 
+// A plane of space.
+struct Plane {
+  Point at, normal;  // a point of it; the normal has length 1, but for rounding
+  // How far it is above the plane, rounded: a function of the point alone, so that all cells with a vertex agree on
+  // which side it is.
+  double above(const Point& p) const {
+    return normal.x * (p.x - at.x) + normal.y * (p.y - at.y) + normal.z * (p.z - at.z);
+  }
+};
+
 struct Area {
   Bounds box;                           // closed; sides may be infinite
   std::optional<Polygon> polygon = {};  // whose bounds in x and y the box is
   std::optional<Leg> leg = {};          // of 2D results, likewise
+  // Of 3D results: cells that meet the box, and have vertices on both sides of the plane or as near to it as rounding
+  // is: all that meet the plane inside the box, and it may be others beside them.
+  std::optional<Plane> plane = {};
 };
 
 }  // namespace tessera::query

@@ -122,12 +122,14 @@ Result<Found> search_part(Walker& walker, const Manifest& manifest, const CellTr
     if (box.lo[axis] > box.hi[axis]) return found;
   }
   std::array<Point, 4> corners;
+  const double near = nearness(box);
   tree.for_each_near(box, [&](std::int32_t cell) {
     if (found.count > cells_max || stop.stop_requested()) return;
     for (std::size_t k = 0; k < tile->corners(); ++k) corners[k] = tile->point(tile->vertex(cell, k));
     const std::span<const Point> all(corners.data(), tile->corners());
     if (!(area.leg ? meets(all, *area.leg) : meets(all, box))) return;
     if (area.polygon && !area.polygon->meets(all)) return;
+    if (area.plane && !meets_plane(all, *area.plane, near)) return;
     found.cells[id].push_back(cell);
     ++found.count;
   });

@@ -3,17 +3,36 @@
 // inside a tile. A cell with foreign vertices is told to the tiles that own them; they go on from there. So only tiles
 // with cells that meet the box are read, and a cell is tested once a tile that holds it. Of a polygon it is the box
 // around it that is searched. Of a line in the plane it is the line itself: what it has in common with the hull is
-// connected, too.
+// connected, too; so is what a plane has in common with a box and the hull.
 #include "src/query/search.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "src/query/impl.h"
 
 namespace tessera::query {
+
+double nearness(const Bounds& bounds) {
+  double most = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    most = std::max({most, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis]), bounds.hi[axis] - bounds.lo[axis]});
+  return most * 1e-13;
+}
+
+bool meets_plane(std::span<const Point> cell, const Plane& plane, double near) {
+  bool above = false, below = false;
+  for (const Point& p : cell) {
+    const double height = plane.above(p);
+    above = above || height >= -near;
+    below = below || height <= near;
+  }
+  return above && below;
+}
+
 namespace {
 
 Bounds cut(const Bounds& box, const Bounds& bounds, int dimension) {
@@ -49,10 +68,34 @@ std::vector<Point> probes_of(const Leg& leg) {
   return probes;
 }
 
+// Points of the box that are on the plane, or beside it by a rounding; and some near it.
+std::vector<Point> probes_of(const Bounds& box, const Plane& plane) {
+  std::vector<Point> probes = probes_of(box, 3);
+  for (Point& p : probes) {
+    const double above = plane.above(p);
+    for (int axis = 0; axis < 3; ++axis)
+      p[axis] = std::clamp(p[axis] - above * plane.normal[axis], box.lo[axis], box.hi[axis]);
+    p = without_negative_zero(p);
+  }
+  return probes;
+}
+
+// All corners of the box are on one side.
+bool is_beside(const Bounds& box, const Plane& plane) {
+  double least = std::numeric_limits<double>::infinity(), most = -least;
+  for (unsigned corner = 0; corner < 8; ++corner) {
+    Point p;
+    for (int axis = 0; axis < 3; ++axis) p[axis] = (corner >> axis & 1u) != 0 ? box.hi[axis] : box.lo[axis];
+    least = std::min(least, plane.above(p));
+    most = std::max(most, plane.above(p));
+  }
+  return least > nearness(box) || most < -nearness(box);
+}
+
 class Search {
  public:
   Search(Walker& walker, const Area& area, const Bounds& box, std::uint64_t cells_max, const std::stop_token& stop)
-      : walker_(walker), area_(area), box_(box), cells_max_(cells_max), stop_(stop) {}
+      : walker_(walker), area_(area), box_(box), near_(nearness(box)), cells_max_(cells_max), stop_(stop) {}
 
   // From this cell on, if it meets the area.
   bool begin(const Place& main) {
@@ -100,7 +143,8 @@ class Search {
   // The box around it, if it is a polygon.
   bool meets_area(const QueryTile& tile, std::int32_t cell) {
     const auto corners = corners_of(tile, cell);
-    return area_.leg ? meets(corners, *area_.leg) : meets(corners, box_);
+    if (area_.leg) return meets(corners, *area_.leg);
+    return (!area_.plane || meets_plane(corners, *area_.plane, near_)) && meets(corners, box_);
   }
 
   // REQUIRES: the cell meets the area.
@@ -156,6 +200,7 @@ class Search {
   Walker& walker_;
   const Area& area_;
   Bounds box_;
+  double near_;
   std::uint64_t cells_max_;
   const std::stop_token& stop_;
   std::array<Point, 4> corners_;
@@ -170,7 +215,10 @@ Result<Found> search(Walker& walker, const Homes& homes, const Manifest& manifes
   const Bounds box = cut(area.box, manifest.bounds, manifest.dimension);
   if (box.lo.x > box.hi.x || box.lo.y > box.hi.y || box.lo.z > box.hi.z) return Found{};
   Search search(walker, area, box, cells_max, stop);
-  for (const Point& probe : area.leg ? probes_of(*area.leg) : probes_of(box, manifest.dimension)) {
+  if (area.plane && is_beside(box, *area.plane)) return Found{};
+  for (const Point& probe : area.leg     ? probes_of(*area.leg)
+                            : area.plane ? probes_of(box, *area.plane)
+                                         : probes_of(box, manifest.dimension)) {
     BOOST_OUTCOME_TRY(tile, walker.tile(homes(probe)));
     std::size_t from = 0;
     Place at{tile, tile->start(probe, tile->key(probe), from)};

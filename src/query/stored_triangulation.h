@@ -76,8 +76,15 @@ struct CellLimits {
 // where there is none in the set.
 struct CellSet {
   StoredTile mesh;
-  std::vector<TileId> tiles;  // by cell: its main tile
-  bool final = true;          // these are all cells of the whole triangulation there, and no others
+  std::vector<TileId> tiles;         // by cell: its main tile
+  std::vector<std::int32_t> places;  // by cell: its place in that tile's file
+  bool final = true;                 // these are all cells of the whole triangulation there, and no others
+};
+
+// The cells with a facet on the hull.
+struct HullCells {
+  CellSet set;
+  std::vector<std::uint8_t> facets;  // by cell, bit k: the facet opposite its vertex k is on the hull
 };
 
 enum class Method : std::uint8_t {
@@ -117,7 +124,7 @@ class StoredTriangulation {
   // The cell that has each point, boundaries included: of several the one whose sorted vertices come first, so that the
   // answer does not depend on tiles. Exact, for every partition. REQUIRES: points are finite, in 2D with z = 0.
   Result<std::vector<Cell>> locate(std::span<const Point> points, const AskOptions& options) const;
-  // REQUIRES: it is a cell that locate() or star() gave.
+  // REQUIRES: it is a cell that locate(), star() or cell() gave.
   Result<CellDetails> details(const Cell& cell) const;
 
   // Error usage when no vertex has this index. A duplicate stands for the vertex that was kept. `owner`: the tile of
@@ -125,8 +132,14 @@ class StoredTriangulation {
   Result<Star> star(PointId id, std::optional<TileId> owner, const AskOptions& options) const;
 
   // The cells that meet the closed area, each once. Error memory when they need more than the limits, as soon as that
-  // is known.
+  // is known; usage for a plane and a 2D result.
   Result<CellSet> cells(const Area& area, const CellLimits& limits, const AskOptions& options) const;
+
+  // The cells that are on the hull, by tile; all tiles are read. Errors as of cells().
+  Result<HullCells> hull(const CellLimits& limits, const AskOptions& options) const;
+
+  // A cell by its main tile and its place in that tile's file. Error usage when there is none, or it is main elsewhere.
+  Result<Cell> cell(TileId tile, std::int32_t place) const;
 
   // The tiles that own a vertex of a cell that meets the closed area, ascending: with them one has those cells, and
   // their neighbours across edges that meet it.

@@ -37,6 +37,8 @@ class PeerCounters {
   void forget_if(const Dead& dead) {
     std::erase_if(count_, [&](const Count& c) { return dead(c.peer); });
   }
+  // Gives back what was taken for peers to come.
+  void trim() { count_.shrink_to_fit(); }
   Totals totals() const;
   std::size_t memory() const { return count_.capacity() * sizeof(Count); }
 

@@ -12,20 +12,36 @@ QuiescenceDetector::Verdict QuiescenceDetector::begin() {
   return Verdict::probe;
 }
 
+QuiescenceDetector::Verdict QuiescenceDetector::begin_if_worth() {
+  const bool worth = !in_wave_ && noticed_ && idle_.size() == nodes_.size();
+  return worth ? begin() : Verdict::wait;
+}
+
 void QuiescenceDetector::restart(std::set<NodeId> nodes) {
   nodes_ = std::move(nodes);
+  std::erase_if(idle_, [&](NodeId node) { return !nodes_.contains(node); });
   in_wave_ = false;
+  noticed_ = true;
   previous_.reset();
 }
 
-QuiescenceDetector::Verdict QuiescenceDetector::notice() {
-  if (!in_wave_) return begin();
-  noticed_ = true;
-  return Verdict::wait;
+void QuiescenceDetector::restart_busy(std::set<NodeId> nodes) {
+  idle_.clear();
+  restart(std::move(nodes));
 }
+
+QuiescenceDetector::Verdict QuiescenceDetector::notice(NodeId node) {
+  if (!nodes_.contains(node)) return Verdict::wait;
+  idle_.insert(node);
+  noticed_ = true;
+  return begin_if_worth();
+}
+
+QuiescenceDetector::Verdict QuiescenceDetector::look() { return nodes_.empty() ? Verdict::wait : begin_if_worth(); }
 
 QuiescenceDetector::Verdict QuiescenceDetector::answer(std::uint64_t wave, NodeId node, bool idle, Totals totals) {
   if (!in_wave_ || wave != wave_ || !nodes_.contains(node) || !answered_.insert(node).second) return Verdict::wait;
+  if (!idle) idle_.erase(node);
   all_idle_ &= idle;
   sum_ += totals;
   return answered_.size() == nodes_.size() ? judge() : Verdict::wait;
@@ -40,7 +56,7 @@ QuiescenceDetector::Verdict QuiescenceDetector::judge() {
     previous_ = sum_;
     return begin();
   }
-  return noticed_ ? begin() : Verdict::wait;
+  return begin_if_worth();
 }
 
 }  // namespace tessera

@@ -12,6 +12,7 @@
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
+#include "src/files/handed_file.h"
 
 namespace tessera {
 namespace {
@@ -24,6 +25,31 @@ Status make_folder_of(const std::filesystem::path& file) {
   std::error_code failed;
   std::filesystem::create_directories(file.parent_path(), failed);
   if (failed) return refused(file.parent_path(), "make the folder", failed);
+  return success();
+}
+
+Result<bool> is_there(const std::filesystem::path& file) {
+  std::error_code failed;
+  const bool there = std::filesystem::exists(file, failed);
+  if (failed) return refused(file, "look at it", failed);
+  return there;
+}
+
+Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, ScratchKind kind) {
+  TileStorage::Pieces pieces;
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) return pieces;
+  BOOST_OUTCOME_TRYV(for_each_frame(file, kind, [&](BigVector<std::byte> payload) -> Status {
+    pieces.push_back(std::move(payload));
+    return success();
+  }));
+  return pieces;
+}
+
+Status remove_file(const std::filesystem::path& file) {
+  std::error_code failed;
+  std::filesystem::remove(file, failed);
+  if (failed) return refused(file, "remove it", failed);
   return success();
 }
 
@@ -52,6 +78,19 @@ Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::by
   return write_frame(path, what, bytes);
 }
 
+Status DiskStorage::hand_over(TileId tile, std::span<const std::byte> bytes) {
+  BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
+  const auto path = handed_file(run_->folder, tile);
+  BOOST_OUTCOME_TRYV(make_folder_of(path));
+  return write_frame(path, ScratchKind::state, bytes);
+}
+
+Result<TileStorage::Pieces> DiskStorage::handed(TileId tile) {
+  return pieces_of(handed_file(run_->folder, tile), ScratchKind::state);
+}
+
+Status DiskStorage::forget_handed(TileId tile) { return remove_file(handed_file(run_->folder, tile)); }
+
 Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(folder_of(what), what, tile);
@@ -61,11 +100,7 @@ Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::b
 
 Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
   if (what == ScratchKind::settled) return settled_.has(tile);
-  const auto path = scratch_file(folder_of(what), what, tile);
-  std::error_code failed;
-  const bool there = std::filesystem::exists(path, failed);
-  if (failed) return refused(path, "look at it", failed);
-  return there;
+  return is_there(scratch_file(folder_of(what), what, tile));
 }
 
 Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
@@ -75,23 +110,12 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
     if (bytes) pieces.push_back(std::move(*bytes));
     return pieces;
   }
-  BOOST_OUTCOME_TRY(there, has(tile, what));
-  if (!there) return pieces;
-  BOOST_OUTCOME_TRYV(
-      for_each_frame(scratch_file(folder_of(what), what, tile), what, [&](BigVector<std::byte> payload) -> Status {
-        pieces.push_back(std::move(payload));
-        return success();
-      }));
-  return pieces;
+  return pieces_of(scratch_file(folder_of(what), what, tile), what);
 }
 
 Status DiskStorage::remove(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-  const auto path = scratch_file(folder_of(what), what, tile);
-  std::error_code failed;
-  std::filesystem::remove(path, failed);
-  if (failed) return refused(path, "remove it", failed);
-  return success();
+  return remove_file(scratch_file(folder_of(what), what, tile));
 }
 
 Status DiskStorage::clear(ScratchKind what) {

@@ -26,6 +26,9 @@ class DiskStorage final : public TileStorage {
   Result<bool> has(TileId tile, ScratchKind what) override;
   Status remove(TileId tile, ScratchKind what) override;
   Status clear(ScratchKind what) override;
+  Status hand_over(TileId tile, std::span<const std::byte> bytes) override;
+  Result<Pieces> handed(TileId tile) override;
+  Status forget_handed(TileId tile) override;
   // The tile's scratch goes when its result is on disk.
   void store(TileId tile, TileMesh mesh, Stored done) override;
   // What settled tiles have left has reached the disk. Error io.

@@ -79,6 +79,7 @@ bool Schedule::pending(const Tile& tile) const {
   if (stage_ == Stage::settling) {
     return !tile.settled && (tile.place == Place::awake || (options_.settle_asleep && tile.place == Place::asleep));
   }
+  if (stage_ == Stage::handing) return tile.place == Place::awake || tile.place == Place::asleep;
   if (stage_ != Stage::collecting) return false;
   if (tile.place == Place::awake) return true;  // at least dropped
   return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
@@ -155,6 +156,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
       storing_bytes_ += storing;
       break;
     case Work::drop:
+    case Work::hand_over:
       tile.place = Place::gone;
       break;
   }
@@ -195,6 +197,7 @@ bool Schedule::idle() const {
       return fresh_ == 0 && ready_.empty() && called_.empty();
     case Stage::settling:
     case Stage::collecting:
+    case Stage::handing:
       return pending_.empty();
     case Stage::suspending:
       return quiet_.empty() && awake_.empty();
@@ -219,6 +222,7 @@ std::optional<Schedule::Grant> Schedule::next() {
     }
     return std::nullopt;
   }
+  if (stage_ == Stage::handing) return hand_next();
   if (stage_ == Stage::settling) {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
@@ -249,6 +253,16 @@ std::optional<Schedule::Grant> Schedule::next() {
     return grant_in_room(t, Work::begin, needed);
   }
   return ready_.empty() ? wake_next() : splay_awake();
+}
+
+// Of those asleep the image passes through memory.
+std::optional<Schedule::Grant> Schedule::hand_next() {
+  if (ahead() || pending_.empty()) return std::nullopt;
+  const TileId t = pending_.begin()->second;
+  const Tile& tile = tiles_[t.value];
+  const std::uint64_t needed = tile.memory + budget::sleeping_bytes(tile.held, options_.kernel);
+  if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
+  return grant(t, Work::hand_over, needed);
 }
 
 // REQUIRES: there is one with mail.

@@ -8,6 +8,7 @@
 //            | back, for what is near is near in that order, too; sleep where room is needed: those without mail, the
 //            | farthest from the sweep first
 // settling   | settle to the tiles in memory
+// handing    | hand over to all that have begun: the node leaves
 // collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
 // suspending | sleep to tiles in memory, up to suspend_bytes; the others are given up: what they began from, or an
 //            | earlier image, is still there
@@ -43,7 +44,7 @@ struct ScheduleOptions {
 
 class Schedule {
  public:
-  enum class Stage : std::uint8_t { exchanging, settling, collecting, suspending, stopping };
+  enum class Stage : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
   struct Grant {
     TileId tile;
     Work work;
@@ -59,7 +60,8 @@ class Schedule {
   // Fresh tiles that nobody works on, the last first, until they hold `points` in all or there are no more: they are
   // not here any longer.
   std::vector<TileId> release(std::uint64_t points);
-  // REQUIRES: only forward, in the order of Stage; or back from settling to exchanging.
+  // REQUIRES: only forward, in the order of Stage; or back from settling to exchanging. Handing over follows
+  // exchanging.
   void enter(Stage stage);
   Stage stage() const { return stage_; }
 
@@ -110,6 +112,7 @@ class Schedule {
   // Whether it can have so much once others have given some back.
   bool fits(TileId tile, std::uint64_t needed, std::uint64_t freed = 0) const;
   std::optional<Grant> splay_awake();
+  std::optional<Grant> hand_next();
   std::optional<Grant> wake_next();
   std::optional<TileId> next_of_sweep();
   std::optional<TileId> to_sleep(TileId but) const;
@@ -126,7 +129,7 @@ class Schedule {
   std::set<TileId> called_;                    // asleep, with mail
   std::set<TileId> quiet_;                     // in memory, idle, without mail
   std::set<Rank> awake_;                       // in memory, idle, with mail: the least first
-  std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled or collected; false: in memory
+  std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled, collected or handed over; false: in memory
   TileId sweep_{0};                            // where the sweep is
   bool sweeping_back_ = true;                  // at the end of the tiles' order the first one begins
   std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "src/base/ids.h"
@@ -25,5 +26,16 @@ struct Table {
 
   friend bool operator==(const Table&, const Table&) = default;
 };
+
+// Which tiles a table has given another incarnation than the one before it, and what that one had done: whoever hears
+// of a table finds who was reborn since his own, without looking at all tiles.
+struct Rebirths {
+  std::uint64_t after = 0, epoch = 0;  // of the one before, of the table
+  std::vector<TileId> tiles;
+  std::shared_ptr<const Rebirths> before;  // null: nobody goes by an older one
+};
+// REQUIRES: tables of one job, the older first; `earlier` ends with the older one, or is null.
+std::shared_ptr<const Rebirths> rebirths_between(const Table& older, const Table& newer,
+                                                 std::shared_ptr<const Rebirths> earlier);
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -23,7 +24,10 @@ Status TileState::begin() {
   check(phase_ == Phase::fresh, "a tile begins once");
   BOOST_OUTCOME_TRY(restored, restore());
   if (!restored) {
-    BOOST_OUTCOME_TRYV(build(true));
+    BOOST_OUTCOME_TRY(taken, restore_handed());
+    if (!taken) {
+      BOOST_OUTCOME_TRYV(build(true));
+    }
   }
   counts_ = triangulation_->counts();
   phase_ = Phase::awake;
@@ -63,18 +67,23 @@ Result<bool> TileState::restore() {
   auto tile = load_image(std::move(pieces.value()[0]), own_points_);
   if (!tile) return false;
   triangulation_ = std::move(tile);
+  BOOST_OUTCOME_TRYV(go_on_from_image());
+  imaged_ = earlier_ = true;
+  return true;
+}
+
+Status TileState::go_on_from_image() {
   if (!triangulation_->reduced()) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
     points_ = std::make_unique<LoadedTile>(std::move(loaded));
     if (points_->points.size() != own_points_) return damaged("file of points");
   }
   triangulation_->replay();
-  imaged_ = earlier_ = true;
-  return true;
+  return success();
 }
 
 Status TileState::receive(Update update) {
-  if (dead(update)) return success();
+  if (dead(update) || handed_) return success();
   if (phase_ == Phase::gone) {
     return error(Errc::internal, "tile " + std::to_string(self_.tile.value) + " got mail after quiescence");
   }
@@ -82,13 +91,17 @@ Status TileState::receive(Update update) {
   return mail_.add(std::move(update), *context_.storage);
 }
 
-void TileState::rejoin(std::shared_ptr<const Table> table) {
+void TileState::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirths) {
   if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
   if (phase_ != Phase::fresh) {
-    for (std::uint32_t t = 0; t < context_.around.tiles(); ++t) {
-      if (TileId{t} != self_.tile && table->peer_of(TileId{t}) != table_->peer_of(TileId{t}))
-        reborn_.push_back(TileId{t});
+    std::uint64_t reached = table->epoch;
+    for (const Rebirths* r = rebirths; r && r->epoch > table_->epoch; r = r->before.get()) {
+      check(r->epoch == reached, "tables follow one another");
+      reached = r->after;
+      std::copy_if(r->tiles.begin(), r->tiles.end(), std::back_inserter(reborn_),
+                   [&](TileId t) { return t != self_.tile; });
     }
+    check(reached <= table_->epoch, "a tile hears of all tables since its own");
     call_ |= !reborn_.empty();
   }
   table_ = std::move(table);
@@ -177,20 +190,31 @@ Update TileState::outgoing(Peer to, std::vector<SharedPoint> points) {
 Status TileState::sleep() {
   check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
   if (!imaged_) {
-    BigVector<std::byte> bytes = triangulation_->save();
-    const auto count = std::as_bytes(std::span(&own_points_, 1));
-    bytes.insert(bytes.end(), count.begin(), count.end());
+    BOOST_OUTCOME_TRY(bytes, image());
     BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
     imaged_ = true;
     earlier_ = false;
   }
   triangulation_.reset();
   points_.reset();
+  counters_.trim();  // there are many tiles asleep
   phase_ = Phase::asleep;
   return success();
 }
 
-// Null when the bytes are not what sleep() has written.
+Result<BigVector<std::byte>> TileState::image() {
+  if (phase_ == Phase::asleep) {
+    BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
+    if (pieces.size() != 1) return damaged("image");
+    return std::move(pieces[0]);
+  }
+  BigVector<std::byte> bytes = triangulation_->save();
+  const auto count = std::as_bytes(std::span(&own_points_, 1));
+  bytes.insert(bytes.end(), count.begin(), count.end());
+  return bytes;
+}
+
+// Null when the bytes are not what image() has made.
 std::unique_ptr<TileTriangulation> TileState::load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const {
   if (bytes.size() < sizeof own_points) return nullptr;
   std::memcpy(&own_points, bytes.data() + bytes.size() - sizeof own_points, sizeof own_points);

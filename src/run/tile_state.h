@@ -3,9 +3,10 @@
 //   fresh -- begin --> awake -- sleep --> asleep
 //                      awake <-- (splay or collect wakes it) -- asleep
 //                      awake, asleep, fresh -- collect --> gone
-//                      awake, asleep -- drop --> gone
-// Mail may come in any state but gone, and waits until splay(). A fresh tile is collected when the run was settled
-// before: its points and its foreign vertices are then all it needs (docs/design.md, section 3).
+//                      awake, asleep -- drop, hand_over --> gone
+// Mail may come in any state but gone, and waits until splay(); what comes for a tile that was handed over is dropped.
+// A fresh tile is collected when the run was settled before: its points and its foreign vertices are then all it needs
+// (docs/design.md, section 3).
 #pragma once
 
 #include <cstdint>
@@ -54,18 +55,23 @@ class TileState {
  public:
   TileState(Peer self, const TileContext& context);
 
-  // From the image an earlier process has left, if there is a sound one, else from the tile's points.
+  // From the image that an earlier process has left, or another node has handed over, if there is a sound one, else
+  // from the tile's points.
   Status begin();
   // Drops what a dead tile sent, or what was sent to an earlier life of this one.
   Status receive(Update update);
   // Tiles were reborn: from now on nothing from their dead incarnations counts, and if this tile has begun, it calls
   // itself to a splay (take_outgoing()), in which it first tells again what may have been lost. In any phase, and at
   // once: neither the triangulation nor scratch is touched. A table that is no newer than the tile's changes nothing.
-  void rejoin(std::shared_ptr<const Table> table);
+  // `rebirths`: up to this table, since the tile's, or earlier; null: it has not begun.
+  void rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirths);
   // Processes all mail that waits. No update is counted as processed before its points are in.
   Status splay();
   // Leaves an image on scratch, from which the tile also begins in a resumed run.
   Status sleep();
+  // Leaves an image where other nodes find it, with its list of final cells: as another incarnation the tile goes on
+  // from it elsewhere. What has come, and was not processed, others tell it again. Whatever happens, the tile is gone.
+  Status hand_over();
   // After quiescence: writes down what collect() of a fresh tile needs, if no image says it.
   Status settle();
   // What is to be stored. The tile has no triangulation any more.
@@ -93,6 +99,10 @@ class TileState {
 
   Status build(bool announce);
   Result<bool> restore();
+  Result<bool> restore_handed();
+  Status go_on_from_image();
+  Result<BigVector<std::byte>> image();
+  Status write_handed();
   Status build_settled();
   std::unique_ptr<TileTriangulation> load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const;
   Status wake();
@@ -116,6 +126,7 @@ class TileState {
   bool call_ = false;                   // itself to a splay, by mail: to its first, and to one after a loss
   bool imaged_ = false;                 // the image on scratch is the tile's present state
   bool earlier_ = false;                // it is an earlier process's, though
+  bool handed_ = false;                 // the tile has been handed over
   std::uint64_t own_points_ = 0;
   Mail mail_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates

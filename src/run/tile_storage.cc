@@ -6,7 +6,7 @@ Status remove_beginnings(TileStorage& storage, TileId tile) {
   for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals}) {
     BOOST_OUTCOME_TRYV(storage.remove(tile, what));
   }
-  return success();
+  return storage.forget_handed(tile);
 }
 
 Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes) {

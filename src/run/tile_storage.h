@@ -37,6 +37,14 @@ class TileStorage {
   virtual Status remove(TileId tile, ScratchKind what) = 0;
   virtual Status clear(ScratchKind what) = 0;  // of all tiles
 
+  // For whichever node begins the tile next, where nodes share a folder: as write(), read() and remove(), but that all
+  // of them read what one has written.
+  virtual Status hand_over(TileId, std::span<const std::byte>) {
+    return error(Errc::internal, "there is nobody to hand a tile over to");
+  }
+  virtual Result<Pieces> handed(TileId) { return Pieces{}; }
+  virtual Status forget_handed(TileId) { return success(); }
+
   // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw, and is told
   // whatever happens, unless this throws.
   using Stored = std::function<void(Result<TileEntry>)>;

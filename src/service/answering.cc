@@ -64,6 +64,12 @@ Result<QuestionAnswer> Answering::answer() const {
       return features();
     case Question::About::map_tile:
       return map_tile();
+    case Question::About::hull:
+      return hull();
+    case Question::About::section:
+      return section();
+    case Question::About::solids:
+      return solids();
   }
   return error(Errc::internal, "a question of no kind");
 }
@@ -74,6 +80,7 @@ std::string Answering::word(const std::string& key, const std::string& usual) co
 }
 
 Result<QuestionAnswer> Answering::locate() const {
+  if (question_.options.contains("cell")) return locate_named();
   const auto at = [&](const std::string& text) { return parse_point(text, dimension_); };
   BOOST_OUTCOME_TRY(p, read("point", at));
   BOOST_OUTCOME_TRY(cells, reader_.stored.locate({&p, 1}, ask_));
@@ -132,14 +139,7 @@ Result<query::Area> Answering::area() const {
 
 Result<QuestionAnswer> Answering::cells() const {
   BOOST_OUTCOME_TRY(area, area());
-  query::CellLimits most{.bytes_max = memory_bytes(), .cells_max = limits_.usual_cells};
-  if (question_.options.contains("limit")) {
-    const auto number = [&](const std::string& text) {
-      return parse_integer(text, 1, static_cast<std::int64_t>(limits_.cells));
-    };
-    BOOST_OUTCOME_TRY(limit, read("limit", number));
-    most.cells_max = static_cast<std::uint64_t>(limit);
-  }
+  BOOST_OUTCOME_TRY(most, limits_of_cells());
   // What it is called does not show; a format without its ending would be a folder.
   const std::string format = word("f", dimension_ == 2 ? "geojson" : "ply");
   if (format == "npy")

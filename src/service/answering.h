@@ -15,6 +15,7 @@
 #include "src/service/questions.h"
 #include "src/service/readers.h"
 #include "src/service/service.h"
+#include "src/tileset/shapes.h"
 
 namespace tessera {
 
@@ -29,6 +30,7 @@ class Answering {
 
  private:
   Result<QuestionAnswer> locate() const;
+  Result<QuestionAnswer> locate_named() const;  // a cell by its tile and place
   Result<QuestionAnswer> locate_many() const;
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
@@ -40,9 +42,13 @@ class Answering {
   // answering_maps.cc
   Result<QuestionAnswer> features() const;
   Result<QuestionAnswer> map_tile() const;
-  Result<std::vector<Point>> hull() const;
+  Result<std::vector<Point>> hull_corners() const;
   template <class Options>
   Status read_surface(Options& options) const;
+  // answering_cells.cc
+  Result<QuestionAnswer> hull() const;
+  Result<QuestionAnswer> section() const;
+  Result<QuestionAnswer> solids() const;
 
   std::string word(const std::string& key, const std::string& usual = {}) const;
   template <class Parse>
@@ -56,11 +62,16 @@ class Answering {
   Result<std::vector<Point>> points_in_json() const;
   Result<std::vector<Point>> points_in_file(const std::string& ending) const;
   Result<query::Area> area() const;
+  // How many cells an answer may have.
+  Result<query::CellLimits> limits_of_cells() const;
   // In which the answers to many points are given: as they came, or as `f` says.
   Result<AnswerOptions> many() const;
   Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool final) const;
   Result<QuestionAnswer> file(const std::filesystem::path& path, bool final) const;
   bool is_part() const { return reader_.stored.manifest().region.has_value(); }
+  // Parts of a 3D result.
+  Status has_volume() const;
+  Result<QuestionAnswer> shown(const tileset::Shape& shape, const query::CellSet& cells) const;
   std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }
 
   const Reader& reader_;

@@ -45,7 +45,7 @@ Status add_tiles(const Manifest& manifest, const std::optional<std::uint64_t>& o
 
 }  // namespace
 
-Result<std::vector<Point>> Answering::hull() const {
+Result<std::vector<Point>> Answering::hull_corners() const {
   const std::lock_guard lock(reader_.hull->mutex);
   if (!reader_.hull->points) {
     BOOST_OUTCOME_TRY(points, query::hull_of(path_of(reader_.held.folder), reader_.stored.manifest(), ask_.stop));
@@ -86,7 +86,7 @@ Result<QuestionAnswer> Answering::features() const {
     all = manifest.tiles.size();
     BOOST_OUTCOME_TRYV(add_tiles(manifest, only, after, page));
   } else if (kind == "hull") {
-    BOOST_OUTCOME_TRY(corners, hull());
+    BOOST_OUTCOME_TRY(corners, hull_corners());
     if (only.value_or(0) == 0 && !after) {
       const Json properties{{"vertices", manifest.vertices}, {"cells", manifest.cells}, {"corners", corners.size()}};
       BOOST_OUTCOME_TRYV(page.add(0, properties, FeaturePage::Kind::ring, dense_ring(corners)));

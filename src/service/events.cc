@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/thread_name.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -120,6 +121,7 @@ std::size_t Events::listeners() const {
 }
 
 void Events::deliver() {
+  name_thread("events");
   std::uint64_t told = 0;  // all before it is told to those who were there
   std::unique_lock lock(mutex_);
   while (true) {

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "actors/cluster/seat.h"
+#include "src/base/thread_name.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
@@ -121,8 +122,16 @@ void Service::Impl::recover(Job& job) {
 }
 
 void Service::Impl::begin() {
-  for (std::uint32_t i = 0; i < std::max(1U, options.limits.running); ++i) threads.emplace_back([this] { work(); });
-  threads.emplace_back([this] { tick(); });
+  for (std::uint32_t i = 0; i < std::max(1U, options.limits.running); ++i) {
+    threads.emplace_back([this] {
+      name_thread("job");
+      work();
+    });
+  }
+  threads.emplace_back([this] {
+    name_thread("tick");
+    tick();
+  });
 }
 
 void Service::Impl::tick() {

@@ -71,6 +71,9 @@ struct Question {
     cells,
     interpolate,
     dem,
+    hull,
+    section,
+    solids,
     contours,
     profile,
     features,  // of the collection of kind `kind`: bbox, limit, after; item: that one alone
@@ -79,7 +82,7 @@ struct Question {
   About about = About::locate;
   std::string triangulation;
   std::string vertex = {};                          // star: its source index
-  std::map<std::string, std::string> options = {};  // point, tile, bbox, f, limit, value, method, weights, res, ...
+  std::map<std::string, std::string> options = {};  // point, cell, tile, bbox, f, limit, value, method, weights, ...
   std::optional<std::string> body = {};  // locate, interpolate: many points; cells: a polygon; profile: a line
   std::string type = {};                 // of the body: a media type
   std::stop_token stop = {};             // the caller has gone

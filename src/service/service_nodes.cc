@@ -19,7 +19,7 @@ proto::NodeInfo info_of(const NodeState& node) {
   info.set_threads(node.info.threads);
   info.set_memory_bytes(node.info.memory_bytes);
   info.set_memory_used_bytes(node.memory_used);
-  info.set_state(node.free ? "free" : "joining");
+  info.set_state(node.leaves ? "draining" : node.free ? "free" : "joining");
   info.set_seconds(node.seconds);
   info.set_silent_ms(node.silent_ms);
   info.set_coordinator(node.own);

@@ -21,11 +21,7 @@ void TileTriangulation::introduce() {
   if (kernel_->dimension() < options_.dimension) {
     share_with_all();
   } else {
-    for (Vertex v = due_; v <= kernel_->vertices(); ++v) {
-      stop_check_.step();
-      kernel_->neighbours(v, around_);
-      for (const Vertex w : around_) introduce(v, w);
-    }
+    introduce_vertices();
   }
   // Not kept, but those it would have as neighbours are introduced: all of them foreign.
   for (const Refused& r : refused_) {
@@ -38,6 +34,22 @@ void TileTriangulation::introduce() {
   }
   refused_.clear();
   due_ = kernel_->vertices() + 1;
+}
+
+// One pass over the cells costs a fraction of a walk around each vertex, where the new ones are not few.
+void TileTriangulation::introduce_vertices() {
+  if ((kernel_->vertices() + 1 - due_) > kernel_->vertices() / 16) {
+    kernel_->edges_from(due_, [&](Vertex v, Vertex w) {
+      stop_check_.step();
+      introduce(v, w);
+    });
+    return;
+  }
+  for (Vertex v = due_; v <= kernel_->vertices(); ++v) {
+    stop_check_.step();
+    kernel_->neighbours(v, around_);
+    for (const Vertex w : around_) introduce(v, w);
+  }
 }
 
 // Of two foreign points it is enough that one of the owners hears of the other's.
@@ -104,7 +116,8 @@ void TileTriangulation::share_with_all() {
 }
 
 void TileTriangulation::share(Vertex v, TileId tile) {
-  if (tile == options_.self || owners_[v] == tile || knew(tile, v) || !note(v, tile)) return;
+  if (tile == options_.self || owners_[v] == tile || sent_.has(v, tile) || knew(tile, v)) return;
+  note(v, tile);
   updates_[tile].push_back(v);
   ++counts_.sent;
 }

@@ -121,6 +121,7 @@ class TileTriangulation {
   };
   Error refuse(TileId from, const SharedPoint& p) const;
   void add_seed(const Seed& seed);
+  void introduce_vertices();
   void introduce(Vertex v, Vertex neighbour);
   void share_with_all();
   bool knows(TileId tile, Vertex v) const;

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/attribute_value.h"
 #include "src/base/option.h"
 #include "src/export/cell_filter.h"
 #include "src/files/folder.h"
@@ -17,6 +16,7 @@
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_store.h"
+#include "src/tileset/columns.h"
 #include "src/tileset/node_files.h"
 #include "src/tileset/surface.h"
 #include "src/tiling/partition.h"
@@ -27,28 +27,6 @@ namespace fs = std::filesystem;
 
 namespace tileset {
 namespace {
-
-// Where in the rows of a result an attribute is; size 0: there is none.
-struct Column {
-  std::size_t offset = 0, size = 0;
-  AttributeType type = AttributeType::f64;
-  double at(const std::byte* row) const { return size == 0 ? 0 : as_double(type, row + offset); }
-};
-
-Column find_column(const std::vector<Attribute>& schema, const std::string& name) {
-  Column column;
-  for (const auto& attribute : schema) {
-    if (attribute.name == name) return {column.offset, size_of(attribute.type), attribute.type};
-    column.offset += size_of(attribute.type);
-  }
-  return {};
-}
-
-template <class T>
-T clamped(double value) {
-  if (!(value > 0)) return 0;
-  return static_cast<T>(std::lround(std::min(value, static_cast<double>(std::numeric_limits<T>::max()))));
-}
 
 // In units of the coordinates, from the origin: what readers hold in 32 bits, with room for products.
 constexpr double farthest = 1e15;

@@ -104,6 +104,56 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Losses,
                                            Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 100}),
                          name_of_case);
 
+class Leaving : public ::testing::TestWithParam<Case> {};
+
+// Nodes leave in order, and others come: no tile begins again, which the harness looks at. Then all else happens, too.
+TEST_P(Leaving, CostsNoCellAndNoTile) {
+  const Case& c = GetParam();
+  for (const bool alone : {true, false}) {
+    HarnessOptions options = options_of(c);
+    options.nodes = 2 + static_cast<std::uint32_t>(c.seeds % 3);
+    options.faults.leave = options.faults.join = true;
+    options.faults.kill = options.faults.pause = options.faults.coordinator = !alone;
+    options.faults.last = options.faults.all = !alone;
+    const HarnessReport report = run_harness(options);
+    EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+    EXPECT_EQ(report.seeds, c.seeds);
+    EXPECT_GT(report.epochs, c.seeds / 2);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, Leaving,
+                         ::testing::Values(Case{"lattice", 3, 36, 7, PartitionKind::random, 102},
+                                           Case{"planes", 2, 24, 7, PartitionKind::kdtree, 103},
+                                           Case{"slab", 3, 40, 6, PartitionKind::kdtree, 101},
+                                           Case{"clusters", 2, 36, 7, PartitionKind::random, 100},
+                                           Case{"uniform", 3, 40, 9, PartitionKind::kdtree, 102}),
+                         name_of_case);
+
+class WithoutNodes : public ::testing::TestWithParam<Case> {};
+
+// For a while no node is left: the job waits for one that comes, or is on its way, and for one that can open its part.
+// First nothing else happens, then all that may.
+TEST_P(WithoutNodes, CostsNoCell) {
+  const Case& c = GetParam();
+  for (const bool alone : {true, false}) {
+    HarnessOptions options = options_of(c);
+    options.nodes = 1 + static_cast<std::uint32_t>(c.seeds % 3);
+    options.faults.last = options.faults.all = true;
+    options.faults.kill = options.faults.pause = options.faults.join = options.faults.coordinator = !alone;
+    const HarnessReport report = run_harness(options);
+    EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
+    EXPECT_EQ(report.seeds, c.seeds);
+    EXPECT_GT(report.epochs, c.seeds / 2);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Clouds, WithoutNodes,
+                         ::testing::Values(Case{"lattice", 3, 36, 7, PartitionKind::kdtree, 102},
+                                           Case{"planes", 2, 24, 7, PartitionKind::random, 103},
+                                           Case{"corners", 2, 36, 7, PartitionKind::kdtree, 101},
+                                           Case{"clusters", 3, 36, 6, PartitionKind::random, 100},
+                                           Case{"uniform", 2, 40, 9, PartitionKind::kdtree, 102}),
+                         name_of_case);
+
 class TakingOver : public ::testing::TestWithParam<Case> {};
 
 // Coordinators are stopped at any step, before anything is opened, too; those that were replaced go on. Nothing else

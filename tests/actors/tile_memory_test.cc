@@ -95,7 +95,7 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
 TEST(TileMemory, IsLessThan4KiBForATileAsleep) {
   for (const int dimension : {2, 3}) {
     constexpr std::uint32_t few = 50, many = 550;
-    // What is on its way, or kept by the allocator, at that moment differs from run to run, and only adds.
+    // What is on its way at that moment differs from run to run, and only adds.
     const auto least = [&](std::uint32_t tiles) {
       return std::min({bytes_when_quiet(dimension, tiles), bytes_when_quiet(dimension, tiles),
                        bytes_when_quiet(dimension, tiles), bytes_when_quiet(dimension, tiles)});

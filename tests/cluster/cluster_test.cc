@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -189,6 +190,49 @@ TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
   }
   job.join();
   EXPECT_EQ(got, expected);
+}
+
+// One node after the other is drained, and another process takes its place: what it had begun the others go on with.
+TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
+  const RoutedRun cloud = routed("rolling", 150'000);
+  std::vector<std::uint64_t> expected;
+  {
+    Engine alone(2, memory);
+    expected = run(alone, routed("still", 150'000));
+  }
+  const auto first = coordinator();
+  std::map<std::string, std::unique_ptr<Engine>> nodes;
+  for (const std::string name : {"second", "third"}) {
+    nodes[name] = start(options(name));
+    wait_for("node " + name, "has joined");
+  }
+  Progress progress;
+  std::uint64_t handed = 0;
+  std::mutex said_of_job;
+  progress.log = [&](const std::string& line) {
+    const std::lock_guard lock(said_of_job);
+    const std::string words = "others go on with ";
+    if (const auto at = line.find(words); at != std::string::npos) handed += std::stoul(line.substr(at + words.size()));
+  };
+  std::optional<Result<RunSummary>> summary;
+  std::jthread job([&] {
+    summary = first->run(cloud, cloud.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, progress, {});
+  });
+  while (progress.tiles_triangulated == 0) std::this_thread::yield();
+  for (const std::string name : {"second", "third"}) {
+    EXPECT_TRUE(first->drain(name).value());
+    wait_for("node " + name, "is drained");
+    nodes[name] = start(options(name + "-anew"));
+    wait_for("node " + name + "-anew", "has joined");
+  }
+  job.join();
+  ASSERT_TRUE(*summary) << summary->error().where;
+  const RunSummary& done = summary->value();
+  ASSERT_EQ(done.tiles.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(done.tiles[i].xxh3, expected[i]);
+  EXPECT_EQ(done.exchange.tiles_again, 0U);
+  EXPECT_EQ(done.exchange.nodes_lost, 0U);
+  EXPECT_GT(handed, 0U);
 }
 
 TEST_F(Cluster, RoutesAnInputOnAllNodes) {

@@ -58,6 +58,10 @@ class Api(serving.ServerTest):
             ("GET", maps + "/WebMercatorQuad"): ["/v1/triangulations/block/map/tiles/WebMercatorQuad"],
             ("GET", maps + "/WebMercatorQuad/{tileMatrix}/{tileRow}/{tileCol}"): [
                 f"/v1/triangulations/block/map/tiles/WebMercatorQuad/{place}" for place in ("1/0/1", "1/2/0", "x/0/0", "99/0/0")],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/hull"): ["/v1/triangulations/block/shapes/hull", "/v1/triangulations/none/shapes/hull"],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/section"): [
+                "/v1/triangulations/block/shapes/section?through=0,0,0&normal=0,0,1"],
+            ("GET", "/v1/triangulations/{triangulation}/shapes/cells"): ["/v1/triangulations/block/shapes/cells?bbox=0,0,0,1,1,1&shrink=0.5"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",

@@ -17,10 +17,23 @@ proto::Problem missing(const char* detail) {
 
 Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
   using About = Question::About;
-  if (question.about == About::cells || question.about == About::dem || question.about == About::contours) {
-    const bool cells = question.about != About::dem;
-    auto opened = open(folder_ / "block" / "deep" / "tile.vtu",
-                       cells ? "application/geo+json" : "image/tiff; application=geotiff; profile=cloud-optimized", "");
+  const auto type = [&]() -> std::string {
+    switch (question.about) {
+      case About::cells:
+      case About::contours:
+        return "application/geo+json";
+      case About::dem:
+        return "image/tiff; application=geotiff; profile=cloud-optimized";
+      case About::hull:
+      case About::section:
+      case About::solids:
+        return "model/gltf-binary";
+      default:
+        return {};
+    }
+  }();
+  if (!type.empty()) {
+    auto opened = open(folder_ / "block" / "deep" / "tile.vtu", type.c_str(), "");
     if (!opened) return opened.error();
     return QuestionAnswer{.text = {}, .file = opened.value()};
   }

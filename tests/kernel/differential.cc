@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <span>
+#include <utility>
 
 #include "src/kernel/flat/flat_kernel.h"
 #include "src/predicates/independent/predicates.h"
@@ -200,6 +202,20 @@ void KernelPair::compare_star(Vertex v) {
   flat_->neighbours(v, star);
   cgal_->neighbours(v, expected);
   if (sorted(star) != sorted(expected)) fail("other neighbours");
+}
+
+void KernelPair::compare_edges(Vertex first) {
+  if (!full()) return;
+  using Edges = std::set<std::pair<Vertex, Vertex>>;
+  const auto edges_of = [&](const Kernel& kernel) {
+    Edges edges;
+    kernel.edges_from(first, [&](Vertex v, Vertex w) {
+      if (v < first || w == infinite_vertex) fail("an edge that was not asked for");
+      edges.emplace(std::max(v, w), std::min(v, w));
+    });
+    return edges;
+  };
+  if (edges_of(*flat_) != edges_of(*cgal_)) fail("other edges");
 }
 
 void KernelPair::compare_cells() {

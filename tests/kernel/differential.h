@@ -32,6 +32,8 @@ class KernelPair {
   // Each kernel loads what the other saved. REQUIRES: no cell is frozen.
   void exchange();
   void compare_star(Vertex v);
+  // edges_from(first). Nothing while the points do not span everything.
+  void compare_edges(Vertex first);
   // Vertices and all cells, frozen ones and infinite ones too; and the flat kernel's structure: orientation, mutual
   // neighbours, the border of the frozen part.
   void compare_cells();

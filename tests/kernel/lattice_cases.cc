@@ -80,6 +80,7 @@ class Case {
       if (below(4) == 0) pair_.compare_star(pair_.flat().vertices());
       if (below(16) == 0) pair_.save_and_load();
       if (below(8) == 0) pair_.compare_star(any_vertex());
+      if (below(16) == 0) pair_.compare_edges(any_vertex());
     }
   }
 
@@ -111,6 +112,7 @@ class Case {
       pair_.insert(others[i], false, below(4) == 0 ? InsertMode::always : InsertMode::if_local_neighbour);
       if (below(16) == 0) pair_.save_and_load();
       if (below(16) == 0) pair_.insert(others[below(i + 1)], false, InsertMode::if_local_neighbour);
+      if (below(16) == 0) pair_.compare_edges(static_cast<Vertex>(locals.size() + 1 + below(i + 1)));
     }
   }
 

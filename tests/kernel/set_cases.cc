@@ -64,6 +64,7 @@ std::string insert_half(const std::vector<Point>& points, bool freeze, std::size
     pair.insert(others[i], false, i % 4 == 0 ? InsertMode::always : InsertMode::if_local_neighbour);
     if (i % 20000 == 5) pair.save_and_load();
   }
+  pair.compare_edges(static_cast<Vertex>(locals.size()) + 1);
   pair.compare_cells();
   frozen = pair.frozen_cells();
   return pair.wrong();

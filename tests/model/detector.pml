@@ -26,7 +26,10 @@ byte at_work;  // ghost
 chan to_tile[NODES] = [1] of { mtype };
 chan to_part[NODES] = [3] of { mtype, byte, byte, byte };  // of mail, sent, processed
 bool probe[NODES];
-bool idle_notice;  // those that are under way at once are one
+bool idle_notice[NODES];  // is under way
+bool told_idle[NODES];    // since its last answer
+byte known_idle;          // to the coordinator: a mask
+bool noticed;             // since the last wave began
 // Answers add up in any order: that they are under way is seen in when the last is judged.
 byte answers, sum_sent, sum_processed;
 bool all_idle;
@@ -113,8 +116,19 @@ inline dispatch() {
   if
   :: working
   :: !working && waiting > 0 -> working = true; waiting = 0; to_tile[me] ! grant
-  :: else -> idle_notice = true
+  :: else ->
+    if
+    :: told_idle[me]
+    :: else -> told_idle[me] = true; idle_notice[me] = true
+    fi
   fi
+}
+
+// What a node says comes in its order: a notice before an answer, if it was said before.
+inline hear_notice(n) {
+  idle_notice[n] = false;
+  known_idle = known_idle | (1 << (n));
+  noticed = true
 }
 
 proctype part(byte me) {
@@ -122,7 +136,7 @@ proctype part(byte me) {
   bool working = me < FRESH;
   if
   :: working -> to_tile[me] ! grant
-  :: else
+  :: else -> atomic { told_idle[me] = true; idle_notice[me] = true }  // BeginPart, with nothing to do
   fi;
 end:
   do
@@ -140,6 +154,17 @@ end:
       probe[me] ->
       probe[me] = false;
       answers++;
+      if
+      :: idle_notice[me] -> hear_notice(me)
+      :: else
+      fi;
+#ifndef SILENT_AFTER_ANSWER
+      told_idle[me] = false;
+#endif
+      if
+      :: working || waiting > 0 -> known_idle = known_idle & ~(1 << me)
+      :: else
+      fi;
 #ifndef BUSY_IGNORED
       all_idle = all_idle && !working && waiting == 0;
 #endif
@@ -149,6 +174,9 @@ end:
   od
 }
 
+#define ALL ((1 << NODES) - 1)
+#define WORTH (noticed && known_idle == ALL)
+
 inline begin_wave() {
   in_wave = true;
   noticed = false;
@@ -157,22 +185,27 @@ inline begin_wave() {
   probe[2] = true
 }
 
+#ifdef NOTICE_FORGOTTEN
+#define LATE noticed = noticed && !in_wave;
+#else
+#define LATE
+#endif
+#define HEAR(n)                       \
+  :: d_step {                         \
+      idle_notice[n] -> hear_notice(n); LATE \
+      if                              \
+      :: !in_wave && WORTH -> begin_wave() \
+      :: else                         \
+      fi                              \
+    }
+
 proctype coordinator() {
   byte had_sent;
-  bool in_wave, noticed, had_sums, quiet, could_be_quiet;
+  bool in_wave, had_sums, quiet, could_be_quiet;
   do
-  :: d_step {
-      idle_notice ->
-      idle_notice = false;
-      if
-      :: !in_wave -> begin_wave()
-#ifndef NOTICE_FORGOTTEN
-      :: else -> noticed = true
-#else
-      :: else
-#endif
-      fi
-    }
+  HEAR(0)
+  HEAR(1)
+  HEAR(2)
   :: d_step {
       answers == NODES ->
       could_be_quiet = all_idle && sum_sent == sum_processed;
@@ -185,7 +218,7 @@ proctype coordinator() {
       had_sent = (could_be_quiet -> sum_sent : 0);
       answers = 0; sum_sent = 0; sum_processed = 0; all_idle = true; in_wave = false;
       if
-      :: !quiet && (could_be_quiet || noticed) -> begin_wave()
+      :: !quiet && (could_be_quiet || WORTH) -> begin_wave()
       :: else
       fi;
       could_be_quiet = false

@@ -79,6 +79,7 @@ class World {
   void sleep();
   void lose();
   void birth(TileId tile);
+  void rejoin(Life& life, std::uint64_t epoch);
   Life* life_of(std::size_t i) { return i < living_.size() ? living_[i].get() : zombies_[i - living_.size()].get(); }
   std::uint64_t under_way() const;
   bool all_told() const;
@@ -96,10 +97,11 @@ class World {
   const RecoveryOptions& options_;
   std::mt19937_64 rng_;
   TileContext common_;
-  std::vector<std::vector<LocalPoint>> points_;       // by tile
-  std::vector<std::shared_ptr<const Table>> tables_;  // of all epochs
-  std::shared_ptr<const Table> table_;                // the last
-  std::vector<std::unique_ptr<Life>> living_;         // by tile; null where there are no points
+  std::vector<std::vector<LocalPoint>> points_;                     // by tile
+  std::vector<std::shared_ptr<const Table>> tables_;                // of all epochs
+  std::vector<std::shared_ptr<const Rebirths>> rebirths_{nullptr};  // of the same
+  std::shared_ptr<const Table> table_;                              // the last
+  std::vector<std::unique_ptr<Life>> living_;                       // by tile; null where there are no points
   std::vector<std::unique_ptr<Life>> zombies_;
   std::vector<Update> mail_;  // under way
   Recovered out_;
@@ -162,6 +164,7 @@ void World::lose() {
     ++next.incarnations[tile.value];
     next.nodes[tile.value] = NodeId{static_cast<std::uint32_t>(rng_() % living_.size())};
   }
+  rebirths_.push_back(rebirths_between(*table_, next, rebirths_.back()));
   table_ = std::make_shared<const Table>(std::move(next));
   tables_.push_back(table_);
   for (const TileId tile : dead) birth(tile);
@@ -204,14 +207,16 @@ void World::act(const Action& action) {
       break;
     case Kind::rejoin:  // one table after the other, or the last at once
       life.told = coin() ? life.told + 1 : table_->epoch;
-      life.state->rejoin(tables_[life.told]);
-      life.state->rejoin(tables_[rng_() % (life.told + 1)]);  // an old one says nothing
+      rejoin(life, life.told);
+      rejoin(life, rng_() % (life.told + 1));  // an old one says nothing
       break;
     case Kind::deliver:
       break;
   }
   for (Update& update : life.state->take_outgoing()) mail_.push_back(std::move(update));
 }
+
+void World::rejoin(Life& life, std::uint64_t epoch) { life.state->rejoin(tables_[epoch], rebirths_[epoch].get()); }
 
 // What is for a dead tile arrives where it was, or at the living one, or nowhere.
 void World::deliver(std::size_t which) {

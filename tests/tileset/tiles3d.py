@@ -29,7 +29,7 @@ class Glb:
         matrix = np.array(transform).reshape(4, 4).T
         self.positions = np.stack([x, -z, y], 1) @ matrix[:3, :3].T + matrix[:3, 3]
         self.triangles = self.array(primitive["indices"]).reshape(-1, 3)
-        self.attributes = {name: values[:, 0] for name, values in arrays.items()}
+        self.attributes = {name: values[:, 0] if values.shape[1] == 1 else values for name, values in arrays.items()}
 
     def array(self, number):
         accessor = self.document["accessors"][number]
@@ -39,7 +39,7 @@ class Glb:
         if packed["mode"] == "TRIANGLES":
             return meshopt.triangles(data, packed["count"])
         kind = np.dtype(KINDS[accessor["componentType"]])
-        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+        width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[accessor["type"]]
         rows = meshopt.vertices(data, packed["count"], packed["byteStride"])
         return np.ascontiguousarray(rows[:, :width * kind.itemsize]).view(kind)
 

@@ -12,6 +12,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 SCREENSHOTS = pathlib.Path(os.environ["SCREENSHOTS"])
 CHECKS = (pathlib.Path(__file__).parent / "checks.js").read_text()
+AXE = (pathlib.Path(os.environ["WEB_PACKAGES"]) / "axe-core/axe.min.js").read_text() if "WEB_PACKAGES" in os.environ else ""
 NAMED = {"button", "link", "textbox", "combobox", "img", "image", "table", "progressbar", "meter", "checkbox", "region",
          "navigation", "ProgressIndicator", "dialog"}
 WIDTHS = {400: 800, 1280: 800, 3840: 2160}
@@ -105,10 +106,22 @@ class Browser:
                 test.assertEqual(self.script("return checks.contrast()"), [], where)
                 test.assertEqual(self.script("return checks.beyond()"), [], where)
                 test.assertEqual(self.script("return checks.overlaps()"), [], where)
+                if width < 3840:
+                    test.assertEqual(self.axe(), [], where)
         self.size(1280)
         self.theme("light")
         test.assertEqual(self.unnamed(), [], name)
         test.assertEqual(self.script("return checks.structure()"), [], name)
+
+    def axe(self):
+        """What axe-core finds against WCAG 2.1 AA and good practice, rule by rule."""
+        if not self.script("return 'axe' in window"):
+            # Not as a script of the page, whose policy would not allow it. It asks for nothing, and tells the console nothing.
+            self.driver.execute_script(AXE)
+        return self.driver.execute_async_script("""
+            const done = arguments[arguments.length - 1];
+            axe.run(document, {resultTypes: ['violations']}).then(found => done(found.violations.map(rule =>
+              `${rule.id}: ${rule.help}: ${rule.nodes.slice(0, 3).map(node => node.target.join(' ')).join(', ')}`)), error => done([String(error)]))""")
 
     def unnamed(self):
         """What can be used or is a landmark, and has no name for those who do not see it: as Chromium computes names."""

@@ -130,6 +130,7 @@ class Scale(unittest.TestCase):
         b.until_text("3 tiles were begun again", ".tiles")
         self.assertEqual(b.script("return [...document.querySelectorAll('.nodes tbody tr')].map(row => row.innerText.split(/\\s+/).join(' '))"),
                          ["a at work 0 of 25,000 triangulated 0 B", "b at work 100 of 25,000 triangulated 1.00 MiB", "c lost 2 stored –"])
+        self.assertEqual(b.text(".chart:last-child figcaption").split("\n"), ["Nodes at work", "2"])
         order = "wtsqd"
         for step in range(1, 9):
             self.service.stages = "".join(order[(tile * 7 // TILES + step) // 3 % 5] for tile in range(TILES))
@@ -216,6 +217,7 @@ class Scale(unittest.TestCase):
         b.until("return checks.events() === 2")
         service.released.set()
         b.until_text("4 jobs")
+        b.until("return document.querySelectorAll('.row .name').length === 4")
         self.assertEqual(self.names(), ["block-4", "block-3", "block-2", "block-1"])
         states = b.script("return [...document.querySelectorAll('.row .state')].map(e => e.innerText)")
         self.assertEqual(states[:2], ["Waiting", "Done"])

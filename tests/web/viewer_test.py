@@ -1,10 +1,12 @@
 """The viewer of 2D results in Chromium, drawn by software: it prepares, loads, draws and colours, and says what a cell is."""
 import unittest
 
+import numpy as np
 from osgeo import gdal
 from selenium.webdriver import ActionChains, Keys
 
 import looking
+import picking
 
 gdal.UseExceptions()
 VIEWER = "view_page"  # in the name of the file that only the viewer needs
@@ -100,16 +102,31 @@ class Viewer(looking.LookingTest):
             self.see()
             self.assertNotEqual(self.colours(), was)
 
-    def test_who_may_only_read_is_told_and_3d_results_are_not_surfaces(self):
+    def test_a_click_tells_the_cell_of_the_service_that_is_under_the_pointer(self):
         self.serve()
         self.make()
-        self.make("cloud", dimension=3)
+        self.enter()
+        b = self.browser
+        b.go("#/view/hills")
+        self.see()
+        for x, y in ((0, 20), (-150, 40), (170, 60), (40, 120)):
+            asked = picking.click(b, x, y)
+            found = self.daemon.request("GET", "/v1" + asked.split("/v1")[1])[2]
+            b.until_text(f"Cell {found['cell']} of tile {found['tile']}", ".cell")
+            for corner in found["vertices"]:
+                self.assertIn(f"{corner['id']}\n{', '.join(map(repr, corner['point']))} · tile {corner['tile']}", b.text(".cell"))
+            # The point is where the pointer was, at some height of the surface.
+            low, high = self.daemon.request("GET", "/v1/triangulations/hills/3dtiles/tileset.json")[2]["extras"]["heights"]
+            ends = picking.on_canvas(b, [[*found["point"], z] for z in (low, high)])
+            self.assertTrue(picking.is_inside(np.array([x, y]), ends, 1.5), (x, y, ends))
+
+    def test_who_may_only_read_is_told(self):
+        self.serve()
+        self.make()
         self.enter("read")
         self.browser.go("#/view/hills")
         self.browser.until_text("Not prepared for viewing yet")
-        self.browser.go("#/view/cloud")
-        self.browser.until_text("This is a 3D result")
-        self.assertEqual(self.daemon.request("GET", "/v1/jobs")[2]["numberMatched"], 2)
+        self.assertEqual(self.daemon.request("GET", "/v1/jobs")[2]["numberMatched"], 1)
         self.browser.look(self, "viewer-none")
 
 

@@ -15,18 +15,21 @@ export class JobGraphs {
   private readonly threads = new Chart("Threads at work", "since the job began");
   private readonly memory = new Chart("Memory of the tiles", "since this page was opened");
   private readonly mail = new Chart("Updates on the way", "since this page was opened");
+  private readonly nodes = new Chart("Nodes at work", "since this page was opened");
   private readonly charts = h("section", {class: "panel charts", "aria-label": "Over time"},
-    this.threads.element, this.memory.element, this.mail.element);
+    this.threads.element, this.memory.element, this.mail.element, this.nodes.element);
   private seen = false;
   private times: number[] = [];
   private memories: number[] = [];
   private mails: number[] = [];
+  private atWork: number[] = [];
   private asking = false;
   private stale = false;
   private closed = false;
 
   constructor(private readonly job: string) {
     show(this.again, false);
+    show(this.nodes.element, false);
     this.element = h("div", {class: "graphs"},
       h("section", {class: "panel tiles", "aria-labelledby": "map-title"}, h("h2", {id: "map-title"}, "Tiles"),
         this.map.element, this.again), this.charts);
@@ -53,12 +56,17 @@ export class JobGraphs {
       this.times.push(f.elapsed);
       this.memories.push(f.memoryBytes);
       this.mails.push(Math.max(0, f.updatesSent - f.updatesProcessed));
+      // Without a cluster there is one, and nothing to be seen.
+      const nodes = f.nodes ?? [];
+      this.atWork.push(nodes.filter(node => !node.lost).length);
+      show(this.nodes.element, nodes.length > 0 || !this.nodes.element.hidden);
       if (this.times.length > kept) {
-        for (const list of [this.times, this.memories, this.mails])
+        for (const list of [this.times, this.memories, this.mails, this.atWork])
           list.splice(0, list.length, ...list.filter((_, i) => i % 2 === 0));
       }
       this.memory.update(this.times, this.memories, 1 << 20, bytes);
       this.mail.update(this.times, this.mails, 10, count);
+      this.nodes.update(this.times, this.atWork, 1, count);
     }
     void this.ask();
   }

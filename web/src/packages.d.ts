@@ -9,13 +9,16 @@ declare module "three" {
     clone(): Vector3;
     add(v: Vector3): this;
     multiplyScalar(s: number): this;
+    normalize(): this;
+    project(camera: Camera): this;
+    transformDirection(m: Matrix4): this;
     length(): number;
     distanceTo(v: Vector3): number;
   }
   export class Color { constructor(colour?: string | number); set(colour: string | number): this; setRGB(r: number, g: number, b: number): this }
   export class Sphere { constructor(); center: Vector3; radius: number }
   export class Object3D {
-    position: Vector3; visible: boolean; children: Object3D[]; parent: Object3D | null;
+    position: Vector3; scale: Vector3; visible: boolean; renderOrder: number; userData: unknown; children: Object3D[]; parent: Object3D | null;
     add(...objects: Object3D[]): this;
     remove(...objects: Object3D[]): this;
     traverse(visit: (object: Object3D) => void): void;
@@ -23,13 +26,14 @@ declare module "three" {
   }
   export class Group extends Object3D {}
   export class Scene extends Object3D { background: Color | null }
-  export class Camera extends Object3D { up: Vector3 }
+  export class Camera extends Object3D { up: Vector3; projectionMatrix: Matrix4; matrixWorldInverse: Matrix4 }
+  export class Matrix4 { constructor(); elements: number[]; multiplyMatrices(a: Matrix4, b: Matrix4): this }
   export class PerspectiveCamera extends Camera {
     constructor(fov: number, aspect: number, near: number, far: number);
     aspect: number; near: number; far: number; fov: number;
     updateProjectionMatrix(): void;
   }
-  export class BufferAttribute { constructor(array: ArrayLike<number>, itemSize: number); array: ArrayLike<number>; count: number; getX(at: number): number }
+  export class BufferAttribute { constructor(array: ArrayLike<number>, itemSize: number); array: ArrayLike<number>; count: number; needsUpdate: boolean; getX(at: number): number; getY(at: number): number; getZ(at: number): number }
   export class Float32BufferAttribute extends BufferAttribute {}
   export class BufferGeometry {
     index: BufferAttribute | null;
@@ -44,9 +48,17 @@ declare module "three" {
     constructor(parameters: {uniforms: Record<string, Uniform>; vertexShader: string; fragmentShader: string; side?: number; glslVersion?: string});
     uniforms: Record<string, Uniform>;
   }
-  export class LineBasicMaterial extends Material { constructor(parameters: {color: number | string; depthTest?: boolean}); color: Color }
+  export class LineBasicMaterial extends Material {
+    constructor(parameters: {color: number | string; depthTest?: boolean; opacity?: number; transparent?: boolean});
+    color: Color; opacity: number;
+  }
+  export class MeshBasicMaterial extends Material {
+    constructor(parameters: {color: number | string; depthWrite?: boolean; opacity?: number; transparent?: boolean; side?: number});
+  }
+  export class SphereGeometry extends BufferGeometry { constructor(radius: number, across: number, up: number) }
   export class Mesh extends Object3D { constructor(geometry: BufferGeometry, material: Material); isMesh: true; geometry: BufferGeometry; material: Material }
-  export class LineLoop extends Object3D { constructor(geometry: BufferGeometry, material: Material); geometry: BufferGeometry; renderOrder: number }
+  export class LineLoop extends Object3D { constructor(geometry: BufferGeometry, material: Material); geometry: BufferGeometry; material: Material }
+  export class LineSegments extends LineLoop {}
   export interface Intersection { point: Vector3; distance: number; object: Object3D; faceIndex?: number }
   export class Raycaster {
     firstHitOnly: boolean;
@@ -70,7 +82,7 @@ declare module "three/examples/jsm/controls/OrbitControls.js" {
   export class OrbitControls {
     constructor(camera: Camera, element: HTMLElement);
     target: Vector3; maxPolarAngle: number; minDistance: number; maxDistance: number; screenSpacePanning: boolean;
-    keyPanSpeed: number; zoomToCursor: boolean;
+    keyPanSpeed: number; zoomToCursor: boolean; enabled: boolean;
     listenToKeyEvents(element: HTMLElement): void;
     addEventListener(kind: "change" | "start" | "end", then: () => void): void;
     update(): void;
@@ -78,7 +90,12 @@ declare module "three/examples/jsm/controls/OrbitControls.js" {
   }
 }
 declare module "three/examples/jsm/loaders/GLTFLoader.js" {
-  export class GLTFLoader { constructor(); setMeshoptDecoder(decoder: unknown): this }
+  import {Group} from "three";
+  export class GLTFLoader {
+    constructor();
+    setMeshoptDecoder(decoder: unknown): this;
+    parseAsync(data: ArrayBuffer, path: string): Promise<{scene: Group}>;
+  }
 }
 declare module "3d-tiles-renderer/three" {
   import {Camera, Group, Object3D, Sphere, WebGLRenderer} from "three";
@@ -90,7 +107,7 @@ declare module "3d-tiles-renderer/three" {
     setCamera(camera: Camera): boolean;
     setResolutionFromRenderer(camera: Camera, renderer: WebGLRenderer): boolean;
     getBoundingSphere(sphere: Sphere): boolean;
-    addEventListener(kind: "load-model", then: (event: {scene: Object3D}) => void): void;
+    addEventListener(kind: "load-model" | "dispose-model", then: (event: {scene: Object3D}) => void): void;
     addEventListener(kind: "load-error", then: (event: {error: Error}) => void): void;
     addEventListener(kind: "load-root-tileset" | "needs-update" | "tiles-load-end", then: () => void): void;
     update(): void;

@@ -29,7 +29,7 @@ export class ResultPage implements Page {
   private tell(result: Triangulation): void {
     const may = this.context.caller.role !== "read";
     replace(this.head.querySelector(".actions")!,
-      result.dimension === 2 ? h("a", {class: "button", href: `#/view/${encodeURIComponent(this.name)}`}, "View") : null,
+      h("a", {class: "button", href: `#/view/${encodeURIComponent(this.name)}`}, "View"),
       may ? action("Verify", () => this.verify(), {class: "primary"}) : null,
       may ? h("a", {class: "button", href: `#/submit?process=export&triangulation=${encodeURIComponent(this.name)}`}, "Export") : null,
       h("a", {class: "button", href: fileAddress(this.name, "report.html"), target: "_blank", rel: "noopener"}, "Report"),

@@ -25,8 +25,9 @@ export function themeSwitch(): HTMLElement {
   let kind = stored();
   const button = h("button", {type: "button", class: "quiet theme"});
   const tell = () => {
-    say(button, {auto: "Auto", light: "Light", dark: "Dark"}[kind]);
-    button.setAttribute("aria-label", `Colours: ${kind === "auto" ? "as the system" : kind}. Change`);
+    const shown = {auto: "Auto", light: "Light", dark: "Dark"}[kind];
+    say(button, shown);
+    button.setAttribute("aria-label", `${shown} colours${kind === "auto" ? ", as the system has them" : ""}. Change`);
   };
   button.addEventListener("click", () => {
     kind = kinds[(kinds.indexOf(kind) + 1) % kinds.length];

@@ -1,4 +1,5 @@
 // How a surface is coloured, for its shader and for the legend that explains it.
+import * as three from "three";
 
 export type Colouring = "height" | "class" | "intensity" | "tile";
 export const colourings: [Colouring, string][] = [["height", "Height"], ["class", "Class"], ["intensity", "Intensity"], ["tile", "Tile"]];
@@ -22,38 +23,15 @@ const vec3 = (colour: number[]) => `vec3(${colour.map(c => (c / 255).toFixed(4))
 
 const colourOfClass = Object.entries(classes).map(([number, [, colour]]) => `  if (n == ${number}) return ${vec3(colour)};`).join("\n");
 
-// Heights are z of the page's scene, in which the tileset's origin is 0.
-export const vertexShader = `
-in float _intensity;
-in float _classification;
-in float _tile;
-out vec3 seen;
-out float height;
-out float intensity;
-flat out int classOf;
-flat out int tileOf;
-void main() {
-  vec4 place = modelMatrix * vec4(position, 1.0);
-  vec4 view = viewMatrix * place;
-  seen = view.xyz;
-  height = place.z;
-  intensity = _intensity;
-  classOf = int(_classification + 0.5);
-  tileOf = int(_tile + 0.5);
-  gl_Position = projectionMatrix * view;
-}`;
-
-// Lit as facets: a triangle is what is looked at here.
-export const fragmentShader = `
-uniform int colouring;
+// Of one way to colour. Where software draws it runs all of a shader, also what is behind a condition: so each way has a
+// program of its own, and a colour is found for a vertex, of which there are fewer than of pixels. Heights are z of the
+// page's scene. What has no values between is that of one corner.
+const vertexShader = (by: Colouring) => `
 uniform vec2 heights;
 uniform float brightest;
-in vec3 seen;
-in float height;
-in float intensity;
-flat in int classOf;
-flat in int tileOf;
-out vec4 colour;
+in float ${{height: "_tile", class: "_classification", intensity: "_intensity", tile: "_tile"}[by]};
+out vec3 seen;
+${by === "class" || by === "tile" ? "flat " : ""}out vec3 plain;
 vec3 onRamp(float part) {
   float at = clamp(part, 0.0, 1.0) * ${(ramp.length - 1).toFixed(1)};
   vec3 mixed = ${vec3(ramp[0])};
@@ -64,16 +42,58 @@ vec3 ofClass(int n) {
 ${colourOfClass}
   return ${vec3(grey)};
 }
-vec3 ofTile(int n) {
-  float hue = fract(float(n) * 0.61803399);
+vec3 ofTile(float n) {
+  float hue = fract(n * 0.61803399);
   return 0.45 + 0.4 * cos(6.2831853 * (hue + vec3(0.0, 0.33, 0.67)));
 }
 void main() {
-  vec3 plain = colouring == 0 ? onRamp((height - heights.x) / max(heights.y - heights.x, 1e-9))
-    : colouring == 1 ? ofClass(classOf)
-    : colouring == 2 ? vec3(clamp(intensity / brightest, 0.0, 1.0) * 0.9 + 0.08)
-    : ofTile(tileOf);
+  vec4 place = modelMatrix * vec4(position, 1.0);
+  vec4 view = viewMatrix * place;
+  seen = view.xyz;
+  plain = ${{
+    height: "onRamp((place.z - heights.x) / max(heights.y - heights.x, 1e-9))", class: "ofClass(int(_classification + 0.5))",
+    intensity: "vec3(clamp(_intensity / brightest, 0.0, 1.0) * 0.9 + 0.08)", tile: "ofTile(_tile)"}[by]};
+  gl_Position = projectionMatrix * view;
+}`;
+
+// Lit as facets: a triangle is what is looked at here.
+const fragmentShader = (by: Colouring) => `
+uniform vec3 sun;
+in vec3 seen;
+${by === "class" || by === "tile" ? "flat " : ""}in vec3 plain;
+out vec4 colour;
+void main() {
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-  vec3 sun = normalize((viewMatrix * vec4(-0.4, 0.5, 0.75, 0.0)).xyz);
   colour = vec4(plain * (0.45 + 0.6 * abs(dot(normal, sun))), 1.0);
 }`;
+
+// What there is to colour by.
+export interface Colours {
+  heights: [number, number]; intensityMax: number; classes: number[]; attributes: string[]; tiles: number;
+}
+
+// The ways to colour what has such values. `level`: the height of the result that is 0 in the scene.
+export class Materials {
+  private readonly sun = new three.Vector3();
+  private readonly made = new Map<Colouring, three.ShaderMaterial>();
+
+  constructor(private readonly colours: Colours, private readonly level: number, private readonly more: object = {}) {}
+
+  get(by: Colouring): three.ShaderMaterial {
+    const [low, high] = this.colours.heights;
+    const material = this.made.get(by) ?? new three.ShaderMaterial({glslVersion: three.GLSL3, side: three.DoubleSide,
+      vertexShader: vertexShader(by), fragmentShader: fragmentShader(by), uniforms: {
+        heights: {value: new three.Vector2(low - this.level, high - this.level)},
+        brightest: {value: Math.max(this.colours.intensityMax, 1)},
+        sun: {value: this.sun}}, ...this.more});
+    this.made.set(by, material);
+    return material;
+  }
+
+  // Where the light comes from, seen from the camera: it stays where it is in the scene.
+  light(camera: three.Camera): void {
+    this.sun.set(-0.4, 0.5, 0.75).normalize().transformDirection(camera.matrixWorldInverse);
+  }
+
+  dispose(): void { for (const material of this.made.values()) material.dispose(); }
+}

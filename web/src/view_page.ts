@@ -1,11 +1,14 @@
-// The viewer of a 2D result: its surface, what the colours mean, and what a cell is. It is loaded when it is asked for.
+// The viewer: of a 2D result its surface, what the colours mean, and what a cell is; of a 3D one SolidView. It is loaded
+// when it is asked for.
 import {address, get, Job, send, Triangulation} from "./api";
-import {h, replace, say, show} from "./dom";
+import {h, replace} from "./dom";
 import {count} from "./format";
 import {Context, emptyState, heading, Notice, Page} from "./page";
 import {CellPanel} from "./view_cell";
-import {classColour, className, Colouring, colourings, ramp} from "./view_colours";
+import {colourPanel} from "./view_legend";
 import {Scene, TilesetDocument} from "./view_scene";
+import {SolidView} from "./view_solid_page";
+import {drawable} from "./view_stage";
 
 export class ViewPage implements Page {
   readonly title: string;
@@ -14,6 +17,7 @@ export class ViewPage implements Page {
   private readonly body = h("div");
   private readonly leave: () => void;
   private scene: Scene | null = null;
+  private solid: SolidView | null = null;
   private making: {line: HTMLElement; bar: HTMLProgressElement; job: string} | null = null;
   private closed = false;
 
@@ -30,7 +34,10 @@ export class ViewPage implements Page {
     void this.notice.attempt(async () => {
       const result = await get<Triangulation>(address("triangulations", this.name));
       if (result.dimension === 2) await (result.tileset ? this.open() : this.prepare());
-      else replace(this.body, emptyState("This is a 3D result", "Only surfaces, 2D results, are shown here. ParaView shows tetrahedra: open triangulation.pvtu."));
+      else {
+        this.solid = new SolidView(this.context, this.notice, this.body, result);
+        await this.solid.open();
+      }
     });
   }
 
@@ -38,6 +45,7 @@ export class ViewPage implements Page {
     this.closed = true;
     this.leave();
     this.scene?.close();
+    this.solid?.close();
   }
 
   private get tileset(): string { return address("triangulations", this.name, "3dtiles", "tileset.json"); }
@@ -81,60 +89,19 @@ export class ViewPage implements Page {
 
   private draw(tileset: TilesetDocument): void {
     const canvas = h("canvas", {tabindex: 0, role: "img", "aria-label": `Surface of ${this.name}, ${count(tileset.extras.cells)} triangles`, "aria-describedby": "view-help"});
-    const cell = new CellPanel(this.name);
-    const legend = h("div", {class: "legend-box", role: "status"});
-    const {attributes} = tileset.extras;
-    const has: Record<Colouring, boolean> = {height: true, class: attributes.includes("classification"),
-      intensity: attributes.includes("intensity"), tile: true};
-    const tell = (by: Colouring) => {
-      this.scene?.colour(by);
-      replace(legend, ...legendOf(by, tileset));
-    };
-    const choices = colourings.filter(([id]) => has[id]).map(([id, text]) => {
-      const input = h("input", {type: "radio", name: "colouring", id: `by-${id}`, value: id, onchange: () => tell(id)});
-      input.checked = id === "height";
-      return h("div", {class: "choice"}, input, h("label", {for: `by-${id}`}, text));
-    });
+    const cell = new CellPanel(this.name, "Click on the surface.");
     const help = h("p", {class: "sub", id: "view-help"},
       "Drag turns, the right button or two fingers move, the wheel or two fingers zoom; a click asks for the cell. Keys: arrows move, with Shift they turn, + and − zoom, Enter asks for the cell in the middle.");
-    const stage = h("div", {class: "stage"}, canvas);
-    replace(this.body, h("div", {class: "view"}, stage, h("div", {class: "view-side"},
-      h("section", {class: "panel", "aria-labelledby": "colour-title"}, h("h2", {id: "colour-title"}, "Colours"),
-        h("fieldset", {class: "choices", "aria-labelledby": "colour-title"}, ...choices), legend),
-      cell.element, help)));
-    try {
-      this.scene = new Scene(canvas, this.tileset, tileset);
-    } catch (error) {
-      show(stage, false);
-      throw new Error(`This browser cannot draw in 3D (WebGL 2): ${error instanceof Error ? error.message : String(error)}`);
-    }
-    const scene = this.scene;
+    const stage = h("div", {class: "stage"}, canvas), side = h("div", {class: "view-side"}, cell.element, help);
+    replace(this.body, h("div", {class: "view"}, stage, side));
+    const scene = drawable(stage, () => new Scene(canvas, this.tileset, tileset));
+    this.scene = scene;
     scene.onFailure = error => this.notice.tell(error);
-    cell.onRing = ring => scene.mark(ring);
+    cell.onFound = (...found) => scene.mark(...found);
     scene.onPick = point => void this.notice.attempt(async () => {
-      await cell.ask(point);
+      await cell.ask(`point=${point.join(",")}`);
       this.context.announce(cell.summary);
     });
-    tell("height");
+    side.prepend(colourPanel(tileset.extras, by => scene.colour(by)));
   }
-}
-
-function swatch(colour: number[]): HTMLElement {
-  const box = h("span", {class: "swatch", "aria-hidden": "true"});
-  box.style.background = `rgb(${colour.join(" ")})`;
-  return box;
-}
-
-function legendOf(by: Colouring, {extras}: TilesetDocument): HTMLElement[] {
-  if (by === "class") return [h("ul", {class: "classes"}, ...extras.classes.map(n => h("li", {}, swatch(classColour(n)), className(n))))];
-  if (by === "tile") return [h("p", {class: "sub"}, `${count(extras.tiles)} tiles, each of one colour`)];
-  const bar = h("div", {class: "ramp", "aria-hidden": "true"});
-  bar.style.background = `linear-gradient(to right, ${(by === "height" ? ramp : [[20, 20, 20], [250, 250, 250]]).map(c => `rgb(${c.join(" ")})`).join(", ")})`;
-  const [low, high] = by === "height" ? extras.heights : [0, extras.intensityMax];
-  const end = (value: number) => {
-    const text = h("span", {class: "number"});
-    say(text, value.toLocaleString("en", {maximumFractionDigits: 2}));
-    return text;
-  };
-  return [bar, h("div", {class: "ramp-ends sub"}, end(low), end(high))];
 }

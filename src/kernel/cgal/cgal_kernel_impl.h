@@ -108,6 +108,12 @@ class CgalKernel final : public Kernel {
     Traits::for_each_neighbour(t_, handles_[v], [&](Handle w) { around.push_back(w->info()); });
   }
 
+  void edges_from(Vertex first, const std::function<void(Vertex, Vertex)>& visit) const override {
+    for (Vertex v = first; v < handles_.size(); ++v) {
+      if (alive(v)) Traits::for_each_neighbour(t_, handles_[v], [&](Handle w) { visit(v, w->info()); });
+    }
+  }
+
   CellList cells() const override {
     CellList list;
     std::uint32_t n = 0;

@@ -1,9 +1,12 @@
 // Going through the cells: lists, exploration and freezing.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "src/kernel/flat/flat_kernel_impl.h"
 
@@ -29,6 +32,30 @@ class Ranks {
   std::vector<std::uint64_t> bits_;
   std::vector<Word> before_;
 };
+
+// One pass in the order of the slots: the cells around an edge lie near each other there, so a small table of the last
+// edges spares most of the visits that would repeat one.
+template <class Mesh>
+void FlatKernel<Mesh>::edges_from(Vertex first, const std::function<void(Vertex, Vertex)>& visit) const {
+  constexpr int table_bits = 12;
+  std::vector<std::uint64_t> last(std::size_t{1} << table_bits, 0);
+  const auto edge = [&](Vertex v, Vertex w) {
+    if (v < w) std::swap(v, w);
+    if (v < first || w == infinite_vertex) return;
+    const std::uint64_t key = std::uint64_t{v} << 32 | w;
+    std::uint64_t& seen = last[key * 0x9E3779B97F4A7C15u >> (64 - table_bits)];  // Fibonacci hashing (Knuth, 6.4)
+    if (seen == key) return;
+    seen = key;
+    visit(v, w);
+  };
+  for (Word slot = 0; slot < mesh_.cells.size(); ++slot) {
+    const Cell& c = mesh_.cells[slot];
+    if (c.dead() || std::none_of(c.v, c.v + corners, [&](Vertex v) { return v >= first; })) continue;
+    for (Word i = 1; i < corners; ++i) {
+      for (Word k = 0; k < i; ++k) edge(c.v[i], c.v[k]);
+    }
+  }
+}
 
 template <class Mesh>
 CellList FlatKernel<Mesh>::cells() const {

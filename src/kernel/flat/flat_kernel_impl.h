@@ -32,6 +32,7 @@ class FlatKernel final : public Kernel {
   void remove(Vertex v) override;
   void star(Vertex v, std::vector<Vertex>& cells) const override;
   void neighbours(Vertex v, std::vector<Vertex>& around) const override;
+  void edges_from(Vertex first, const std::function<void(Vertex, Vertex)>& visit) const override;
   CellList cells() const override;
   CellRows take_cells() override;
   std::vector<Vertex> explore(const std::function<bool(const Vertex*)>& is_final, CellList* all,

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "src/base/check.h"
@@ -34,7 +36,10 @@ template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::start() {
   check(spanned_ == dimension && cells.size() == 0, "a triangulation starts with a simplex");
   if (!self().positive(simplex_)) std::swap(simplex_[0], simplex_[1]);
-  cells.reserve(Mesh::cells_a_vertex * std::size_t{points.size()} + 64);
+  // Points from outside come later, near the boundary of these: room for them spares moving all.
+  const double n = static_cast<double>(points.size());
+  const double outside = 8 * (dimension == 3 ? std::cbrt(n) * std::cbrt(n) : std::sqrt(n));
+  cells.reserve(Mesh::cells_a_vertex * (std::size_t{points.size()} + static_cast<std::size_t>(outside)) + 64);
   cells.resize(corners + 1);
   cells[0].set(simplex_.data());
   // With the corner that is inside in front of a facet the cell is positive; so it is with the infinite vertex behind.

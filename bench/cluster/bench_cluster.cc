@@ -1,0 +1,207 @@
+// What a coordinator costs: the actors of many nodes in one process and one thread, a message at a time, each timed by
+// the kind of actor that it was for. No network, no disk; tiles of few points, so that there is little beside control.
+//   bench_cluster [nodes=4,16,64,256,1000] [tiles=10000] [points a tile=12] [seed=7]
+#include <caf/all.hpp>
+#include <caf/scheduler/test_coordinator.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <memory>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "actors/coordinator.h"
+#include "actors/harness/memory_storage.h"
+#include "actors/harness/setting.h"
+#include "actors/harness/truth.h"
+#include "actors/node_actor.h"
+#include "src/run/assignment.h"
+#include "src/run/touching.h"
+#include "src/tiling/hilbert.h"
+#include "src/tiling/seed_finder.h"
+#include "src/tiling/span_finder.h"
+
+namespace tessera {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// First come, first served.
+class TimedScheduler final : public caf::scheduler::test_coordinator {
+ public:
+  explicit TimedScheduler(caf::actor_system& system) : test_coordinator(system) {}
+  void enqueue(caf::resumable* job) override { ready_.push_back(job); }
+  void stop() override { run_all(); }
+
+  void run_all() {
+    Worker worker(*this);
+    while (!ready_.empty()) {
+      caf::resumable* const job = ready_.front();
+      ready_.pop_front();
+      const bool coordinator = dynamic_cast<Coordinator*>(job) != nullptr;
+      const auto begin = Clock::now();
+      const auto state = job->resume(&worker, 1);
+      const auto taken = Clock::now() - begin;
+      all += taken;
+      ++messages;
+      if (coordinator) {
+        of_coordinator += taken;
+        ++to_coordinator;
+      }
+      if (state == caf::resumable::resume_later) {
+        enqueue(job);
+      } else if (state != caf::resumable::shutdown_execution_unit) {
+        caf::intrusive_ptr_release(job);
+      }
+    }
+  }
+
+  Clock::duration all{}, of_coordinator{};
+  std::uint64_t messages = 0, to_coordinator = 0;
+
+ private:
+  class Worker final : public caf::execution_unit {
+   public:
+    explicit Worker(TimedScheduler& scheduler) : execution_unit(&scheduler.system()), scheduler_(scheduler) {}
+    void exec_later(caf::resumable* job) override { scheduler_.enqueue(job); }
+
+   private:
+    TimedScheduler& scheduler_;
+  };
+  std::deque<caf::resumable*> ready_;
+};
+
+class Config : public caf::actor_system_config {
+ public:
+  Config() {
+    add_message_types<caf::id_block::tessera>();
+    module_factories.push_back(
+        [](caf::actor_system& system) -> caf::actor_system::module* { return new TimedScheduler(system); });
+  }
+};
+
+class Owner final : public RunOwner {
+ public:
+  void progressed(const RunProgress&) override {}
+  void said(const std::string&) override {}
+  void stored(const TileDone&) override { ++tiles; }
+  void ended(RunEnded how) noexcept override { end = std::move(how); }
+  std::optional<RunEnded> end;
+  std::uint64_t tiles = 0;
+};
+
+// A uniform cloud in 2D, as production would cut it and find its seeds.
+Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, std::vector<TileId>& order) {
+  Setting s;
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<Point> sample;
+  Bounds bounds;
+  for (std::size_t i = 0; i < points; ++i) {
+    s.cloud.push_back({{unit(random), unit(random), 0}, i});
+    sample.push_back(s.cloud.back().at);
+    bounds.add(sample.back());
+  }
+  const Partition partition = Partition::build_tiles(PartitionKind::kdtree, 2, sample, bounds, tiles);
+  s.tiles.resize(partition.tiles());
+  std::vector<Bounds> tile_bounds(partition.tiles());
+  SpanFinder finder(2);
+  SeedFinder seed_finder(2);
+  for (const LocalPoint& p : s.cloud) {
+    const TileId tile = partition.tile_of(p.at);
+    s.tiles[tile.value].push_back(p);
+    tile_bounds[tile.value].add(p.at);
+    seed_finder.add(tile, partition.boxes()[tile.value], p);
+  }
+  finder.add(s.cloud);
+  std::vector<LocalPoint> seeds = finder.span();
+  if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
+  s.context.dimension = 2;
+  s.context.boxes = final_boxes(partition);
+  s.context.around = Surroundings(tile_bounds, touching_tiles(partition, tile_bounds),
+                                  seed_finder.choose(partition, tile_bounds, seeds));
+  s.context.many_nodes = s.schedule.settle_asleep = true;
+  s.schedule.memory_bytes = std::uint64_t{1} << 40;
+  std::vector<std::uint64_t> place(s.tiles.size());
+  const HilbertKey key(bounds, 2);
+  for (std::uint32_t t = 0; t < s.tiles.size(); ++t) {
+    if (s.tiles[t].empty()) continue;
+    order.push_back(TileId{t});
+    const Bounds& b = tile_bounds[t];
+    place[t] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, 0});
+  }
+  std::stable_sort(order.begin(), order.end(), [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
+  return s;
+}
+
+double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned seed) {
+  CoordinatorOptions job;
+  Setting setting = uniform_setting(tiles, points, seed, job.order);
+  for (const auto& tile : setting.tiles) job.points.push_back(tile.size());
+  std::vector<Host> hosts;
+  for (std::uint32_t n = 0; n < nodes; ++n) hosts.push_back({NodeId{n}, 1});
+  setting.spec.table = {0, std::vector<NodeId>(setting.tiles.size()), std::vector<std::uint32_t>(setting.tiles.size())};
+  const auto homes = share_out(job.order, job.points, hosts);
+  for (std::size_t i = 0; i < homes.size(); ++i) setting.spec.table.nodes[job.order[i].value] = homes[i];
+  job.spec = setting.spec;
+  job.mark_settled = [](bool) { return success(); };
+  MemoryStorage storage(2, setting.tiles);
+  Truth truth(nullptr);
+  Owner owner;
+  Config config;
+  caf::actor_system system(config);
+  auto& scheduler = dynamic_cast<TimedScheduler&>(system.scheduler());
+  std::vector<NodeHandle> handles;
+  for (std::uint32_t n = 0; n < nodes; ++n) {
+    NodeOptions node;
+    node.memory_bytes = ~std::uint64_t{0};
+    handles.push_back(
+        system.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting, storage, truth, NodeId{n})));
+  }
+  scheduler.run_all();
+  scheduler.all = scheduler.of_coordinator = {};
+  scheduler.messages = scheduler.to_coordinator = 0;
+  system.spawn<Coordinator>(std::move(job), owner, handles);
+  scheduler.run_all();
+  for (const NodeHandle& node : handles) caf::anon_send_exit(node, caf::exit_reason::kill);
+  handles.clear();
+  const double all = seconds(scheduler.all), coordinator = seconds(scheduler.of_coordinator);
+  const std::uint64_t messages = scheduler.messages, control = scheduler.to_coordinator;
+  scheduler.run_all();
+  if (!owner.end || owner.end->failure || owner.tiles != homes.size()) {
+    std::fprintf(stderr, "%u nodes: %s\n", nodes, owner.end ? owner.end->failure.text.c_str() : "no end");
+    return 1;
+  }
+  const auto beside_tiles = static_cast<double>(control - owner.tiles);
+  std::printf(
+      "%5u nodes %6llu tiles %9llu messages %7.2f s   coordinator %8.4f s %6.2f %%   %4llu waves %6.1f messages a node "
+      "to it\n",
+      nodes, static_cast<unsigned long long>(owner.tiles), static_cast<unsigned long long>(messages), all, coordinator,
+      100 * coordinator / all, static_cast<unsigned long long>(owner.end->waves), beside_tiles / nodes);
+  return 0;
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  const auto value = [&](int i, unsigned long otherwise) {
+    return argc > i ? std::strtoul(argv[i], nullptr, 10) : otherwise;
+  };
+  std::istringstream nodes(argc > 1 ? argv[1] : "4,16,64,256,1000");
+  const auto tiles = static_cast<std::uint32_t>(value(2, 10'000));
+  const std::size_t points = value(3, 12) * tiles;
+  int failed = 0;
+  for (std::string n; std::getline(nodes, n, ',');) {
+    failed |= tessera::run(static_cast<std::uint32_t>(std::strtoul(n.c_str(), nullptr, 10)), tiles, points,
+                           static_cast<unsigned>(value(4, 7)));
+  }
+  return failed;
+}

@@ -1,0 +1,39 @@
+// Attributes of vertices that viewers colour by.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/attribute_value.h"
+
+namespace tessera::tileset {
+
+// Where in the rows of a result an attribute is; size 0: there is none.
+struct Column {
+  std::size_t offset = 0, size = 0;
+  AttributeType type = AttributeType::f64;
+  double at(const std::byte* row) const { return size == 0 ? 0 : as_double(type, row + offset); }
+};
+
+inline Column find_column(const std::vector<Attribute>& schema, const std::string& name) {
+  Column column;
+  for (const auto& attribute : schema) {
+    if (attribute.name == name) return {column.offset, size_of(attribute.type), attribute.type};
+    column.offset += size_of(attribute.type);
+  }
+  return {};
+}
+
+// Rounded, and what T has that is nearest.
+template <class T>
+T clamped(double value) {
+  if (!(value > 0)) return 0;
+  return static_cast<T>(std::lround(std::min(value, static_cast<double>(std::numeric_limits<T>::max()))));
+}
+
+}  // namespace tessera::tileset
