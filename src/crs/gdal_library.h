@@ -22,18 +22,23 @@ namespace tessera {
   F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLGetLastErrorType) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
   F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) F(GDALDEMProcessing) \
   F(GDALDEMProcessingOptionsFree) F(GDALDEMProcessingOptionsNew) F(GDALDEMProcessingOptionsSetProgress) \
-  F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) \
+  F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetGetLayerByName) \
   F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) F(GDALFlushCache) F(GDALGetCacheMax64) \
-  F(GDALGetDriverByName) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALOpenEx) F(GDALRasterIO) \
+  F(GDALGetDriverByName) F(GDALGetGeoTransform) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALGetRasterCount) \
+  F(GDALGetRasterDataType) F(GDALGetRasterXSize) F(GDALGetRasterYSize) F(GDALOpenEx) F(GDALRasterIO) \
   F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetRasterNoDataValue) \
-  F(GDALSetSpatialRef) F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
-  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) \
-  F(OGR_G_CreateFromWkb) F(OGR_L_CreateFeature) F(OGR_L_CreateField) F(OGR_L_GetLayerDefn) F(OGR_L_SyncToDisk) \
+  F(GDALSetSpatialRef) F(GDALWarp) F(GDALWarpAppOptionsFree) F(GDALWarpAppOptionsNew) F(OCTDestroyCoordinateTransformation) \
+  F(OCTNewCoordinateTransformation) F(OCTTransform) F(OGR_FD_GetFieldCount) F(OGR_FD_GetFieldDefn) F(OGR_FD_GetFieldIndex) \
+  F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_GetFID) F(OGR_F_GetFieldAsDouble) F(OGR_F_GetFieldAsInteger64) \
+  F(OGR_F_GetGeometryRef) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
+  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) \
+  F(OGR_G_CreateFromWkb) F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
+  F(OGR_L_GetFeatureCount) F(OGR_L_GetGeomType) F(OGR_L_GetLayerDefn) F(OGR_L_GetNextFeature) F(OGR_L_SyncToDisk) \
   F(OSRDestroySpatialReference) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
   F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetTargetLinearUnits) \
   F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
   F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
-  F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIUnlink)
+  F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink)
 // clang-format on
 
 struct GdalLibrary {

@@ -147,6 +147,8 @@ fs::path event_numbers_file(const fs::path& data) { return data / "events.json";
 fs::path results_folder(const fs::path& data) { return data / "results"; }
 fs::path exports_folder(const fs::path& out) { return out / "exports"; }
 fs::path tileset_of_result(const fs::path& out) { return exports_folder(out) / "3dtiles"; }
+fs::path dem_of_result(const fs::path& out) { return exports_folder(out) / "dem.tif"; }
+fs::path contours_of_result(const fs::path& out) { return exports_folder(out) / "contours.gpkg"; }
 fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
 fs::path answers_folder(const fs::path& data) { return data / "answers"; }
 fs::path answer_file(const fs::path& folder, const std::string& ending) { return folder / ("answer" + ending); }

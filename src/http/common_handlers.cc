@@ -1,6 +1,10 @@
+#include <initializer_list>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "src/http/absolute.h"
 #include "src/http/handlers.h"
 #include "src/http/openapi.h"
 #include "src/http/processes.h"
@@ -24,7 +28,8 @@ constexpr Entry entries[] = {
     {"/v1/conformance", "http://www.opengis.net/def/rel/ogc/1.0/conformance", json, "What it conforms to"},
     {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "What can be done"},
     {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
-    {"/v1/triangulations", "data", json, "The results"},
+    {"/v1/triangulations", "triangulations", json, "The results"},
+    {"/v1/collections", "data", json, "The results on maps"},
     {"/v1/nodes", "nodes", json, "Who works on the jobs"},
     {"/v1/caller", "caller", json, "Who you are"},
     {"/v1/events", "events", "text/event-stream", "What happens"},
@@ -45,7 +50,7 @@ Answer landing(const Call& call) {
                     {"description", "Exact Delaunay triangulations of large point clouds, as jobs."},
                     {"links", ordered_json::array()}};
   for (const Entry& entry : entries)
-    page["links"].push_back({{"href", call.context.links.to(call.request, entry.path)},
+    page["links"].push_back({{"href", absolute(call.context.links, call.request, entry.path)},
                              {"rel", entry.rel},
                              {"type", entry.type},
                              {"title", entry.title}});
@@ -55,10 +60,19 @@ Answer landing(const Call& call) {
 }
 
 Answer conformance(const Call&) {
-  const std::string base = "http://www.opengis.net/spec/ogcapi-processes-1/1.0/conf/";
-  const ordered_json told{{"conformsTo",
-                           {base + "core", base + "json", base + "oas30", base + "ogc-process-description",
-                            base + "job-list", base + "dismiss"}}};
+  const auto classes = [](const char* standard, std::initializer_list<const char*> names) {
+    std::vector<std::string> list;
+    for (const char* name : names)
+      list.push_back(std::string("http://www.opengis.net/spec/") + standard + "/1.0/conf/" + name);
+    return list;
+  };
+  std::vector<std::string> all =
+      classes("ogcapi-processes-1", {"core", "json", "oas30", "ogc-process-description", "job-list", "dismiss"});
+  for (const auto& more : {classes("ogcapi-common-1", {"core", "json", "oas30"}),
+                           classes("ogcapi-features-1", {"core", "geojson", "oas30"}),
+                           classes("ogcapi-tiles-1", {"core", "tileset", "tilesets-list", "png"})})
+    all.insert(all.end(), more.begin(), more.end());
+  const ordered_json told{{"conformsTo", all}};
   return json_answer(200, told.dump());
 }
 
@@ -193,6 +207,7 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   add_job_routes(routes, shared);
   add_result_routes(routes);
   add_question_routes(routes);
+  add_map_routes(routes);
   add_node_routes(routes);
   add_dashboard_routes(routes);
   add_operations_routes(routes, shared,

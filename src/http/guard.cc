@@ -1,9 +1,11 @@
 #include "src/http/guard.h"
 
 #include <arpa/inet.h>
+#include <openssl/evp.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <utility>
 
 namespace tessera::http {
@@ -31,6 +33,28 @@ std::string_view cookie(std::string_view header, std::string_view name) {
       return pair.substr(name.size() + 1);
   }
   return {};
+}
+
+bool has_scheme(std::string_view value, std::string_view scheme) {
+  return value.size() > scheme.size() && std::equal(scheme.begin(), scheme.end(), value.begin(), [](char a, char b) {
+           return a == (b >= 'A' && b <= 'Z' ? b + 32 : b);
+         });
+}
+
+// Of "Basic ..." (RFC 7617): what is behind the name, whatever that is.
+std::optional<std::string> password_of(std::string_view value) {
+  constexpr std::string_view scheme = "basic ";
+  if (!has_scheme(value, scheme)) return std::nullopt;
+  value.remove_prefix(scheme.size());
+  std::string pair(value.size() / 4 * 3 + 3, '\0');
+  const int bytes =
+      EVP_DecodeBlock(reinterpret_cast<unsigned char*>(pair.data()),
+                      reinterpret_cast<const unsigned char*>(value.data()), static_cast<int>(value.size()));
+  if (bytes < 0) return std::nullopt;
+  pair.resize(static_cast<std::size_t>(bytes));
+  while (!pair.empty() && pair.back() == '\0') pair.pop_back();  // it counts what '=' stands for, too
+  const std::size_t colon = pair.find(':');
+  return colon == std::string::npos ? std::nullopt : std::optional(pair.substr(colon + 1));
 }
 
 bool changes_state(std::string_view method) { return method != "GET" && method != "HEAD" && method != "OPTIONS"; }
@@ -95,10 +119,14 @@ Guard::Shown Guard::identify(Request& request) const {
   if (request.count("authorization") > 0) {
     std::string_view value = request.header("authorization");
     constexpr std::string_view scheme = "bearer ";
-    const bool bearer = value.size() > scheme.size() &&
-                        std::equal(scheme.begin(), scheme.end(), value.begin(),
-                                   [](char a, char b) { return a == (b >= 'A' && b <= 'Z' ? b + 32 : b); });
-    if (bearer) caller = tokens_.find(value.substr(scheme.size()));
+    const bool bearer = has_scheme(value, scheme);
+    if (bearer) {
+      caller = tokens_.find(value.substr(scheme.size()));
+    } else if (const auto password = password_of(value)) {
+      // Programs that know only names and passwords, and browsers, which send them unasked: to read, whatever the role.
+      caller = tokens_.find(*password);
+      if (caller) caller->role = std::min(caller->role, Role::read);
+    }
     shown.wrong = !caller;
   } else if (const std::string_view session = cookie(request.header("cookie"), cookie_name(request));
              !session.empty()) {

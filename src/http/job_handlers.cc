@@ -60,11 +60,12 @@ Answer execute(const Call& call) {
 }
 
 Answer estimate(const Call& call) {
-  if (call.arguments[0] != "triangulate") return unknown_process(call.arguments[0]);
+  const Process* process = find_process(call.arguments[0]);
+  if (!process || !process->estimated) return unknown_process(call.arguments[0]);
   if (auto refused = wrong_type(call.request)) return std::move(*refused);
-  const Result<proto::Inputs> inputs = read_inputs(*find_process("triangulate"), call.request);
+  const Result<proto::Inputs> inputs = read_inputs(*process, call.request);
   if (!inputs) return bad_request(inputs.error());
-  const Reply<proto::Estimate> told = call.context.backend->estimate(inputs.value().triangulate(), call.request.caller);
+  const Reply<proto::Estimate> told = call.context.backend->estimate(inputs.value(), call.request.caller);
   return told ? message_answer(call.request, 200, told.value()) : problem(told.error());
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
+#include "src/http/documents.h"
 #include "src/http/schema.h"
 #include "src/http/tokens.h"
 
@@ -12,8 +13,6 @@ namespace tessera::http {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json reference(const std::string& schema) { return {{"$ref", "#/components/schemas/" + schema}}; }
 
 // {path*} is {path}: the document cannot say that slashes are taken too.
 std::string documented_path(std::string path) {
@@ -69,77 +68,9 @@ ordered_json operation_of(const Route& route, const ordered_json& messages) {
   }
   operation["responses"]["default"] = {{"$ref", "#/components/responses/Problem"}};
   if (route.role == Role::none) operation["security"] = ordered_json::array();
+  if (route.role == Role::read)
+    operation["security"] = {{{"token", ordered_json::array()}}, {{"password", ordered_json::array()}}};
   return operation;
-}
-
-// What is no message: the documents of the standard, and what the commands print.
-void add_documents(ordered_json& schemas) {
-  const ordered_json links{{"type", "array"}, {"items", reference("Link")}};
-  const ordered_json text{{"type", "string"}};
-  const ordered_json list_of_text{{"type", "array"}, {"items", text}};
-  schemas["LandingPage"] = {{"type", "object"},
-                            {"required", {"title", "links"}},
-                            {"properties", {{"title", text}, {"description", text}, {"links", links}}}};
-  schemas["Conformance"] = {
-      {"type", "object"}, {"required", {"conformsTo"}}, {"properties", {{"conformsTo", list_of_text}}}};
-  schemas["ProcessSummary"] = {{"type", "object"},
-                               {"required", {"id", "version", "jobControlOptions", "links"}},
-                               {"properties",
-                                {{"id", text},
-                                 {"title", text},
-                                 {"description", text},
-                                 {"version", text},
-                                 {"jobControlOptions", list_of_text},
-                                 {"outputTransmission", list_of_text},
-                                 {"links", links}}}};
-  schemas["ProcessList"] = {
-      {"type", "object"},
-      {"required", {"processes", "links"}},
-      {"properties", {{"processes", {{"type", "array"}, {"items", reference("ProcessSummary")}}}, {"links", links}}}};
-  schemas["Process"] = {{"allOf",
-                         {reference("ProcessSummary"),
-                          {{"type", "object"},
-                           {"required", {"inputs", "outputs"}},
-                           {"properties", {{"inputs", {{"type", "object"}}}, {"outputs", {{"type", "object"}}}}}}}}};
-  schemas["Results"] = {{"type", "object"}, {"additionalProperties", {{"type", "object"}}}};
-  const auto list_of = [](const ordered_json& items) { return ordered_json{{"type", "array"}, {"items", items}}; };
-  const ordered_json point = list_of({{"type", "number"}});
-  const ordered_json whole{{"type", "integer"}, {"format", "int64"}};
-  schemas["Points"] = {{"type", "object"}, {"required", {"points"}}, {"properties", {{"points", list_of(point)}}}};
-  schemas["Answers"] = {{"type", "object"},
-                        {"required", {"answers"}},
-                        {"properties", {{"answers", list_of({{"type", "object"}, {"required", {"point"}}})}}}};
-  schemas["Cell"] = {{"type", "object"},
-                     {"nullable", true},
-                     {"properties", {{"tile", whole}, {"cell", whole}, {"vertices", list_of(whole)}}}};
-  schemas["Vertex"] = {{"type", "object"}, {"properties", {{"id", whole}, {"tile", whole}, {"point", point}}}};
-  ordered_json nullable = whole;
-  nullable["nullable"] = true;
-  schemas["Location"] = {{"type", "object"},
-                         {"required", {"point", "cell"}},
-                         {"properties",
-                          {{"point", point},
-                           {"tile", whole},
-                           {"cell", nullable},
-                           {"vertices", list_of(reference("Vertex"))},
-                           {"neighbors", list_of(reference("Cell"))}}}};
-  schemas["Star"] = {{"type", "object"},
-                     {"required", {"asked", "vertex", "voronoi_volume", "on_hull", "neighbors", "cells"}},
-                     {"properties",
-                      {{"asked", whole},
-                       {"vertex", reference("Vertex")},
-                       {"voronoi_volume", {{"type", "number"}, {"nullable", true}}},
-                       {"on_hull", {{"type", "boolean"}}},
-                       {"neighbors", list_of(reference("Vertex"))},
-                       {"cells", list_of(reference("Cell"))}}}};
-  schemas["Document"] = {{"type", "object"}};
-  schemas["JsonExecute"] = {{"type", "object"},
-                            {"required", {"inputs"}},
-                            {"additionalProperties", false},
-                            {"properties",
-                             {{"inputs", {{"type", "object"}}},
-                              {"outputs", {{"type", "object"}}},
-                              {"response", {{"type", "string"}, {"enum", {"document"}}}}}}};
 }
 
 }  // namespace
@@ -163,9 +94,13 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
   add_documents(schemas);
   ordered_json problem{{"description", "A problem document (RFC 9457)"}};
   problem["content"]["application/problem+json"] = {{"schema", reference("Problem")}};
-  document["components"] = {{"schemas", std::move(schemas)},
-                            {"responses", {{"Problem", std::move(problem)}}},
-                            {"securitySchemes", {{"token", {{"type", "http"}, {"scheme", "bearer"}}}}}};
+  document["components"] = {
+      {"schemas", std::move(schemas)},
+      {"responses", {{"Problem", std::move(problem)}}},
+      {"securitySchemes",
+       {{"token", {{"type", "http"}, {"scheme", "bearer"}}},
+        {"password",
+         {{"type", "http"}, {"scheme", "basic"}, {"description", "Any name, and the token as password: to read"}}}}}};
   return document.dump();
 }
 

@@ -1,5 +1,6 @@
 #include "src/http/processes.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <map>
@@ -15,17 +16,27 @@ using nlohmann::ordered_json;
 
 constexpr const char* version = "1.0.0";
 
-const std::array<Process, 4>& all() {
-  static const std::array<Process, 4> list{
+const std::array<Process, 7>& all() {
+  static const std::array<Process, 7> list{
       {{"triangulate", "Triangulate", "The exact Delaunay triangulation of point clouds, in tiles.",
-        proto::TriangulateInputs::descriptor(), false, "The triangulation, by reference"},
+        proto::TriangulateInputs::descriptor(), false, "The triangulation, by reference", true},
+       {"region", "Region",
+        "The exact cells of a region of point clouds, of which only what they need is read: bbox or polygon says "
+        "where.",
+        proto::RegionInputs::descriptor(), false, "The cells, a result as those of triangulate, by reference", true},
        {"verify", "Verify", "Proves that a result is the Delaunay triangulation of its points.",
-        proto::VerifyInputs::descriptor(), false, "What was proved"},
+        proto::VerifyInputs::descriptor(), false, "What was proved", false},
        {"export", "Export", "Writes a result as a file of another program.", proto::ExportInputs::descriptor(), false,
-        "The file, by reference"},
+        "The file, by reference", false},
+       {"dem", "Raster",
+        "The surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. Called dem.tif it is a map, too.",
+        proto::DemInputs::descriptor(), false, "The file, by reference", true},
+       {"contours", "Contour lines",
+        "The contour lines of a 2D result. Called contours.gpkg they are a collection of features, too.",
+        proto::ContoursInputs::descriptor(), false, "The file, by reference", true},
        {"info", "Info",
         "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
-        proto::InfoInputs::descriptor(), true, "What they hold"}}};
+        proto::InfoInputs::descriptor(), true, "What they hold", false}}};
   return list;
 }
 
@@ -57,17 +68,29 @@ const char* help_of(const std::string& field) {
       {"format", "The format of the file; else its ending says."},
       {"spatial_index", "Also write a spatial index."},
       {"max_edge", "Cells with a longer edge are left out."},
-      {"stats", "Also read the points, for their statistics."}};
+      {"stats", "Also read the points, for their statistics."},
+      {"bbox", "Only in this box: the lower corner, then the upper one."},
+      {"polygon", "The region: polygons as text of GeoJSON, in the coordinates of the points."},
+      {"max_points", "At most so many points are triangulated."},
+      {"max_seconds", "Given up after about so many seconds."},
+      {"partial", "Beyond these bounds the cells that are known, instead of a failure."},
+      {"scan", "Read all files once and see where their points are, instead of believing them."},
+      {"res", "The width of a pixel, in units of the coordinates."},
+      {"value", "An attribute of the vertices; z, the heights, when it is not given."},
+      {"type", "Of the pixels."},
+      {"hillshade", "A hillshade of the surface instead."},
+      {"azimuth", "Of the light, in degrees clockwise from north; 315 when it is not given."},
+      {"altitude", "Of the light above the horizon, in degrees; 45 when it is not given."},
+      {"interval", "The distance of levels, in units of the heights."},
+      {"base", "A level; 0 when it is not given."}};
   const auto text = texts.find(field);
   return text == texts.end() ? nullptr : text->second;
 }
 
 bool is_required(const Process& process, const std::string& field) {
-  const std::string name = process.name;
-  if (name == "triangulate") return field == "inputs";
-  if (name == "verify") return field == "triangulation";
-  if (name == "export") return field == "triangulation" || field == "output";
-  return false;
+  const auto required = required_fields().find(process.inputs->name());
+  if (required == required_fields().end()) return false;
+  return std::find(required->second.begin(), required->second.end(), field) != required->second.end();
 }
 
 // In protobuf the process of the address and the member of the oneof are the same.
@@ -99,7 +122,7 @@ ordered_json process_summary(const Process& process, const Links& links, const R
   summary["links"].push_back({{"href", links.to(request, self + "/execution")},
                               {"rel", "http://www.opengis.net/def/rel/ogc/1.0/execute"},
                               {"type", "application/json"}});
-  if (process.inputs == proto::TriangulateInputs::descriptor())
+  if (process.estimated)
     summary["links"].push_back(
         {{"href", links.to(request, self + "/estimate")}, {"rel", "estimate"}, {"type", "application/json"}});
   return summary;

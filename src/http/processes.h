@@ -20,6 +20,7 @@ struct Process {
   const google::protobuf::Descriptor* inputs;  // the message
   bool waits;                                  // answered at once, unless a job is asked for; else always a job
   const char* outcome;                         // what comes out
+  bool estimated;                              // what it would take is told beforehand
 };
 
 std::span<const Process> processes();

@@ -18,6 +18,7 @@ constexpr const char* npy = "application/x-npy";
 constexpr const char* geojson = "application/geo+json";
 constexpr const char* gltf = "model/gltf-binary";
 constexpr const char* bytes = "application/octet-stream";
+constexpr const char* tiff = "image/tiff; application=geotiff; profile=cloud-optimized";
 
 // Of the answer to a GET: of this result and question.
 std::string tag_of(const std::string& identity, const Request& request) {
@@ -142,13 +143,35 @@ void add_question_routes(std::vector<Route>& routes) {
   interpolate.body_types = {csv, npy};
   routes.push_back(std::move(interpolate));
   routes.push_back(route("GET", "dem", "getDem", "The surface of a 2D result as a raster",
-                         {{200, "image/tiff; application=geotiff; profile=cloud-optimized", "", "The raster"}},
-                         asks(About::dem),
+                         {{200, tiff, "", "The raster"}}, asks(About::dem),
                          {bbox,
                           {"res", "number", "The width of a pixel"},
                           {"max-edge", "number", "No pixels in cells with a longer edge"},
                           {"value", "string", "An attribute of the vertices; z"},
                           {"type", "string", "float32 or float64"}}));
+  const Parameter max_edge{"max-edge", "number", "Nothing in cells with a longer edge"};
+  const Parameter value{"value", "string", "An attribute of the vertices; z"};
+  routes.push_back(route("GET", "contours", "getContours", "The contour lines of a 2D result",
+                         {{200, geojson, "", "The lines, in the coordinates of the result"},
+                          {200, "application/geopackage+sqlite3", "", "The lines"}},
+                         asks(About::contours),
+                         {bbox,
+                          {"interval", "number", "Between levels, in units of the heights"},
+                          {"base", "number", "A level; 0"},
+                          max_edge,
+                          value,
+                          {"f", "string", "geojson or gpkg"}}));
+  const std::vector<Response> heights{{200, csv, "", "A line for each place where the profile bends"},
+                                      {200, json, "Profile", "The same"},
+                                      {200, geojson, "", "Lines with the value as third coordinate"}};
+  const Parameter profile_format{"f", "string", "csv, json or geojson; csv"};
+  routes.push_back(route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights,
+                         asks(About::profile), {{"line", "string", "x,y x,y ..."}, max_edge, value, profile_format}));
+  Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
+                        asks_with_body(About::profile, {geojson, json}), {max_edge, value, profile_format});
+  profile.body = "Document";
+  profile.body_types = {geojson};
+  routes.push_back(std::move(profile));
 
   const std::string place = "x,y,z";
   const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell by itself"}};

@@ -1,8 +1,6 @@
 #include "src/http/schema.h"
 
-#include <map>
 #include <utility>
-#include <vector>
 
 #include "service.pb.h"
 
@@ -13,27 +11,6 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using nlohmann::ordered_json;
 
-// What every answer has; protobuf itself does not say.
-const std::map<std::string, std::vector<std::string>>& required_fields() {
-  static const std::map<std::string, std::vector<std::string>> fields{
-      {"Link", {"href", "rel"}},
-      {"Problem", {"type", "title", "status"}},
-      {"StatusInfo", {"jobID", "id", "processID", "type", "status", "links"}},
-      {"JobList", {"jobs", "links"}},
-      {"TriangulationInfo", {"name", "links"}},
-      {"TriangulationList", {"triangulations", "links"}},
-      {"NodeInfo", {"name", "threads", "memoryBytes", "state", "coordinator"}},
-      {"NodeList", {"nodes", "links"}},
-      {"CallerInfo", {"name", "role"}},
-      {"JobTiles", {"jobID", "begunAgain", "elapsed", "busyThreads", "busy"}},
-      {"TileLayout", {"dimension", "bounds", "axis", "place", "below", "above"}},
-      {"Execute", {"inputs"}},
-      {"VerifyInputs", {"triangulation"}},
-      {"ExportInputs", {"triangulation", "output"}},
-      {"TriangulateInputs", {"inputs"}}};
-  return fields;
-}
-
 // Where not every value of the type is one: of inputs by the field's name, which all processes call alike.
 ordered_json values_of(const FieldDescriptor& field) {
   static const std::map<std::string, ordered_json> inputs{
@@ -41,6 +18,7 @@ ordered_json values_of(const FieldDescriptor& field) {
       {"partition", {"kdtree", "grid", "octree", "random"}},
       {"kernel", {"flat", "cgal"}},
       {"returns", {"all", "first", "last", "single"}},
+      {"type", {"float32", "float64"}},
       {"without", {"withheld", "synthetic", "overlap", "key_point"}}};
   static const std::map<std::string, ordered_json> others{
       {"tessera.proto.StatusInfo.status", {"accepted", "running", "successful", "failed", "dismissed"}},
@@ -94,6 +72,29 @@ ordered_json message_schema(const Descriptor& message) {
 }
 
 }  // namespace
+
+const std::map<std::string, std::vector<std::string>>& required_fields() {
+  static const std::map<std::string, std::vector<std::string>> fields{
+      {"Link", {"href", "rel"}},
+      {"Problem", {"type", "title", "status"}},
+      {"StatusInfo", {"jobID", "id", "processID", "type", "status", "links"}},
+      {"JobList", {"jobs", "links"}},
+      {"TriangulationInfo", {"name", "links"}},
+      {"TriangulationList", {"triangulations", "links"}},
+      {"NodeInfo", {"name", "threads", "memoryBytes", "state", "coordinator"}},
+      {"NodeList", {"nodes", "links"}},
+      {"CallerInfo", {"name", "role"}},
+      {"JobTiles", {"jobID", "begunAgain", "elapsed", "busyThreads", "busy"}},
+      {"TileLayout", {"dimension", "bounds", "axis", "place", "below", "above"}},
+      {"Execute", {"inputs"}},
+      {"VerifyInputs", {"triangulation"}},
+      {"ExportInputs", {"triangulation", "output"}},
+      {"TriangulateInputs", {"inputs"}},
+      {"RegionInputs", {"inputs"}},
+      {"DemInputs", {"triangulation", "res"}},
+      {"ContoursInputs", {"triangulation", "interval"}}};
+  return fields;
+}
 
 std::string json_name(const FieldDescriptor& field) { return field.has_json_name() ? field.json_name() : field.name(); }
 

@@ -3,8 +3,10 @@
 
 #include <google/protobuf/descriptor.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 namespace tessera::http {
 
@@ -12,6 +14,8 @@ namespace tessera::http {
 std::string json_name(const google::protobuf::FieldDescriptor& field);
 // Of one value, of a list of them for a repeated field. Messages are references.
 nlohmann::ordered_json field_schema(const google::protobuf::FieldDescriptor& field);
+// By message: the fields that it always has, by their names there. Protobuf itself does not say.
+const std::map<std::string, std::vector<std::string>>& required_fields();
 // Of every message of the file, under its name.
 nlohmann::ordered_json message_schemas();
 

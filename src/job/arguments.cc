@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 #include "src/job/job_options.h"
@@ -192,6 +193,20 @@ Result<std::vector<std::string>> parse_names(std::string_view text) {
     names.emplace_back(part);
   }
   return names;
+}
+
+Result<std::vector<Point>> parse_line(const std::string& text) {
+  std::vector<Point> line;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::size_t comma = word.find(',');
+    const auto x = parse_finite(word.substr(0, comma));
+    const auto y = parse_finite(comma == std::string::npos ? "" : word.substr(comma + 1));
+    if (!x || !y) return error(Errc::usage, "'" + text + "' is neither points like '0,0 50,20' nor a GeoJSON file");
+    line.push_back(without_negative_zero({x.value(), y.value(), 0}));
+  }
+  if (line.size() < 2) return error(Errc::usage, "'" + text + "' has fewer than two points");
+  return line;
 }
 
 }  // namespace tessera

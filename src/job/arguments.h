@@ -32,6 +32,9 @@ Result<Box> parse_crop(std::string_view text, int dimension);
 // "X,Y" or "X,Y,Z", as many as there are dimensions; z in 2D does not count.
 Result<Point> parse_point(std::string_view text, int dimension);
 
+// A line of the plane, "X,Y X,Y ...": two points or more.
+Result<std::vector<Point>> parse_line(const std::string& text);
+
 // A finite number.
 Result<double> parse_finite(std::string_view text);
 

@@ -118,9 +118,9 @@ Status TextAnswers::finish() {
 }
 
 std::string Answers::array_head(std::uint64_t bytes) const {
-  const auto columns = options_.values ? 1 : static_cast<std::uint64_t>(options_.dimension) + 3;
-  const std::string shape =
-      std::to_string(bytes / 8 / columns) + (options_.values ? "," : ", " + std::to_string(columns));
+  const auto columns =
+      (options_.values ? 1 : static_cast<std::uint64_t>(options_.dimension) + 3) + (options_.final ? 1 : 0);
+  const std::string shape = std::to_string(bytes / 8 / columns) + (columns == 1 ? "," : ", " + std::to_string(columns));
   std::string text = std::string("\x93NUMPY\x01\x00\x76\x00", 10) + "{'descr': '" + (options_.values ? "<f8" : "<i8") +
                      "', 'fortran_order': False, 'shape': (" + shape + "), }";
   text.resize(header_bytes - 1, ' ');
@@ -140,7 +140,8 @@ Status Answers::add_all(std::span<const Point> points, std::span<const Answer> a
   if (!std::exchange(begun_, true) && options_.format == AnswerFormat::csv) {
     text = options_.dimension == 3 ? "x,y,z," : "x,y,";
     text += options_.values ? options_.weights ? "value,vertices,weights" : "value" : "tile,cell,v0,v1,v2";
-    text += !options_.values && options_.dimension == 3 ? ",v3\n" : "\n";
+    text += !options_.values && options_.dimension == 3 ? ",v3" : "";
+    text += options_.final ? ",final\n" : "\n";
   }
   for (std::size_t i = 0; i < answers.size(); ++i) add(text, points[i], answers[i]);
   return write(text);
@@ -163,12 +164,14 @@ void Answers::add(std::string& to, const Point& p, const query::Cell& cell) cons
     add_bytes(to, tile);
     add_bytes(to, std::int64_t{cell.cell});
     for (std::size_t k = 0; k < corners; ++k) add_bytes(to, vertex(k));
+    if (options_.final) add_bytes(to, std::int64_t{cell.final});
     return;
   }
   begin_line(to, p);
   const bool json = options_.format == AnswerFormat::json;
   if (json && !cell) {
-    to += "\"cell\":null}\n";
+    to += "\"cell\":null";
+    end_line(to, cell.final);
     return;
   }
   to += json ? "\"tile\":" : "";
@@ -180,11 +183,22 @@ void Answers::add(std::string& to, const Point& p, const query::Cell& cell) cons
     if (k > 0) to += ',';
     if (cell) add_whole(to, vertex(k));
   }
-  to += json ? "]}\n" : "\n";
+  to += json ? "]" : "";
+  end_line(to, cell.final);
+}
+
+void Answers::end_line(std::string& to, bool final) const {
+  const bool json = options_.format == AnswerFormat::json;
+  if (options_.final) to += json ? final ? ",\"final\":true" : ",\"final\":false" : final ? ",1" : ",0";
+  to += json ? "}\n" : "\n";
 }
 
 void Answers::add(std::string& to, const Point& p, const query::Interpolated& answer) const {
-  if (options_.format == AnswerFormat::npy) return add_bytes(to, answer.value);
+  if (options_.format == AnswerFormat::npy) {
+    add_bytes(to, answer.value);
+    if (options_.final) add_bytes(to, answer.final ? 1.0 : 0.0);
+    return;
+  }
   begin_line(to, p);
   const bool json = options_.format == AnswerFormat::json;
   to += json ? "\"value\":" : "";
@@ -202,7 +216,7 @@ void Answers::add(std::string& to, const Point& p, const query::Interpolated& an
     list(answer.weights.size(), [&](std::size_t i) { add_number(to, answer.weights[i]); });
     to += json ? "]" : "";
   }
-  to += json ? "}\n" : "\n";
+  end_line(to, answer.final);
 }
 
 void add_number(std::string& to, double number) {

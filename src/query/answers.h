@@ -27,6 +27,7 @@ struct AnswerOptions {
   std::filesystem::path target = {};  // empty: standard output
   bool overwrite = false;
   bool weights = false;  // of values: which vertices, and how much of each
+  bool final = false;    // of a part: also whether each is that of the whole triangulation; in arrays a column more
 };
 
 // A file appears whole, at the end, or not at all. In CSV what is not there is empty; in arrays it is -1 or NaN; in
@@ -56,6 +57,7 @@ class Answers {
   void add(std::string& to, const Point& p, const query::Cell& cell) const;
   void add(std::string& to, const Point& p, const query::Interpolated& value) const;
   void begin_line(std::string& to, const Point& p) const;
+  void end_line(std::string& to, bool final) const;
   template <class Answer>
   Status add_all(std::span<const Point> points, std::span<const Answer> answers);
 

@@ -35,6 +35,7 @@ class Collector {
       if (row_bytes_ > 0) set_.mesh.rows.insert(set_.mesh.rows.end(), tile.row(v), tile.row(v) + row_bytes_);
     }
     mesh.cell_ghost.push_back(0);
+    if (!tile.mesh().cell_final.empty()) mesh.cell_final.push_back(tile.is_final(cell) ? 1 : 0);
     set_.tiles.push_back(tile.id());
     set_.places.push_back(cell);
   }
@@ -94,7 +95,7 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
     return error(Errc::usage, impl_->out.string() + ": is a 2D result, which no plane of space cuts");
   const Room room(limits, manifest);
   Walker walker(impl_->cache, manifest, !manifest.schema.empty());
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, manifest, area, room.most, options.stop));
+  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, room.most, options.stop));
   if (found.count > room.most) return room.exceeded(impl_->out, area.plane ? "the section" : "the area");
   Collector collector(manifest, found.count);
   for (auto& [id, cells] : found.cells) {
@@ -104,6 +105,7 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
     for (const std::int32_t cell : cells) collector.add(*tile, cell);
   }
   CellSet set = collector.take();
+  set.final = knows(area.box);
   BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, TileId{0}, impl_->out));
   return set;
 }
@@ -142,6 +144,7 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
     }
   }
   hull.set = collector.take();
+  hull.set.final = !manifest.region;
   return hull;
 }
 
@@ -155,12 +158,14 @@ Result<Cell> StoredTriangulation::cell(TileId id, std::int32_t place) const {
   const auto& ghost = tile->mesh().cell_ghost;
   if (place < 0 || static_cast<std::size_t>(place) >= ghost.size() || ghost[static_cast<std::size_t>(place)] != 0)
     return error(Errc::usage, name + " has no main cell " + std::to_string(place));
-  return cell_at({tile, place});
+  Cell cell = cell_at({tile, place});
+  cell.final = tile->is_final(place);
+  return cell;
 }
 
 Result<std::vector<TileId>> StoredTriangulation::tiles(const Area& area, const AskOptions& options) const {
   Walker walker(impl_->cache, impl_->manifest, false);
-  BOOST_OUTCOME_TRY(found, search(walker, impl_->homes, impl_->manifest, area, ~std::uint64_t{0}, options.stop));
+  BOOST_OUTCOME_TRY(found, impl_->find(walker, area, ~std::uint64_t{0}, options.stop));
   return std::vector<TileId>(found.owners.begin(), found.owners.end());
 }
 

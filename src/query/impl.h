@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "src/query/homes.h"
+#include "src/query/part.h"
 #include "src/query/stored_triangulation.h"
 #include "src/query/tile_cache.h"
 #include "src/query/walker.h"
@@ -26,6 +28,14 @@ struct StoredTriangulation::Impl {
   Manifest manifest;
   Homes homes;
   mutable TileCache cache;
+  // Of a part of a triangulation; made when it is first asked.
+  mutable std::mutex tree_mutex;
+  mutable std::unique_ptr<const CellTree> tree;
+  Result<const CellTree*> part_tree() const;
+  // locate_all() and search(), of either kind.
+  Status locate(const Batch& batch, const VisitLocated& visit) const;
+  Result<Found> find(Walker& walker, const Area& area, std::uint64_t cells_max, const std::stop_token& stop) const;
+
   // By the manifest's tiles: the least and the greatest source index of their own vertices, once they were read.
   mutable std::mutex id_mutex;
   mutable std::vector<std::optional<std::pair<PointId, PointId>>> id_ranges;

@@ -17,14 +17,21 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
   std::vector<Interpolated> values(points.size());
   const auto visit = [&](Walker& walker, std::size_t i, const Located& located) -> Status {
     Interpolated& answer = values[i];
+    answer.final = located.final;
     if (!located.place) {
       answer.value = std::numeric_limits<double>::quiet_NaN();
       return success();
     }
     std::vector<Weight> weights;
     if (what.method == Method::natural) {
+      walker.forget_doubts();
       BOOST_OUTCOME_TRY(natural, natural_weights(walker, located, points[i]));
       weights = std::move(natural);
+      answer.final = answer.final && !walker.met_unknown() && !walker.met_unsure();
+      if (walker.met_unknown()) {  // its natural neighbours are not all here
+        answer.value = std::numeric_limits<double>::quiet_NaN();
+        return success();
+      }
     }
     if (weights.empty()) weights = linear_weights(located, points[i]);
     long double value = 0;
@@ -39,7 +46,7 @@ Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<con
     return success();
   };
   const Batch batch{.points = points, .threads = options.threads, .with_rows = true, .stop = options.stop};
-  BOOST_OUTCOME_TRYV(locate_all(impl_->cache, impl_->manifest, impl_->homes, batch, visit));
+  BOOST_OUTCOME_TRYV(impl_->locate(batch, visit));
   return values;
 }
 

@@ -51,18 +51,23 @@ Result<std::shared_ptr<const QueryTile>> QueryTile::load(const std::filesystem::
     BOOST_OUTCOME_TRYV(check(path, manifest, entry, stored));
     if (stored.mesh.neighbors.empty()) {
       BOOST_OUTCOME_TRYV(match_facets(stored.mesh, entry.tile, out));
+      // Of a part nothing says which facets are on the hull.
+      if (manifest.region)
+        for (auto& neighbor : stored.mesh.neighbors) neighbor = neighbor < 0 ? -2 : neighbor;
     }
-    return std::shared_ptr<const QueryTile>(new QueryTile(path, entry, std::move(stored), with_rows));
+    return std::shared_ptr<const QueryTile>(
+        new QueryTile(path, entry, std::move(stored), with_rows, manifest.region.has_value()));
   } catch (const std::bad_alloc&) {
     return worded([&] { return error(Errc::memory, path.string() + ": no memory is left to hold it"); });
   }
 }
 
-QueryTile::QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows)
+QueryTile::QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows, bool part)
     : path_(std::move(path)),
       id_(entry.tile),
       stored_(std::move(stored)),
       with_rows_(with_rows),
+      part_(part),
       row_bytes_(tessera::row_bytes(stored_.schema)),
       key_(bounds_of(stored_.mesh), stored_.mesh.dimension),
       cell_of_(stored_.mesh.points.size(), -1) {

@@ -66,16 +66,23 @@ class QueryTile {
   // The cell with these vertices, or -1. Error corrupt as above, and when no vertex is the tile's own.
   Result<std::int32_t> find(const CellIds& ids) const;
 
+  // Whether the result is a part of a triangulation, of which a neighbour may be unknown; if so, whether this is for
+  // sure a cell of the whole.
+  bool is_part() const { return part_; }
+  bool is_final(std::int32_t cell) const {
+    return mesh().cell_final.empty() || mesh().cell_final[static_cast<std::size_t>(cell)] != 0;
+  }
+
   // Error corrupt that names this tile's file: "out/tiles/000042.vtu, cell 17: `reason`".
   Error corrupt_cell(std::int32_t cell, const std::string& reason) const;
 
  private:
-  QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows);
+  QueryTile(std::filesystem::path path, const TileEntry& entry, StoredTile stored, bool with_rows, bool part);
 
   std::filesystem::path path_;
   TileId id_;
   StoredTile stored_;
-  bool with_rows_;
+  bool with_rows_, part_;
   std::size_t row_bytes_;
   HilbertKey key_;
   std::vector<std::pair<std::uint64_t, std::int32_t>> samples_;  // (key of its first vertex, cell), ascending

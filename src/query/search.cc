@@ -15,6 +15,24 @@
 #include "src/query/impl.h"
 
 namespace tessera::query {
+
+double nearness(const Bounds& bounds) {
+  double most = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    most = std::max({most, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis]), bounds.hi[axis] - bounds.lo[axis]});
+  return most * 1e-13;
+}
+
+bool meets_plane(std::span<const Point> cell, const Plane& plane, double near) {
+  bool above = false, below = false;
+  for (const Point& p : cell) {
+    const double height = plane.above(p);
+    above = above || height >= -near;
+    below = below || height <= near;
+  }
+  return above && below;
+}
+
 namespace {
 
 Bounds cut(const Bounds& box, const Bounds& bounds, int dimension) {
@@ -60,14 +78,6 @@ std::vector<Point> probes_of(const Bounds& box, const Plane& plane) {
     p = without_negative_zero(p);
   }
   return probes;
-}
-
-// Far more than a distance from a plane is rounded by, and far less than anybody sees.
-double nearness(const Bounds& bounds) {
-  double most = 0;
-  for (int axis = 0; axis < 3; ++axis)
-    most = std::max({most, std::abs(bounds.lo[axis]), std::abs(bounds.hi[axis]), bounds.hi[axis] - bounds.lo[axis]});
-  return most * 1e-13;
 }
 
 // All corners of the box are on one side.
@@ -134,16 +144,7 @@ class Search {
   bool meets_area(const QueryTile& tile, std::int32_t cell) {
     const auto corners = corners_of(tile, cell);
     if (area_.leg) return meets(corners, *area_.leg);
-    return (!area_.plane || meets_plane(corners)) && meets(corners, box_);
-  }
-  bool meets_plane(std::span<const Point> corners) const {
-    bool above = false, below = false;
-    for (const Point& p : corners) {
-      const double height = area_.plane->above(p);
-      above = above || height >= -near_;
-      below = below || height <= near_;
-    }
-    return above && below;
+    return (!area_.plane || meets_plane(corners, *area_.plane, near_)) && meets(corners, box_);
   }
 
   // REQUIRES: the cell meets the area.

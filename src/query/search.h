@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <set>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -12,6 +13,11 @@
 #include "src/query/walker.h"
 
 namespace tessera::query {
+
+// Far more than a distance from a plane is rounded by, and far less than anybody sees.
+double nearness(const Bounds& bounds);
+// Whether a cell has vertices on both sides of the plane, or so near to it.
+bool meets_plane(std::span<const Point> cell, const Plane& plane, double near);
 
 struct Found {
   std::map<TileId, std::vector<std::int32_t>> cells;  // the places of main cells by tile, in no order

@@ -44,6 +44,26 @@ double voronoi_volume(const QueryTile& tile, std::int32_t vertex, const std::vec
   return std::abs(static_cast<double>(rounded(volume)));
 }
 
+// In a part of a triangulation: they need not be connected. `final`: all are of the whole one.
+std::vector<std::int32_t> around_in_part(const QueryTile& tile, const CellTree& tree, std::int32_t vertex,
+                                         bool& final) {
+  std::vector<std::int32_t> star;
+  tree.for_each_near({tile.point(vertex), tile.point(vertex)}, [&](std::int32_t cell) {
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) == vertex) star.push_back(cell);
+  });
+  final = std::all_of(star.begin(), star.end(), [&](std::int32_t cell) { return tile.is_final(cell); });
+  return star;
+}
+
+// Whether it is known what is beyond each facet with the vertex: then there are no other cells around it.
+bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
+  for (const std::int32_t cell : star)
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) != vertex && tile.neighbor(cell, k) < -1) return false;
+  return true;
+}
+
 // The vertex that stands for a point which is none.
 Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
   if (manifest.duplicates == 0) return std::optional<PointId>{};
@@ -84,6 +104,9 @@ Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, 
     BOOST_OUTCOME_TRY(found, impl_->owner_of(id, options.stop));
     if (!found) {
       BOOST_OUTCOME_TRY(kept, kept_for(impl_->out, manifest, id));
+      if (manifest.region)
+        return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
+                                      " of the input is no vertex of the cells of this region");
       if (!kept || *kept == id)
         return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
                                       " of the input is no vertex: it was left out as invalid or filtered");
@@ -96,14 +119,24 @@ Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, 
   const std::int32_t vertex = tile->own_vertex(id);
   if (vertex < 0)
     return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " has no vertex " + to_string(id));
-  BOOST_OUTCOME_TRY(cells, tile->around(vertex));
   Star star;
   star.vertex = vertex_at(*tile, vertex);
-  star.voronoi_volume = voronoi_volume(*tile, vertex, cells);
+  std::vector<std::int32_t> cells;
+  if (manifest.region) {
+    BOOST_OUTCOME_TRY(tree, impl_->part_tree());
+    cells = around_in_part(*tile, *tree, vertex, star.final);
+  } else {
+    BOOST_OUTCOME_TRY(found, tile->around(vertex));
+    cells = std::move(found);
+  }
+  const bool closed = is_closed(*tile, vertex, cells);
+  star.final = star.final && closed;
+  star.voronoi_volume = closed ? voronoi_volume(*tile, vertex, cells) : std::numeric_limits<double>::quiet_NaN();
   std::vector<std::int32_t> neighbors;
   for (const std::int32_t cell : cells) {
     BOOST_OUTCOME_TRY(main, walker.main_place({tile, cell}));
     star.cells.push_back(cell_at(main));
+    star.cells.back().final = tile->is_final(cell);
     for (std::size_t k = 0; k < tile->corners(); ++k)
       if (tile->vertex(cell, k) != vertex) neighbors.push_back(tile->vertex(cell, k));
   }

@@ -22,6 +22,8 @@ namespace tessera::query {
 struct OpenOptions {
   // Of tiles in memory. At least what a question needs at once is held, a tile a thread, and its neighbours in turn.
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
+  // Also results that are parts of a triangulation: who asks looks at `final` in each answer.
+  bool parts = false;
 };
 
 // What all questions about many things have in common.
@@ -35,6 +37,7 @@ struct Cell {
   TileId tile;             // its main tile
   std::int32_t cell = -1;  // its place in that tile's file; -1: there is none, the point is outside the hull
   std::array<PointId, 4> vertices{no_id, no_id, no_id, no_id};  // as in the file: positively oriented
+  bool final = true;  // so it is in the whole triangulation, and if there is none, too
   explicit operator bool() const { return cell >= 0; }
   friend bool operator==(const Cell&, const Cell&) = default;
 };
@@ -49,7 +52,8 @@ struct Vertex {
 struct CellDetails {
   Cell cell;
   std::vector<Vertex> vertices;
-  std::vector<Cell> neighbors;  // across the facet opposite each vertex; none: the facet is on the hull
+  // Across the facet opposite each vertex; none: the facet is on the hull, or, not final, no cell is known there.
+  std::vector<Cell> neighbors;
 };
 
 // All around a vertex.
@@ -60,6 +64,7 @@ struct Star {
   // Of its Voronoi cell, in 2D the area, rounded. Infinite when the vertex is on the hull, NaN
   // when a cell around it has no volume, as only damaged ones have.
   double voronoi_volume = 0;
+  bool final = true;  // these are all cells around it, and of the whole triangulation; else the volume may be NaN
 };
 
 struct CellLimits {
@@ -73,6 +78,7 @@ struct CellSet {
   StoredTile mesh;
   std::vector<TileId> tiles;         // by cell: its main tile
   std::vector<std::int32_t> places;  // by cell: its place in that tile's file
+  bool final = true;                 // these are all cells of the whole triangulation there, and no others
 };
 
 // The cells with a facet on the hull.
@@ -95,6 +101,7 @@ struct InterpolateOptions {
 // Of one point. The value is NaN outside the hull.
 struct Interpolated {
   double value = 0;
+  bool final = true;              // so it is in the whole triangulation; else it may be NaN because too little is known
   std::vector<PointId> vertices;  // if weights were asked for: which vertices,
   std::vector<double> weights;    // and how much of each; they add up to 1
 };
@@ -104,12 +111,14 @@ struct Interpolated {
 class StoredTriangulation {
  public:
   // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; format 1; usage
-  // for a region of a triangulation, whose cells end where the triangulation does not.
+  // for a region of a triangulation, whose cells end where the triangulation does not, if parts are not wanted.
   static Result<StoredTriangulation> open(const std::filesystem::path& out, const OpenOptions& options = {});
   StoredTriangulation(StoredTriangulation&&) noexcept;
   ~StoredTriangulation();
 
   const Manifest& manifest() const;
+  // Whether all cells of the whole triangulation that meet the closed box are here: of a part it may be so, or not.
+  bool knows(const Bounds& box) const;
   std::uint64_t tiles_read() const;  // so far, one as often as it was
 
   // The cell that has each point, boundaries included: of several the one whose sorted vertices come first, so that the

@@ -35,6 +35,11 @@ void Walker::keep_only(const QueryTile* tile) {
 
 Result<Place> Walker::across(Place from, std::size_t k) {
   const std::int32_t beyond = from.tile->neighbor(from.cell, k);
+  if (from.tile->is_part()) {
+    met_unknown_ = met_unknown_ || beyond < -1;
+    met_unsure_ = met_unsure_ || (beyond >= 0 && !from.tile->is_final(beyond));
+    return beyond >= 0 ? Place{from.tile, beyond} : Place{};
+  }
   if (beyond >= 0) return Place{from.tile, beyond};
   if (beyond == -1) return Place{};
   const std::int32_t v = from.tile->vertex(from.cell, k == 0 ? 1 : 0);

@@ -21,6 +21,7 @@ struct Place {
 struct Located {
   Place place;
   unsigned on_facets = 0;  // bit k: it is on the facet opposite vertex k
+  bool final = true;       // so it is in the whole triangulation, of which the result may be a part
 };
 
 // Of one thread. A Place is good as long as its tile is pinned.
@@ -37,7 +38,13 @@ class Walker {
 
   // The neighbour across the facet opposite corner k; none: the facet is on the hull. What the tile does not know, the
   // owner of a vertex of the facet does: it holds all cells around its vertices. Error corrupt when it does not.
+  // In a part of a triangulation there is also none where no cell is known.
   Result<Place> across(Place from, std::size_t k);
+  // Of a part: since forget_doubts(), whether across() met a facet beyond which no cell is known, and one that is not
+  // for sure of the whole.
+  bool met_unknown() const { return met_unknown_; }
+  bool met_unsure() const { return met_unsure_; }
+  void forget_doubts() { met_unknown_ = met_unsure_ = false; }
   // The same cell in another tile, which owns one of its vertices. Error corrupt when it is not there.
   Result<Place> same_in(Place place, TileId id);
   // The same cell in its main tile.
@@ -65,6 +72,7 @@ class Walker {
   std::uint64_t steps_max_;
   bool with_rows_;
   std::vector<PinnedTile> pinned_;
+  bool met_unknown_ = false, met_unsure_ = false;
 };
 
 // Bit k: q is on the plane of the facet opposite corner k. Exact.

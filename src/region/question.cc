@@ -118,8 +118,9 @@ Status RegionQuestion::add(Wanted& wanted) {
   if (wanted.units.empty()) return success();
   std::vector<LocalPoint> points;
   for (const std::size_t unit : wanted.units) {
-    const auto& from = loaded_.at(unit).points;
-    points.insert(points.end(), from.begin(), from.end());
+    LoadedUnit& loaded = loaded_.at(unit);
+    loaded.used = began_;
+    points.insert(points.end(), loaded.points.begin(), loaded.points.end());
     tree_.take(unit);
     used_.push_back(unit);
     figures_.points_used += units_.list()[unit].points;
@@ -138,6 +139,8 @@ Status RegionQuestion::load(std::vector<std::size_t>& units, std::string& beyond
     if (!loaded_.contains(unit)) absent.push_back(unit);
   std::map<std::size_t, LoadedUnit> read;
   for (const std::size_t unit : absent) read[unit];
+  std::uint64_t done = figures_.points_used, needed = done;
+  for (const std::size_t unit : units) needed += units_.list()[unit].points;
   bool is_late = false;
   std::size_t current = 0;
   const auto status = units_.read(absent, [&](std::size_t unit, CloudBatch& batch) -> Status {
@@ -145,6 +148,8 @@ Status RegionQuestion::load(std::vector<std::size_t>& units, std::string& beyond
     current = unit;
     is_late = late();
     if (is_late) return error(Errc::interrupted, "the time is over");
+    done += batch.points.size();
+    if (limits_.progress) limits_.progress(done, needed);
     LoadedUnit& to = read[unit];
     to.points.insert(to.points.end(), batch.points.begin(), batch.points.end());
     to.rows.insert(to.rows.end(), batch.rows.begin(), batch.rows.end());

@@ -59,6 +59,24 @@ Result<RegionCells> Regions::ask(const Box& region, const RegionLimits& limits, 
   return cells;
 }
 
+std::uint64_t Regions::loaded_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& [number, unit] : loaded_) bytes += unit.bytes();
+  return bytes;
+}
+
+void Regions::forget(std::uint64_t bytes_max) {
+  std::uint64_t bytes = loaded_bytes();
+  std::vector<std::pair<std::chrono::steady_clock::time_point, std::size_t>> oldest;
+  for (const auto& [number, unit] : loaded_) oldest.emplace_back(unit.used, number);
+  std::sort(oldest.begin(), oldest.end());
+  for (const auto& [used, number] : oldest) {
+    if (bytes <= bytes_max) return;
+    bytes -= loaded_.at(number).bytes();
+    loaded_.erase(number);
+  }
+}
+
 Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,
                                         const std::stop_token& stop) {
   tree_.begin(region);

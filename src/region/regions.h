@@ -1,8 +1,10 @@
 // The exact cells of a region of a cloud that is too large to be triangulated, or not worth it.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -23,6 +25,8 @@ namespace tessera {
 struct LoadedUnit {
   std::vector<LocalPoint> points;
   std::vector<std::byte> rows;
+  std::chrono::steady_clock::time_point used = {};  // the last time
+  std::uint64_t bytes() const { return points.size() * sizeof(LocalPoint) + rows.size(); }
 };
 
 struct RegionLimits {
@@ -30,6 +34,8 @@ struct RegionLimits {
   double max_seconds = std::numeric_limits<double>::infinity();          // looked at between units and rounds
   std::uint64_t memory_bytes = std::numeric_limits<std::uint64_t>::max();
   bool partial = false;  // beyond them give what there is, instead of an error
+  // Is told how many points were read, and how many are needed, which may become more; or null.
+  std::function<void(std::uint64_t points, std::uint64_t needed)> progress = {};
 };
 
 struct RegionFigures {
@@ -66,8 +72,10 @@ class Regions {
                           const RegionShape& shape = {});
 
   const PointUnits& units() const { return *units_; }
-  // Gives back the memory of what was read.
-  void forget() { loaded_.clear(); }
+  // Bytes of what was read, and is there for the next question.
+  std::uint64_t loaded_bytes() const;
+  // Gives back the memory of what was read: of that which was used longest ago, until no more is left than that.
+  void forget(std::uint64_t bytes_max = 0);
 
  private:
   Result<RegionCells> ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,

@@ -2,21 +2,17 @@
 
 #include <fcntl.h>
 
+#include <algorithm>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <optional>
 #include <utility>
 
 #include "src/base/option.h"
 #include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/io/cloud/cloud.h"
 #include "src/job/arguments.h"
 #include "src/query/answer_text.h"
-#include "src/report/human.h"
 #include "src/service/beneath.h"
 #include "src/service/json.h"
-#include "src/terrain/dem.h"
-#include "src/terrain/grid.h"
 
 namespace tessera {
 namespace {
@@ -31,6 +27,10 @@ Result<query::Method> parse_method(const std::string& text) {
 
 std::string type_of(AnswerFormat format) {
   return format == AnswerFormat::json ? json_type : format == AnswerFormat::csv ? "text/csv" : "application/x-npy";
+}
+
+bool all_final(const auto& answers) {
+  return std::all_of(answers.begin(), answers.end(), [](const auto& answer) { return answer.final; });
 }
 
 }  // namespace
@@ -56,6 +56,14 @@ Result<QuestionAnswer> Answering::answer() const {
       return interpolate();
     case Question::About::dem:
       return dem();
+    case Question::About::contours:
+      return contours();
+    case Question::About::profile:
+      return profile();
+    case Question::About::features:
+      return features();
+    case Question::About::map_tile:
+      return map_tile();
     case Question::About::hull:
       return hull();
     case Question::About::section:
@@ -81,7 +89,11 @@ Result<QuestionAnswer> Answering::locate() const {
     BOOST_OUTCOME_TRY(found, reader_.stored.details(cells[0]));
     details = std::move(found);
   }
-  return QuestionAnswer{.text = json_of(p, dimension_, details), .type = json_type};
+  const auto told = is_part() ? std::optional(cells[0].final) : std::nullopt;
+  QuestionAnswer answer{.text = json_of(p, dimension_, details, told), .type = json_type, .final = cells[0].final};
+  if (details)
+    for (const auto& neighbor : details->neighbors) answer.final = answer.final && neighbor.final;
+  return answer;
 }
 
 Result<QuestionAnswer> Answering::locate_many() const {
@@ -90,7 +102,7 @@ Result<QuestionAnswer> Answering::locate_many() const {
   BOOST_OUTCOME_TRY(points, points());
   BOOST_OUTCOME_TRY(cells, reader_.stored.locate(points, ask_));
   BOOST_OUTCOME_TRYV(answers->add_cells(points, cells));
-  return finished(*answers, options.format);
+  return finished(*answers, options.format, all_final(cells));
 }
 
 Result<QuestionAnswer> Answering::star() const {
@@ -103,7 +115,7 @@ Result<QuestionAnswer> Answering::star() const {
   }
   const PointId asked{static_cast<std::uint64_t>(id.value())};
   BOOST_OUTCOME_TRY(star, reader_.stored.star(asked, owner, ask_));
-  return QuestionAnswer{.text = json_of(asked, dimension_, star), .type = json_type};
+  return QuestionAnswer{.text = json_of(asked, dimension_, star, is_part()), .type = json_type, .final = star.final};
 }
 
 Result<query::Area> Answering::area() const {
@@ -141,7 +153,7 @@ Result<QuestionAnswer> Answering::cells() const {
   if (set.tiles.empty()) return error(Errc::bad_input, "no cell meets what is asked for");
   BOOST_OUTCOME_TRY(exported, export_cells(path_of(reader_.held.folder), reader_.stored.manifest(), set.mesh, set.tiles,
                                            target, options, ask_.stop));
-  return file(exported.path);
+  return file(exported.path, set.final);
 }
 
 Result<QuestionAnswer> Answering::interpolate() const {
@@ -160,48 +172,7 @@ Result<QuestionAnswer> Answering::interpolate() const {
   BOOST_OUTCOME_TRY(points, points());
   BOOST_OUTCOME_TRY(values, reader_.stored.interpolate(points, what, ask_));
   BOOST_OUTCOME_TRYV(answers->add_values(points, values));
-  return finished(*answers, options.format);
-}
-
-Result<QuestionAnswer> Answering::dem() const {
-  DemOptions options{.memory_bytes = memory_bytes(), .threads = ask_.threads};
-  BOOST_OUTCOME_TRY(res, read("res", [](const std::string& text) { return parse_distance(text); }));
-  options.res = res;
-  if (question_.options.contains("bbox")) {
-    BOOST_OUTCOME_TRY(box, read("bbox", [](const std::string& text) { return parse_crop(text, 2); }));
-    options.box = Bounds{box.lo, box.hi};
-  }
-  if (question_.options.contains("max-edge")) {
-    BOOST_OUTCOME_TRY(longest, read("max-edge", [](const std::string& text) { return parse_distance(text); }));
-    options.max_edge = longest;
-  }
-  options.value = word("value", "z");
-  const std::string type = word("type", "float32");
-  if (type != "float32" && type != "float64")
-    return error(Errc::usage, "type: '" + type + "' is no type of pixels; there are float32 and float64");
-  options.doubles = type == "float64";
-  const Bounds& bounds = reader_.stored.manifest().bounds;
-  BOOST_OUTCOME_TRY(grid, terrain::grid_over(options.res, options.box.value_or(bounds), bounds));
-  const auto pixels = static_cast<std::uint64_t>(grid.width) * static_cast<std::uint64_t>(grid.height);
-  if (pixels > limits_.pixels)
-    return error(Errc::memory, "the raster has " + grouped(static_cast<std::uint64_t>(grid.width)) + " x " +
-                                   grouped(static_cast<std::uint64_t>(grid.height)) + " pixels, and an answer " +
-                                   grouped(limits_.pixels) + " at most: ask for a smaller bbox or a larger res");
-  // The centres of the pixels: cells beside them have none. Those of a small box come from few tiles; when there are
-  // too many for memory, all tiles are read, one after the other.
-  const query::Area area{
-      .box = {{grid.centre(grid.column0), grid.centre(grid.row0), 0},
-              {grid.centre(grid.column0 + grid.width - 1), grid.centre(grid.row0 + grid.height - 1), 0}},
-      .polygon = std::nullopt};
-  const auto folder = path_of(reader_.held.folder);
-  const auto target = answer_file(folder_, ".tif");
-  const Manifest& manifest = reader_.stored.manifest();
-  auto cells = manifest.dimension == 2 ? reader_.stored.cells(area, {.bytes_max = memory_bytes()}, ask_)
-                                       : Result<query::CellSet>(query::CellSet{});
-  if (!cells && cells.error().code != Errc::memory) return cells.error();
-  BOOST_OUTCOME_TRY(drawn, cells ? write_dem_of(folder, manifest, cells.value().mesh, target, options, ask_.stop)
-                                 : write_dem(folder, target, options, ask_.stop));
-  return file(drawn.path);
+  return finished(*answers, options.format, all_final(values));
 }
 
 Result<AnswerOptions> Answering::many() const {
@@ -209,10 +180,10 @@ Result<AnswerOptions> Answering::many() const {
   const std::string came = type == json_type ? "json" : type == "text/csv" ? "csv" : "npy";
   BOOST_OUTCOME_TRY(
       format, read("f", [&](const std::string& text) { return answer_format(text.empty() ? came : text, {}, false); }));
-  return AnswerOptions{.format = format, .dimension = dimension_};
+  return AnswerOptions{.format = format, .dimension = dimension_, .final = is_part()};
 }
 
-Result<QuestionAnswer> Answering::finished(TextAnswers& answers, AnswerFormat format) const {
+Result<QuestionAnswer> Answering::finished(TextAnswers& answers, AnswerFormat format, bool final) const {
   BOOST_OUTCOME_TRYV(answers.finish());
   std::string text = answers.take();
   if (format == AnswerFormat::json) {  // a document, not a line each
@@ -221,73 +192,13 @@ Result<QuestionAnswer> Answering::finished(TextAnswers& answers, AnswerFormat fo
     text.back() = ']';
     text = "{\"answers\":[" + text + "}\n";
   }
-  return QuestionAnswer{.text = std::move(text), .type = type_of(format)};
+  return QuestionAnswer{.text = std::move(text), .type = type_of(format), .final = final};
 }
 
-Result<QuestionAnswer> Answering::file(const std::filesystem::path& path) const {
+Result<QuestionAnswer> Answering::file(const std::filesystem::path& path, bool final) const {
   BOOST_OUTCOME_TRY(opened, open_handle(path, O_RDONLY));
   BOOST_OUTCOME_TRY(sent, served(std::move(opened), path, media_type_of(path), ""));
-  return QuestionAnswer{.text = {}, .file = sent};
-}
-
-Result<std::vector<Point>> Answering::points() const {
-  if (question_.type == json_type) return points_in_json();
-  if (question_.type == "text/csv") return points_in_file(".csv");
-  return points_in_file(".npy");
-}
-
-Result<std::vector<Point>> Answering::points_in_json() const {
-  const auto bad = [](const std::string& what) { return error(Errc::bad_input, "the body: " + what); };
-  if (nested_too_deep(*question_.body)) return bad("lists are nested too deep for points");
-  const auto document = nlohmann::json::parse(*question_.body, nullptr, false);
-  if (document.is_discarded()) return bad("is not JSON");
-  const auto list = document.is_object() ? document.find("points") : document.end();
-  if (!document.is_object() || list == document.end() || !list->is_array() || list->empty())
-    return bad("must be an object with a list 'points', that is not empty");
-  std::vector<Point> points;
-  for (std::size_t i = 0; i < list->size(); ++i) {
-    const auto& numbers = (*list)[i];
-    const std::string place = "points[" + std::to_string(i) + "]";
-    if (!numbers.is_array() || numbers.size() < static_cast<std::size_t>(dimension_) || numbers.size() > 3)
-      return bad(place + ": must be a list of " + std::to_string(dimension_) + " numbers");
-    Point p;
-    for (std::size_t axis = 0; axis < numbers.size(); ++axis) {
-      if (!numbers[axis].is_number()) return bad(place + ": has what is no number");
-      if (static_cast<int>(axis) < dimension_) p[static_cast<int>(axis)] = numbers[axis].get<double>();
-    }
-    points.push_back(without_negative_zero(p));
-  }
-  return points;
-}
-
-// As the command reads such a file: there is one way to read each format.
-Result<std::vector<Point>> Answering::points_in_file(const std::string& ending) const {
-  const auto path = asked_points_file(folder_, ending);
-  BOOST_OUTCOME_TRYV(write_whole(path, *question_.body));
-  const auto read = [&]() -> Result<std::vector<Point>> {
-    constexpr std::uint64_t unpacked_max = std::uint64_t{64} << 20;  // of a body that is an archive
-    BOOST_OUTCOME_TRY(
-        cloud,
-        Cloud::open(
-            {path.string()},
-            {.dimension = dimension_, .heights = false, .spool_folder = folder_, .spool_bytes_max = unpacked_max},
-            ask_.stop));
-    std::vector<Point> points;
-    BOOST_OUTCOME_TRY(counts, cloud.for_each_batch([&](CloudBatch& batch) -> Status {
-      if (points.size() + batch.points.size() > limits_.points)
-        return error(Errc::memory, path.string() + ": holds more than " + grouped(limits_.points) + " points");
-      for (const auto& p : batch.points) points.push_back(p.at);
-      return success();
-    }));
-    if (counts.read == 0) return error(Errc::bad_input, path.string() + ": holds no points");
-    return points;
-  };
-  auto points = read();
-  if (points) return points;
-  std::string said = points.error().where;
-  if (const auto at = said.find(path.string()); at != std::string::npos)
-    said.replace(at, path.string().size(), "the body");
-  return error(points.error().code, said);
+  return QuestionAnswer{.text = {}, .file = sent, .final = final};
 }
 
 }  // namespace tessera

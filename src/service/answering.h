@@ -35,7 +35,17 @@ class Answering {
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
   Result<QuestionAnswer> interpolate() const;
+  // answering_terrain.cc
   Result<QuestionAnswer> dem() const;
+  Result<QuestionAnswer> contours() const;
+  Result<QuestionAnswer> profile() const;
+  // answering_maps.cc
+  Result<QuestionAnswer> features() const;
+  Result<QuestionAnswer> map_tile() const;
+  Result<std::vector<Point>> hull_corners() const;
+  template <class Options>
+  Status read_surface(Options& options) const;
+  // answering_cells.cc
   Result<QuestionAnswer> hull() const;
   Result<QuestionAnswer> section() const;
   Result<QuestionAnswer> solids() const;
@@ -47,6 +57,7 @@ class Answering {
     if (!value) return error(value.error().code, key + ": " + value.error().where);
     return value;
   }
+  // answering_points.cc
   Result<std::vector<Point>> points() const;
   Result<std::vector<Point>> points_in_json() const;
   Result<std::vector<Point>> points_in_file(const std::string& ending) const;
@@ -55,11 +66,12 @@ class Answering {
   Result<query::CellLimits> limits_of_cells() const;
   // In which the answers to many points are given: as they came, or as `f` says.
   Result<AnswerOptions> many() const;
-  Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format) const;
+  Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool final) const;
+  Result<QuestionAnswer> file(const std::filesystem::path& path, bool final) const;
+  bool is_part() const { return reader_.stored.manifest().region.has_value(); }
   // Parts of a 3D result.
   Status has_volume() const;
   Result<QuestionAnswer> shown(const tileset::Shape& shape, const query::CellSet& cells) const;
-  Result<QuestionAnswer> file(const std::filesystem::path& path) const;
   std::uint64_t memory_bytes() const { return limits_.memory_bytes / 8; }
 
   const Reader& reader_;

@@ -1,4 +1,5 @@
 // Questions about cells: one by its name, and parts of a 3D result for viewers.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -41,14 +42,19 @@ Result<QuestionAnswer> Answering::locate_named() const {
     for (const auto& corner : corners) mean[axis] += (corner.at[axis] - first) / static_cast<double>(corners.size());
     mean[axis] += first;
   }
-  return QuestionAnswer{.text = json_of(without_negative_zero(mean), dimension_, std::optional(std::move(details))),
-                        .type = "application/json"};
+  const bool final = std::all_of(details.neighbors.begin(), details.neighbors.end(),
+                                 [](const query::Cell& neighbor) { return neighbor.final; });
+  const auto told = is_part() ? std::optional(cell.final) : std::nullopt;
+  return QuestionAnswer{
+      .text = json_of(without_negative_zero(mean), dimension_, std::optional(std::move(details)), told),
+      .type = "application/json",
+      .final = final && cell.final};
 }
 
 Result<QuestionAnswer> Answering::shown(const tileset::Shape& shape, const query::CellSet& cells) const {
   const auto target = answer_file(folder_, ".glb");
   BOOST_OUTCOME_TRYV(write_whole(target, tileset::to_glb(shape, cells, reader_.stored.manifest())));
-  return file(target);
+  return file(target, cells.final);
 }
 
 Status Answering::has_volume() const {

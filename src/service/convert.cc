@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "src/base/option.h"
 #include "src/crs/crs.h"
@@ -15,18 +16,6 @@ namespace {
 
 // "crop: is an empty box", with the option marked.
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
-
-Result<double> distance(const char* key, double value) {
-  if (!std::isfinite(value) || value <= 0) return refuse(key, "is not a distance, a number above 0");
-  return value;
-}
-
-Result<std::uint64_t> memory(const std::string& text, const Share& share) {
-  const auto asked = parse_memory(text);
-  if (!asked) return refuse("memory", asked.error().where);
-  if (asked.value() == 0) return refuse("memory", "is 0");
-  return std::min(asked.value(), share.memory_bytes);
-}
 
 Status read_tiles(const proto::TriangulateInputs& inputs, const Share& share, JobOptions& options) {
   if (inputs.has_tiles() && inputs.has_tile_points()) {
@@ -47,17 +36,9 @@ Status read_tiles(const proto::TriangulateInputs& inputs, const Share& share, Jo
     if (!kind) return refuse("partition", kind.error().where);
     options.partition = kind.value();
   }
-  options.threads = share.threads;
-  if (inputs.has_threads()) {
-    if (inputs.threads() < 1 || inputs.threads() > threads_max)
-      return refuse("threads", "is not a number from 1 to " + std::to_string(threads_max));
-    options.threads = std::min(share.threads, inputs.threads());
-  }
-  options.memory_bytes = share.memory_bytes;
-  if (inputs.has_memory()) {
-    BOOST_OUTCOME_TRY(bytes, memory(inputs.memory(), share));
-    options.memory_bytes = bytes;
-  }
+  BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
+  options.threads = own.threads;
+  options.memory_bytes = own.memory_bytes;
   if (inputs.has_kernel()) {
     if (inputs.kernel() != "flat" && inputs.kernel() != "cgal")
       return refuse("kernel", "'" + inputs.kernel() + "' is no kernel; there are flat and cgal");
@@ -82,7 +63,7 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
     cloud.crop = box.value();
   }
   if (inputs.has_resolution()) {
-    BOOST_OUTCOME_TRY(resolution, distance("resolution", inputs.resolution()));
+    BOOST_OUTCOME_TRY(resolution, length_of("resolution", inputs.resolution()));
     cloud.resolution = resolution;
   }
   for (const auto number : inputs.class_()) {
@@ -113,7 +94,34 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   return success();
 }
 
+// What has one name has one type, and goes over by its name.
+Result<proto::TriangulateInputs> renamed(const google::protobuf::Message& shared) {
+  auto json = nlohmann::json::parse(to_json(shared));
+  json.erase("bbox");  // a list, which is written though it is empty
+  proto::TriangulateInputs cloud;
+  BOOST_OUTCOME_TRYV(from_json(json.dump(), cloud));
+  return cloud;
+}
+
 }  // namespace
+
+Result<double> length_of(const char* key, double value) {
+  if (!std::isfinite(value) || value <= 0) return refuse(key, "is not a distance, a number above 0");
+  return value;
+}
+
+Result<std::uint32_t> threads_of(std::uint32_t asked, const Share& share) {
+  if (asked < 1 || asked > threads_max)
+    return refuse("threads", "is not a number from 1 to " + std::to_string(threads_max));
+  return std::min(share.threads, asked);
+}
+
+Result<std::uint64_t> memory_of(const std::string& text, const Share& share) {
+  const auto asked = parse_memory(text);
+  if (!asked) return refuse("memory", asked.error().where);
+  if (asked.value() == 0) return refuse("memory", "is 0");
+  return std::min(asked.value(), share.memory_bytes);
+}
 
 std::string beyond_share(const proto::Inputs& inputs, const Share& share) {
   std::string told;
@@ -132,6 +140,9 @@ std::string beyond_share(const proto::Inputs& inputs, const Share& share) {
   if (inputs.has_triangulate()) look(inputs.triangulate());
   if (inputs.has_verify()) look(inputs.verify());
   if (inputs.has_info()) look(inputs.info());
+  if (inputs.has_region()) look(inputs.region());
+  if (inputs.has_dem()) look(inputs.dem());
+  if (inputs.has_contours()) look(inputs.contours());
   return told;
 }
 
@@ -148,20 +159,30 @@ Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const Sha
 }
 
 Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs) {
-  // What has one name has one type, and goes over by its name.
   proto::InfoInputs shared = inputs;
   shared.clear_triangulation();
   shared.clear_stats();
-  proto::TriangulateInputs cloud;
-  BOOST_OUTCOME_TRYV(from_json(to_json(shared), cloud));
-  return cloud;
+  return renamed(shared);
+}
+
+Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs) {
+  proto::RegionInputs shared = inputs;
+  shared.clear_output();
+  shared.clear_overwrite();
+  shared.clear_bbox();
+  shared.clear_polygon();
+  shared.clear_max_points();
+  shared.clear_max_seconds();
+  shared.clear_partial();
+  shared.clear_scan();
+  return renamed(shared);
 }
 
 Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share) {
   VerifyOptions options;
   options.memory_bytes = share.memory_bytes;
   if (inputs.has_memory()) {
-    BOOST_OUTCOME_TRY(bytes, memory(inputs.memory(), share));
+    BOOST_OUTCOME_TRY(bytes, memory_of(inputs.memory(), share));
     options.memory_bytes = bytes;
   }
   options.against_cgal = inputs.against_cgal();
@@ -174,7 +195,7 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
   if (inputs.has_heights()) options.heights = inputs.heights();
   if (inputs.has_spatial_index()) options.spatial_index = inputs.spatial_index();
   if (inputs.has_max_edge()) {
-    BOOST_OUTCOME_TRY(edge, distance("max-edge", inputs.max_edge()));
+    BOOST_OUTCOME_TRY(edge, length_of("max-edge", inputs.max_edge()));
     options.max_edge = edge;
   }
   options.overwrite = inputs.overwrite();

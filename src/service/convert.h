@@ -9,6 +9,7 @@
 #include "src/base/result.h"
 #include "src/export/export.h"
 #include "src/job/job_options.h"
+#include "src/job/region_job.h"
 #include "src/verify/verify.h"
 
 namespace tessera {
@@ -24,8 +25,11 @@ struct Share {
 // command reads and prints. A file as crs is refused, its content is taken. Threads and memory are at most the share.
 // Inputs and output are left to the caller. Error usage, here and below, with options marked.
 Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const Share& share);
-// Those that info has, too.
+// Those that info has, too; and region.
 Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs);
+Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs);
+// All but `command`.
+Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const Share& share);
 // `scratch` is not asked for: it is the service's.
 Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share);
 Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
@@ -33,6 +37,25 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
 // "memory: 4.00 GiB asked for, a job has 1.00 GiB here; ...", options marked; empty when nothing beyond the share is
 // asked for. What is asked for are bounds: less than that is no other result, so that the job is taken, and told.
 std::string beyond_share(const proto::Inputs& inputs, const Share& share);
+
+// A length, finite and above 0, that the option of this key gives.
+Result<double> length_of(const char* key, double value);
+// Of inputs with threads and memory: what is asked for, at most the share.
+Result<std::uint32_t> threads_of(std::uint32_t asked, const Share& share);
+Result<std::uint64_t> memory_of(const std::string& text, const Share& share);
+template <class Inputs>
+Result<Share> share_of_job(const Inputs& inputs, const Share& share) {
+  Share own = share;
+  if (inputs.has_threads()) {
+    BOOST_OUTCOME_TRY(threads, threads_of(inputs.threads(), share));
+    own.threads = threads;
+  }
+  if (inputs.has_memory()) {
+    BOOST_OUTCOME_TRY(bytes, memory_of(inputs.memory(), share));
+    own.memory_bytes = bytes;
+  }
+  return own;
+}
 
 std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::string>& texts);
 

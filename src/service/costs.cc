@@ -12,8 +12,23 @@
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/service/problem.h"
+#include "src/terrain/grid.h"
 
 namespace tessera {
+namespace {
+
+// Vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
+constexpr double terrain_rate = 2e6;
+
+void add_surface(const Manifest& manifest, std::uint64_t memory_bytes, unsigned threads, proto::Estimate& estimate) {
+  estimate.set_points(manifest.vertices);
+  estimate.set_cells(manifest.cells);
+  estimate.set_tiles(manifest.tiles.size());
+  estimate.set_memory_bytes(memory_bytes);
+  estimate.set_seconds(static_cast<double>(manifest.vertices) / (terrain_rate * std::max(1u, threads)));
+}
+
+}  // namespace
 
 std::uint64_t free_bytes(const std::filesystem::path& folder) {
   struct statvfs status {};
@@ -57,6 +72,34 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
     return problem(422, needs() + "a job may have " + human_bytes(limits.disk_bytes) + " here", Errc::memory);
   if (const auto free = free_bytes(data); disk > free)
     return problem(507, needs() + "there are " + human_bytes(free), Errc::io);
+  return std::nullopt;
+}
+
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
+                                          const ServiceLimits& limits, const std::filesystem::path& data,
+                                          proto::Estimate& estimate) {
+  add_surface(manifest, options.memory_bytes, options.threads, estimate);
+  const auto grid = terrain::grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds);
+  if (!grid) return problem_of(grid.error());
+  const auto pixels = static_cast<std::uint64_t>(grid.value().width) * static_cast<std::uint64_t>(grid.value().height);
+  const std::uint64_t bytes = pixels * (options.doubles ? 8 : options.light ? 1 : 4);
+  estimate.set_result_bytes(bytes);
+  estimate.set_temporary_bytes(pixels * (options.doubles ? 8 : 4) + (options.light ? bytes : 0));
+  estimate.set_seconds(estimate.seconds() +
+                       static_cast<double>(pixels) / (terrain_rate * std::max(1u, options.threads)));
+  const auto disk = estimate.result_bytes() + estimate.temporary_bytes();
+  const std::string needs = "res: a raster of " + grouped(pixels) + " pixels needs up to " + human_bytes(disk) +
+                            " of disk while it is made; ";
+  if (limits.disk_bytes > 0 && disk > limits.disk_bytes)
+    return problem(422, needs + "a job may have " + human_bytes(limits.disk_bytes) + " here", Errc::memory);
+  if (const auto free = free_bytes(data); disk > free)
+    return problem(507, needs + "there are " + human_bytes(free), Errc::io);
+  return std::nullopt;
+}
+
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const ContourOptions& options,
+                                          proto::Estimate& estimate) {
+  add_surface(manifest, options.memory_bytes, options.threads, estimate);
   return std::nullopt;
 }
 

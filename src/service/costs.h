@@ -12,6 +12,9 @@
 #include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 #include "src/service/service.h"
+#include "src/store/tile_store.h"
+#include "src/terrain/contours.h"
+#include "src/terrain/dem.h"
 
 namespace tessera {
 
@@ -22,6 +25,13 @@ std::uint64_t free_bytes(const std::filesystem::path& folder);
 // full now. `estimate` is filled in as far as is known, also when the job is refused.
 std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
                                           const std::filesystem::path& data, proto::Estimate& estimate);
+
+// The same of a raster or lines of a result.
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
+                                          const ServiceLimits& limits, const std::filesystem::path& data,
+                                          proto::Estimate& estimate);
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const ContourOptions& options,
+                                          proto::Estimate& estimate);
 
 // Whether one of these files has to be unpacked to be looked into: that is done when the job runs, and not before.
 // Error io for one that cannot be read.

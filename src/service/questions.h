@@ -23,6 +23,7 @@ struct QuestionLimits {
   std::uint64_t points = 1 << 18;  // in one body
   std::uint64_t cells = 1'000'000, usual_cells = 100'000;
   std::uint64_t pixels = 1 << 24;
+  std::uint64_t line_vertices = 2'000'000;  // of contour lines
 };
 
 class Questions {

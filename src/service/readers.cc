@@ -22,9 +22,10 @@ Result<std::shared_ptr<Reader>> Readers::open(std::string_view name) {
     const std::lock_guard lock(mutex_);
     if (auto reader = known()) return reader;
   }
-  BOOST_OUTCOME_TRY(
-      stored, query::StoredTriangulation::open(path_of(held.folder), {.memory_bytes = memory_bytes_ / readers_max}));
-  auto made = std::make_shared<Reader>(Reader{std::string(name), std::move(held), std::move(stored), {}});
+  BOOST_OUTCOME_TRY(stored, query::StoredTriangulation::open(
+                                path_of(held.folder), {.memory_bytes = memory_bytes_ / readers_max, .parts = true}));
+  auto made = std::make_shared<Reader>(
+      Reader{std::string(name), std::move(held), std::move(stored), {}, std::make_unique<Reader::Hull>()});
   {
     const std::lock_guard lock(mutex_);
     if (auto reader = known()) return reader;  // another thread was faster

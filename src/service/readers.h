@@ -6,9 +6,11 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "src/query/stored_triangulation.h"
 #include "src/service/results.h"
@@ -21,6 +23,11 @@ struct Reader {
   Results::Held held;
   query::StoredTriangulation stored;
   std::stop_source gone;  // stopped when the result is removed
+  struct Hull {
+    std::mutex mutex;
+    std::optional<std::vector<Point>> points;
+  };
+  std::unique_ptr<Hull> hull = std::make_unique<Hull>();  // once it was asked for
 };
 
 class Readers {

@@ -51,11 +51,13 @@ Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, s
       store(options.data),
       results(options.data),
       questions(results, options.data, limits_of_questions(options)),
+      maps(results),
       uploads(options.data, options.limits.upload_bytes),
+      clouds(options.memory_bytes / 8),
       roots(std::move(opened_roots)),
       events(std::move(opened_events)),
       engine(std::move(opened_engine)),
-      shop{*engine, roots, results, options.data, options.limits, share} {}
+      shop{*engine, roots, results, options.data, options.limits, share, clouds} {}
 
 Service::Impl::~Impl() {
   {

@@ -2,6 +2,7 @@
 // thread. What it has accepted it does, over any number of restarts.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -64,21 +65,45 @@ struct ServedFile {
 
 // What is asked of a result, in words; the service reads them as the commands do.
 struct Question {
-  enum class About : std::uint8_t { locate, star, cells, interpolate, dem, hull, section, solids };
+  enum class About : std::uint8_t {
+    locate,
+    star,
+    cells,
+    interpolate,
+    dem,
+    hull,
+    section,
+    solids,
+    contours,
+    profile,
+    features,  // of the collection of kind `kind`: bbox, limit, after; item: that one alone
+    map_tile   // level, row, column, style
+  };
   About about = About::locate;
   std::string triangulation;
   std::string vertex = {};                          // star: its source index
   std::map<std::string, std::string> options = {};  // point, cell, tile, bbox, f, limit, value, method, weights, ...
-  std::optional<std::string> body = {};             // locate and interpolate: many points; cells: a polygon
-  std::string type = {};                            // of the body: a media type
-  std::stop_token stop = {};                        // the caller has gone
+  std::optional<std::string> body = {};  // locate, interpolate: many points; cells: a polygon; profile: a line
+  std::string type = {};                 // of the body: a media type
+  std::stop_token stop = {};             // the caller has gone
 };
 
 struct QuestionAnswer {
-  std::string text;                     // of this type, or
+  std::string text = {};                // of this type, or
   std::optional<ServedFile> file = {};  // that has its own
   std::string type = {};
   bool final = true;  // it is provably that of the triangulation of all points
+  // Of features, whose text is a JSON object without its last brace: where the next page begins, if there is one.
+  std::optional<std::uint64_t> next = {};
+};
+
+// What of a result is offered as features on a map.
+struct FeatureCollection {
+  std::string id;             // NAME.kind
+  std::string triangulation;  // NAME
+  std::string kind;           // tiles, hull, contours
+  std::string title = {}, description = {};
+  std::array<double, 4> extent{};  // west, south, east, north
 };
 
 struct JobQuery {
@@ -99,7 +124,8 @@ class Backend {
   };
   virtual Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
                                   std::string_view idempotency_key = {}) = 0;
-  virtual Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) = 0;
+  // Of triangulate, region, dem and contours.
+  virtual Reply<proto::Estimate> estimate(const proto::Inputs& inputs, const Caller& caller) = 0;
   // Short ones are answered at once: what `tessera info --json` prints. Statistics of many points, and compressed
   // files, are not: 400, and to be submitted as a job.
   virtual Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) = 0;
@@ -141,6 +167,13 @@ class Backend {
   // Waits for the disk. 404, 400 for words that say nothing, 422 for points or polygons that are none and for more than
   // one answer may take, 410 when the caller or the result has gone meanwhile, 500 for a damaged tile.
   virtual Reply<QuestionAnswer> ask(const Question& question) = 0;
+
+  // What there is for maps, of all results that say where on the earth they are, by name.
+  virtual Reply<std::vector<FeatureCollection>> collections() = 0;
+  // 404 also for a name that there could be, but is none: a result without coordinate system, or contour lines.
+  virtual Reply<FeatureCollection> collection(std::string_view id) = 0;
+  // West, south, east and north of the raster of heights of a result; 404 when it has none.
+  virtual Reply<std::array<double, 4>> map_extent(std::string_view name) = 0;
 
   // Bytes `offset`... of an upload are taken as they come. Nothing is there under its name before finish().
   class Upload {
@@ -187,7 +220,7 @@ class Service final : public Backend {
 
   Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller,
                           std::string_view idempotency_key = {}) override;
-  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;
+  Reply<proto::Estimate> estimate(const proto::Inputs& inputs, const Caller& caller) override;
   Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
   Reply<proto::JobList> jobs(const JobQuery& query) override;
   Reply<proto::StatusInfo> job(std::string_view id) override;
@@ -205,6 +238,9 @@ class Service final : public Backend {
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::string> identity(std::string_view name) override;
   Reply<QuestionAnswer> ask(const Question& question) override;
+  Reply<std::vector<FeatureCollection>> collections() override;
+  Reply<FeatureCollection> collection(std::string_view id) override;
+  Reply<std::array<double, 4>> map_extent(std::string_view name) override;
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;

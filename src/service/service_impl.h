@@ -20,6 +20,7 @@
 #include "job_record.pb.h"
 #include "src/base/progress.h"
 #include "src/files/folder_lock.h"
+#include "src/service/collections.h"
 #include "src/service/events.h"
 #include "src/service/job_store.h"
 #include "src/service/naming.h"
@@ -101,7 +102,9 @@ struct Service::Impl {
   // Once its record is on disk, or could not be written.
   Reply<Service::Submitted> welcome(const std::shared_ptr<Job>& job, const Status& added);
   std::optional<proto::Problem> check_inputs(const proto::Inputs& inputs, std::string& triangulation) const;
+  std::optional<proto::Problem> check_options(const proto::Inputs& inputs) const;
   Reply<proto::Estimate> costs(const proto::TriangulateInputs& inputs, std::optional<proto::Problem>& refused) const;
+  Reply<proto::Estimate> costs(const proto::Inputs& inputs, std::optional<proto::Problem>& refused);
   // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others.
   std::optional<proto::Problem> conflict(const proto::JobRecord& job) const;
   // REQUIRES: `lock` is that of `mutex`. Waits for a job with this key that is just arriving.
@@ -114,7 +117,9 @@ struct Service::Impl {
   JobStore store;
   Results results;
   Questions questions;
+  Collections maps;
   Uploads uploads;
+  RegionClouds clouds;
   const Roots roots;
   std::unique_ptr<Events> events;
   const std::unique_ptr<Engine> engine;

@@ -54,7 +54,7 @@ void add_progress(const proto::JobRecord& record, const Progress& progress, prot
     }
     status.set_memory_bytes(now.memory_bytes);
     status.set_nodes_lost(progress.nodes_lost);
-  } else if (now.points_total > 0) {  // an export
+  } else if (now.points_total > 0) {  // an export, a region
     part = static_cast<double>(now.points_triangulated) / static_cast<double>(now.points_total);
   }
   status.set_progress(std::clamp(static_cast<int>(std::floor(part * 100)), 0, 99));
@@ -150,7 +150,7 @@ Status Service::Impl::forget(const std::shared_ptr<Job>& job) {
   };
   // First what only this job knows of.
   BOOST_OUTCOME_TRYV(remove(results.unfinished(record.id())));
-  if (record.inputs().has_export_()) {
+  if (export_output(record.inputs())) {
     BOOST_OUTCOME_TRYV(remove(results.unfinished_export(record.triangulation(), record.id())));
   }
   BOOST_OUTCOME_TRYV(store.forget(record.id()));

@@ -74,7 +74,7 @@ Reply<void> Service::remove_triangulation(std::string_view name, const Caller& c
     }
     const bool own = std::any_of(impl.jobs.begin(), impl.jobs.end(), [&](const auto& job) {
       const auto& record = job.second->record;
-      return record.caller() == caller.name && record.triangulation() == name && record.inputs().has_triangulate();
+      return record.caller() == caller.name && record.triangulation() == name && makes_result(record.inputs());
     });
     if (caller.role < Role::admin && !(own && caller.role >= Role::submit))
       return problem(403, "triangulation '" + std::string(name) + "': who submitted its job or an admin may remove it",
@@ -100,9 +100,7 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
     bool own = false;
     for (const auto& [id, job] : impl.jobs) {
       const auto& record = job->record;
-      if (!record.inputs().has_export_() || record.triangulation() != name ||
-          record.inputs().export_().output() != output)
-        continue;
+      if (record.triangulation() != name || export_output(record.inputs()) != output) continue;
       if (impl.active.contains(id))
         return problem(409, "export '" + output + "': job " + id + " works on it", Errc::usage);
       own = own || record.caller() == caller.name;
@@ -135,6 +133,10 @@ Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view
 Reply<std::string> Service::identity(std::string_view name) { return impl_->questions.identity(name); }
 
 Reply<QuestionAnswer> Service::ask(const Question& question) { return impl_->questions.ask(question); }
+
+Reply<std::vector<FeatureCollection>> Service::collections() { return impl_->maps.list(); }
+Reply<FeatureCollection> Service::collection(std::string_view id) { return impl_->maps.find(id); }
+Reply<std::array<double, 4>> Service::map_extent(std::string_view name) { return impl_->maps.map_extent(name); }
 
 Service::Figures Service::figures() const {
   // Before the lock: the cluster's coordinator is asked.

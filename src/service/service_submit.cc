@@ -5,8 +5,10 @@
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/service/costs.h"
+#include "src/service/drawing_options.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
+#include "src/service/work_region.h"
 
 namespace tessera {
 namespace {
@@ -32,34 +34,87 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
     if (results.exists(name)) return std::nullopt;
     return problem(422, "triangulation: there is none called '" + name + "'", Errc::usage);
   };
-  switch (inputs.of_case()) {
-    case proto::Inputs::kTriangulate: {
-      triangulation = inputs.triangulate().output();
-      if (triangulation.empty()) return std::nullopt;
-      return check_field_name("output", triangulation);
-    }
-    case proto::Inputs::kVerify: {
-      if (const auto options = verify_options(inputs.verify(), share); !options) return problem_of(options.error());
-      if (const auto bad = read_from(inputs.verify().triangulation())) return bad;
-      return check_verify(shop, inputs.verify());
-    }
-    case proto::Inputs::kExport: {
-      if (const auto options = export_options(inputs.export_()); !options) return problem_of(options.error());
-      if (const auto bad = check_field_name("output", inputs.export_().output())) return bad;
-      return read_from(inputs.export_().triangulation());
-    }
-    case proto::Inputs::kInfo: {
-      const auto cloud = cloud_of(inputs.info());
-      if (!cloud) return problem_of(cloud.error());
-      if (const auto options = job_options(cloud.value(), share); !options) return problem_of(options.error());
-      if (!inputs.info().triangulation().empty()) return read_from(inputs.info().triangulation());
-      const auto files = roots.files(list_of(inputs.info().inputs()), inputs.info().recursive());
-      return files ? std::nullopt : std::optional(problem_of_inputs(files.error()));
-    }
-    case proto::Inputs::OF_NOT_SET:
-      return problem(400, "inputs: none is given of triangulate, verify, export and info", Errc::usage);
+  if (inputs.of_case() == proto::Inputs::OF_NOT_SET)
+    return problem(400, "inputs: none is given of triangulate, region, verify, export, dem, contours and info",
+                   Errc::usage);
+  if (const auto bad = check_options(inputs)) return bad;
+  if (makes_result(inputs)) {
+    triangulation = result_output(inputs);
+    if (!triangulation.empty())
+      if (const auto bad = check_field_name("output", triangulation)) return bad;
+  }
+  if (const auto output = export_output(inputs))
+    if (const auto bad = check_field_name("output", *output)) return bad;
+  if (const auto name = result_read(inputs); inputs.has_info() ? !name.empty() : !makes_result(inputs))
+    if (const auto bad = read_from(name)) return bad;
+  if (inputs.has_verify()) return check_verify(shop, inputs.verify());
+  if (inputs.has_region() || (inputs.has_info() && inputs.info().triangulation().empty())) {
+    const auto& names = inputs.has_region() ? inputs.region().inputs() : inputs.info().inputs();
+    const bool recursive = inputs.has_region() ? inputs.region().recursive() : inputs.info().recursive();
+    const auto files = roots.files(list_of(names), recursive);
+    if (!files) return problem_of_inputs(files.error());
   }
   return std::nullopt;
+}
+
+std::optional<proto::Problem> Service::Impl::check_options(const proto::Inputs& inputs) const {
+  const auto told = [](const auto& options) -> std::optional<proto::Problem> {
+    return options ? std::nullopt : std::optional(problem_of(options.error()));
+  };
+  const auto ends = [&](const char* ending, const char* other) -> std::optional<proto::Problem> {
+    const std::string output = *export_output(inputs);
+    if (output.ends_with(ending) || output.ends_with(other)) return std::nullopt;
+    return problem(400, "output: '" + output + "' must end in " + ending + " or " + other, Errc::usage);
+  };
+  switch (inputs.of_case()) {
+    case proto::Inputs::kVerify:
+      return told(verify_options(inputs.verify(), share));
+    case proto::Inputs::kExport:
+      return told(export_options(inputs.export_()));
+    case proto::Inputs::kInfo: {
+      const auto cloud = cloud_of(inputs.info());
+      return cloud ? told(job_options(cloud.value(), share)) : problem_of(cloud.error());
+    }
+    case proto::Inputs::kRegion:
+      return told(region_options(inputs.region(), share));
+    case proto::Inputs::kDem:
+      if (const auto bad = told(dem_options(inputs.dem(), share))) return bad;
+      return ends(".tif", ".tiff");
+    case proto::Inputs::kContours:
+      if (const auto bad = told(contour_options(inputs.contours(), share))) return bad;
+      return ends(".gpkg", ".geojson");
+    default:
+      return std::nullopt;  // of a triangulation they are looked at with its costs
+  }
+}
+
+Reply<proto::Estimate> Service::Impl::costs(const proto::Inputs& inputs, std::optional<proto::Problem>& refused) {
+  if (inputs.has_triangulate()) return costs(inputs.triangulate(), refused);
+  if (inputs.has_region()) {
+    auto told = region_estimate(shop, inputs.region());
+    return told ? Reply<proto::Estimate>(std::move(told).value()) : problem_of_inputs(told.error());
+  }
+  const std::string name = result_read(inputs);
+  const auto manifest = results.manifest(name);
+  if (!manifest) return problem_of(manifest.error());
+  proto::Estimate estimate;
+  if (inputs.has_dem()) {
+    const auto options = dem_options(inputs.dem(), share);
+    if (!options) return problem_of(options.error());
+    refused = check_costs(*manifest.value(), options.value(), shop.limits, shop.data, estimate);
+  } else if (inputs.has_contours()) {
+    const auto options = contour_options(inputs.contours(), share);
+    if (!options) return problem_of(options.error());
+    refused = check_costs(*manifest.value(), options.value(), estimate);
+  } else {
+    return problem(404, "the process " + process_of(inputs) + " makes no estimate", Errc::usage);
+  }
+  if (manifest.value()->dimension != 2)
+    refused =
+        problem(400, "triangulation: '" + name + "' is a 3D result, which has no heights over a plane", Errc::usage);
+  if (refused) estimate.set_reason(refused->detail());
+  estimate.set_accepted(!refused);
+  return estimate;
 }
 
 Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inputs,
@@ -87,6 +142,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
 std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& job) const {
   const auto& inputs = job.inputs();
   const auto& name = job.triangulation();
+  const auto output = export_output(inputs);
   const auto clash = [](const std::string& detail) { return problem(409, detail, Errc::usage); };
   std::uint64_t of_caller = 0, queued = waiting.size();
   for (const auto& id : active) {
@@ -97,21 +153,20 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
     if (other.waits_or_runs() && other.record.caller() == job.caller()) ++of_caller;
     if (name.empty() || other.record.triangulation() != name) continue;
     // One that makes a triangulation has it alone; others read it together, but write no export twice.
-    if (inputs.has_triangulate() || other.record.inputs().has_triangulate())
+    if (makes_result(inputs) || makes_result(other.record.inputs()))
       return clash("triangulation '" + name + "': job " + id + " works on it");
-    if (inputs.has_export_() && other.record.inputs().has_export_() &&
-        inputs.export_().output() == other.record.inputs().export_().output())
-      return clash("output: job " + id + " exports to '" + inputs.export_().output() + "' already");
+    if (output && export_output(other.record.inputs()) == output)
+      return clash("output: job " + id + " exports to '" + *output + "' already");
   }
   if (queued >= options.limits.queued)
     return problem(429, grouped(queued) + " jobs wait already, as many as may", Errc::io);
   if (of_caller >= options.limits.jobs_of_a_caller) {
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
   }
-  if (inputs.has_triangulate() && !name.empty() && !inputs.triangulate().overwrite() && results.exists(name) &&
+  if (makes_result(inputs) && !name.empty() && !overwrites(inputs) && results.exists(name) &&
       !results.made_by(name, job.id()))
     return clash("output: there is a triangulation called '" + name + "' already; overwrite: true replaces it");
-  if (inputs.has_export_() && !inputs.export_().overwrite() && results.export_exists(name, inputs.export_().output()))
+  if (output && !overwrites(inputs) && results.export_exists(name, *output))
     return clash("output: '" + name + "' has an export of this name already; overwrite: true replaces it");
   return std::nullopt;
 }
@@ -135,7 +190,7 @@ Reply<std::shared_ptr<Job>> Service::Impl::admit(proto::JobRecord record) {
   record.set_id(ids.next(system_clock::now()));
   record.set_place(next_place++);
   record.set_state(job_state::accepted);
-  if (record.inputs().has_triangulate() && record.triangulation().empty()) record.set_triangulation(record.id());
+  if (makes_result(record.inputs()) && record.triangulation().empty()) record.set_triangulation(record.id());
   record.set_created(time_text(system_clock::now()));
   record.set_updated(record.created());
   if (const auto against = conflict(record)) return *against;
@@ -182,11 +237,12 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   }
   std::string triangulation;
   if (const auto bad = impl.check_inputs(inputs, triangulation)) return *bad;
-  if (inputs.has_triangulate()) {
+  // A region's are known when its files were looked into, which the job does.
+  if (inputs.has_triangulate() || inputs.has_dem() || inputs.has_contours()) {
     std::optional<proto::Problem> refused;
-    BOOST_OUTCOME_TRY(estimate, impl.costs(inputs.triangulate(), refused));
+    BOOST_OUTCOME_TRY(estimate, impl.costs(inputs, refused));
     if (refused) return *refused;
-    record.set_points(estimate.points());
+    if (inputs.has_triangulate()) record.set_points(estimate.points());
     record.set_memory_bytes(estimate.memory_bytes());
     record.set_disk_bytes(estimate.result_bytes() + estimate.temporary_bytes());
   }
@@ -212,9 +268,13 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   return impl.welcome(job, added);
 }
 
-Reply<proto::Estimate> Service::estimate(const proto::TriangulateInputs& inputs, const Caller& caller) {
-  if (caller.role < Role::submit)
+Reply<proto::Estimate> Service::estimate(const proto::Inputs& inputs, const Caller& caller) {
+  const bool reads_inputs = makes_result(inputs);
+  if (caller.role < (reads_inputs ? Role::submit : Role::read))
     return problem(403, "an estimate reads inputs: it takes the role submit", Errc::usage);
+  std::string triangulation;
+  if (!inputs.has_triangulate())
+    if (const auto bad = impl_->check_inputs(inputs, triangulation)) return *bad;
   std::optional<proto::Problem> refused;
   return impl_->costs(inputs, refused);
 }

@@ -102,12 +102,12 @@ Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone>
   if (!done) return done;
   const auto published = [&]() -> Status {
     BOOST_OUTCOME_TRYV(store.write_outcome(job.id(), done.value().outcome));
-    if (job.inputs().has_triangulate()) {
-      BOOST_OUTCOME_TRY(old, results.publish(job.id(), job.triangulation(), job.inputs().triangulate().overwrite()));
+    if (makes_result(job.inputs())) {
+      BOOST_OUTCOME_TRY(old, results.publish(job.id(), job.triangulation(), overwrites(job.inputs())));
       replaced = old;
       if (!replaced.empty()) questions.close(job.triangulation());
     }
-    if (job.inputs().has_export_()) {
+    if (export_output(job.inputs())) {
       BOOST_OUTCOME_TRYV(results.publish_export(job.id(), job.triangulation()));
     }
     return success();

@@ -13,6 +13,8 @@
 #include "job_record.pb.h"
 #include "src/base/progress.h"
 #include "src/service/convert.h"
+#include "src/service/kinds.h"
+#include "src/service/region_clouds.h"
 #include "src/service/results.h"
 #include "src/service/roots.h"
 #include "src/service/service.h"
@@ -27,6 +29,7 @@ struct Workshop {
   std::filesystem::path data;
   ServiceLimits limits;
   Share share;
+  RegionClouds& clouds;
 };
 
 struct JobWork {
@@ -42,9 +45,6 @@ struct JobDone {
   std::uint64_t points = 0;
   std::vector<std::pair<std::string, double>> seconds;  // by phase
 };
-
-// "triangulate", ...; empty when there are no inputs.
-std::string process_of(const proto::Inputs& inputs);
 
 // A triangulation is complete in Results::unfinished(job), an export in Results::unfinished_export(), and nowhere else,
 // when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it

@@ -8,26 +8,13 @@
 
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
+#include "src/terrain/gdal_choices.h"
 
 namespace tessera::terrain {
 
 namespace fs = std::filesystem;
 
 namespace {
-
-// "NAME=VALUE", ..., as GDAL takes them.
-class Choices {
- public:
-  explicit Choices(std::vector<std::string> texts) : texts_(std::move(texts)) {
-    for (auto& text : texts_) pointers_.push_back(text.data());
-    pointers_.push_back(nullptr);
-  }
-  char** get() { return pointers_.data(); }
-
- private:
-  std::vector<std::string> texts_;
-  std::vector<char*> pointers_;
-};
 
 int CPL_STDCALL tell(double done, const char*, void* to) {
   return (*static_cast<const std::function<bool(double)>*>(to))(done) ? 1 : 0;
@@ -43,17 +30,14 @@ CogFile::CogFile(const GdalLibrary& gdal, const fs::path& target, const Grid& gr
       raw_(temporary_name(target).string() + ".raw"),
       shade_(temporary_name(target).string() + ".shade"),
       cog_(temporary_name(target)),
-      cache_before_(gdal.GDALGetCacheMax64()),
+      cache_(gdal, options.cache_bytes),
       written_(static_cast<std::size_t>(((grid.width + block_side - 1) / block_side) *
                                         ((grid.height + block_side - 1) / block_side))),
-      old_(block_side * block_side) {
-  gdal_.GDALSetCacheMax64(static_cast<GIntBig>(options.cache_bytes));
-}
+      old_(block_side * block_side) {}
 
 CogFile::~CogFile() {
   const GdalQuiet quiet(gdal_);
   if (dataset_ != nullptr) gdal_.GDALClose(dataset_);
-  gdal_.GDALSetCacheMax64(cache_before_);
 }
 
 Error CogFile::refused(const GdalQuiet& quiet) const {

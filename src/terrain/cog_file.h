@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/crs/gdal_cache.h"
 #include "src/crs/gdal_library.h"
 #include "src/files/temporary.h"
 #include "src/terrain/blocks.h"
@@ -60,9 +61,9 @@ class CogFile {
   Grid grid_;
   CogOptions options_;
   TemporaryFile raw_, shade_, cog_;
+  GdalCacheShare cache_;
   std::mutex mutex_;
   GDALDatasetH dataset_ = nullptr;
-  GIntBig cache_before_;
   std::vector<bool> written_;  // by block
   std::vector<double> old_;    // a block
   std::uint64_t pixels_ = 0;

@@ -95,7 +95,8 @@ class ContourCells {
                        r = tile_.vertex(cell, (apex + 2) % 3);
     if (std::min(tile_.owner(q), tile_.owner(r)) != tile_.id()) return success();
     const std::int32_t beyond = tile_.neighbor(cell, apex);
-    if (beyond < -1) return tile_.corrupt_cell(cell, "has no neighbour across an edge that is the tile's own");
+    if (beyond < -1 && !tile_.is_part())
+      return tile_.corrupt_cell(cell, "has no neighbour across an edge that is the tile's own");
     if (beyond < 0 || !counts_[static_cast<std::size_t>(beyond)]) return success();
     std::size_t other = 0;
     while (tile_.vertex(beyond, other) == q || tile_.vertex(beyond, other) == r) ++other;

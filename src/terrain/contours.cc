@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/crs/crs.h"
 #include "src/export/output.h"
 #include "src/files/names.h"
 #include "src/query/column.h"
@@ -89,6 +88,11 @@ class Tracing {
           const Point at = cells.crossing(edge, level);
           points.push_back({tile->id_of(edge.a), tile->id_of(edge.b), at.x, at.y});
         }
+        vertices_ += points.size();
+        if (options_.vertices_max > 0 && vertices_ > options_.vertices_max)
+          return error(Errc::memory, "the lines have more than " + std::to_string(options_.vertices_max) +
+                                         " vertices: ask for a smaller " + option("bbox") + " or a larger " +
+                                         option("interval"));
         return lines_.add(level, points);
       }));
     }
@@ -102,7 +106,7 @@ class Tracing {
   const ContourOptions& options_;
   ContourLines& lines_;
   std::uint64_t pieces_max_ = 0;
-  std::atomic<std::uint64_t> left_out_{0};
+  std::atomic<std::uint64_t> left_out_{0}, vertices_{0};
 };
 
 Status check(const fs::path& out, const Manifest& manifest, const ContourOptions& options) {
@@ -155,7 +159,7 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
                                                              .layer = "contours",
                                                              .value = heights ? "elevation" : options.value,
                                                              .heights = heights}));
-  Contours contours{.path = target, .left_out = tracing.left_out(), .note = crs_note(manifest.crs)};
+  Contours contours{.path = target, .left_out = tracing.left_out(), .note = terrain::note_of(manifest, options.box)};
   std::optional<std::int64_t> last;
   BOOST_OUTCOME_TRYV(lines.for_each([&](std::int64_t level, std::span<const Point> points) -> Status {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while writing lines");

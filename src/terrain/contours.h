@@ -20,6 +20,8 @@ struct ContourOptions {
   std::optional<double> max_edge = {};  // not in cells with a longer edge in the plane
   std::string value = "z";              // an attribute of the vertices; z are the heights
   bool overwrite = false;
+  // Error memory for lines of more vertices, those at borders of tiles counted twice; 0: there is no bound.
+  std::uint64_t vertices_max = 0;
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;  // at least that of a tile is used
   unsigned threads = 1;
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1, by one thread at a time; or null

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/crs/crs.h"
 #include "src/export/cell_filter.h"
 #include "src/files/names.h"
 #include "src/mesh/tile_mesh.h"
@@ -237,7 +236,7 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
              .pixels = file->pixels(),
              .left_out = drawing.left_out(),
              .bytes = bytes,
-             .note = crs_note(manifest.crs)};
+             .note = terrain::note_of(manifest, options.box)};
 }
 
 }  // namespace

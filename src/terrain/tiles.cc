@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/crs/crs.h"
+#include "src/query/part.h"
 #include "src/query/stored_triangulation.h"
 
 namespace tessera::terrain {
@@ -11,7 +13,7 @@ Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, c
                                              const std::optional<Bounds>& box, const Looking& looking) {
   const Bounds& all = manifest.bounds;
   // Format 1 does not tell owners, along which cells are found.
-  if (!box || manifest.partition.empty()) return manifest.tiles;
+  if (!box || manifest.partition.empty() || manifest.region) return manifest.tiles;  // a region is one tile
   const double width = std::min(box->hi.x, all.hi.x) - std::max(box->lo.x, all.lo.x);
   const double height = std::min(box->hi.y, all.hi.y) - std::max(box->lo.y, all.lo.y);
   const double whole = (all.hi.x - all.lo.x) * (all.hi.y - all.lo.y);
@@ -22,6 +24,14 @@ Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, c
   for (const auto& entry : manifest.tiles)
     if (std::binary_search(ids.begin(), ids.end(), entry.tile)) tiles.push_back(entry);
   return tiles;
+}
+
+std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box) {
+  std::string note = crs_note(manifest.crs);
+  if (!query::knows(manifest, box.value_or(manifest.bounds)))
+    note += std::string(note.empty() ? "" : "; ") +
+            "the region does not know all cells of this place: the whole triangulation may have more there, or others";
+  return note;
 }
 
 std::uint64_t TileQueue::tile_bytes(double tile_factor) const {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <stop_token>
+#include <string>
 #include <vector>
 
 #include "src/base/point.h"
@@ -27,6 +28,10 @@ struct Looking {
 // of reading.
 Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, const Manifest& manifest,
                                              const std::optional<Bounds>& box, const Looking& looking);
+
+// What there is to say of a drawing: that its coordinates have no system, that a region does not know all of its place.
+// Else empty.
+std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box);
 
 // Tiles for several threads, each to one of them.
 class TileQueue {

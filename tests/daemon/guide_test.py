@@ -36,7 +36,7 @@ class Guide(DaemonTest):
             if "Idempotency-Key" in line:
                 self.assertIn("201", said.splitlines()[0])
                 environment["JOB"] = json.loads(said.split("\r\n\r\n", 1)[1])["jobID"]
-            if re.search("processes/(export|triangulate)/execution", line) and "Idempotency-Key" not in line:
+            if re.search("processes/(export|triangulate|region|dem|contours)/execution", line) and "Idempotency-Key" not in line:
                 self.assertEqual(daemon.wait(json.loads(said)["jobID"])["status"], "successful")
             if "/events" in line:
                 self.assertIn("successful", said)

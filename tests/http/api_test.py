@@ -12,15 +12,16 @@ class Api(serving.ServerTest):
         done = self.submit()
         self.server.tell(f"state {done} successful")
         files = "/v1/triangulations/{triangulation}/files/{path}"
+        maps = "/v1/triangulations/{triangulation}/map/tiles"
         execution = {"inputs": {"inputs": ["a.las"]}}
         asked = {
             ("GET", "/"): ["/"], ("GET", "/v1"): ["/v1"], ("GET", "/v1/api"): ["/v1/api"],
             ("GET", "/v1/conformance"): ["/v1/conformance"], ("GET", "/v1/processes"): ["/v1/processes"],
             ("GET", "/v1/processes/{process}"): [f"/v1/processes/{name}" for name in
-                                                 ("triangulate", "verify", "export", "info", "none")],
+                                                 ("triangulate", "region", "verify", "export", "dem", "contours", "info", "none")],
             ("POST", "/v1/processes/{process}/execution"): ["/v1/processes/triangulate/execution",
                                                             "/v1/processes/info/execution"],
-            ("POST", "/v1/processes/{process}/estimate"): ["/v1/processes/triangulate/estimate"],
+            ("POST", "/v1/processes/{process}/estimate"): ["/v1/processes/triangulate/estimate", "/v1/processes/info/estimate"],
             ("GET", "/v1/jobs"): ["/v1/jobs", "/v1/jobs?limit=1&status=accepted,running", "/v1/jobs?limit=0"],
             ("GET", "/v1/jobs/{job}"): [f"/v1/jobs/{job}", "/v1/jobs/none"],
             ("GET", "/v1/jobs/{job}/results"): [f"/v1/jobs/{job}/results", f"/v1/jobs/{done}/results"],
@@ -44,6 +45,19 @@ class Api(serving.ServerTest):
             ("POST", "/v1/triangulations/{triangulation}/cells"): ["/v1/triangulations/block/cells"],
             ("POST", "/v1/triangulations/{triangulation}/interpolate"): ["/v1/triangulations/block/interpolate?value=z"],
             ("GET", "/v1/triangulations/{triangulation}/dem"): ["/v1/triangulations/block/dem?res=1"],
+            ("GET", "/v1/triangulations/{triangulation}/contours"): ["/v1/triangulations/block/contours?interval=1"],
+            ("GET", "/v1/triangulations/{triangulation}/profile"): ["/v1/triangulations/block/profile?line=0,0%201,1"],
+            ("POST", "/v1/triangulations/{triangulation}/profile"): ["/v1/triangulations/block/profile"],
+            ("GET", "/v1/collections"): ["/v1/collections"],
+            ("GET", "/v1/collections/{collection}"): ["/v1/collections/block.tiles", "/v1/collections/none"],
+            ("GET", "/v1/collections/{collection}/items"): ["/v1/collections/block.tiles/items?limit=1&bbox=2,48,3,49",
+                                                            "/v1/collections/none/items"],
+            ("GET", "/v1/collections/{collection}/items/{item}"): ["/v1/collections/block.tiles/items/7",
+                                                                   "/v1/collections/block.tiles/items/8"],
+            ("GET", maps): ["/v1/triangulations/block/map/tiles", "/v1/triangulations/none/map/tiles"],
+            ("GET", maps + "/WebMercatorQuad"): ["/v1/triangulations/block/map/tiles/WebMercatorQuad"],
+            ("GET", maps + "/WebMercatorQuad/{tileMatrix}/{tileRow}/{tileCol}"): [
+                f"/v1/triangulations/block/map/tiles/WebMercatorQuad/{place}" for place in ("1/0/1", "1/2/0", "x/0/0", "99/0/0")],
             ("GET", "/v1/triangulations/{triangulation}/shapes/hull"): ["/v1/triangulations/block/shapes/hull", "/v1/triangulations/none/shapes/hull"],
             ("GET", "/v1/triangulations/{triangulation}/shapes/section"): [
                 "/v1/triangulations/block/shapes/section?through=0,0,0&normal=0,0,1"],
@@ -64,7 +78,7 @@ class Api(serving.ServerTest):
             for target in targets:
                 with self.subTest(f"{method} {target}"):
                     body = b"abc" if method == "PUT" else execution if "execution" in path or "estimate" in path else None
-                    if method == "POST" and path.rsplit("/", 1)[-1] in ("locate", "interpolate", "cells"):
+                    if method == "POST" and path.rsplit("/", 1)[-1] in ("locate", "interpolate", "cells", "profile"):
                         body = {"points": [[1, 2]]}
                     self.check(self.ask(method, target, body), path, method)
         for method, path in operations:
@@ -92,7 +106,7 @@ class Api(serving.ServerTest):
         page = self.ask("GET", "/v1").json()
         for link in page["links"]:
             if link["rel"] != "events":
-                self.assertEqual(self.ask("GET", urllib.parse.urljoin("/v1", link["href"])).status, 200)
+                self.assertEqual(self.ask("GET", urllib.parse.urlsplit(urllib.parse.urljoin("/v1", link["href"])).path).status, 200)
 
     def test_one_key_is_one_job(self):
         path, key = "/v1/processes/triangulate/execution", {"Idempotency-Key": "once"}

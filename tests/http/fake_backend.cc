@@ -119,7 +119,7 @@ Reply<Backend::Submitted> FakeBackend::submit(const proto::Inputs& inputs, const
   return Submitted{job, true};
 }
 
-Reply<proto::Estimate> FakeBackend::estimate(const proto::TriangulateInputs&, const Caller&) {
+Reply<proto::Estimate> FakeBackend::estimate(const proto::Inputs&, const Caller&) {
   proto::Estimate estimate;
   estimate.set_points(9'007'199'254'740'993);  // more than a double holds
   estimate.set_accepted(true);
@@ -260,42 +260,6 @@ Reply<std::unique_ptr<Backend::Upload>> FakeBackend::upload(std::string_view fol
 Reply<std::string> FakeBackend::identity(std::string_view name) {
   if (name != "block") return refused(404, "there is no such triangulation");
   return std::string("block-1");
-}
-
-Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
-  const auto type = [&]() -> std::string {
-    switch (question.about) {
-      case Question::About::cells:
-        return "application/geo+json";
-      case Question::About::dem:
-        return "image/tiff; application=geotiff; profile=cloud-optimized";
-      case Question::About::hull:
-      case Question::About::section:
-      case Question::About::solids:
-        return "model/gltf-binary";
-      default:
-        return {};
-    }
-  }();
-  if (!type.empty()) {
-    auto opened = open(folder_ / "block" / "deep" / "tile.vtu", type.c_str(), "");
-    if (!opened) return opened.error();
-    return QuestionAnswer{.text = {}, .file = opened.value()};
-  }
-  if (question.about == Question::About::star && question.vertex == "13") {
-    std::condition_variable_any never;
-    std::unique_lock lock(mutex_);
-    never.wait(lock, question.stop, [] { return false; });
-    ++given_up_;
-    held_changed_.notify_all();
-    return refused(410, "nobody waits for it");
-  }
-  std::string text = R"({"point":[1,2],"cell":null})";
-  if (question.about == Question::About::star)
-    text =
-        R"({"asked":1,"vertex":{"id":1,"tile":0,"point":[1,2]},"voronoi_volume":null,"on_hull":true,"neighbors":[],"cells":[]})";
-  if (question.body) text = R"({"answers":[{"point":[1,2],"value":3}]})";
-  return QuestionAnswer{.text = text, .type = "application/json"};
 }
 
 void FakeBackend::wait_for_given_up(int count) {

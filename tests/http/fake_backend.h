@@ -36,7 +36,7 @@ class FakeBackend final : public Backend {
   std::function<void()> before_subscribe;
 
   Reply<Submitted> submit(const proto::Inputs& inputs, const Caller& caller, std::string_view idempotency_key) override;
-  Reply<proto::Estimate> estimate(const proto::TriangulateInputs& inputs, const Caller& caller) override;
+  Reply<proto::Estimate> estimate(const proto::Inputs& inputs, const Caller& caller) override;
   Reply<std::string> info(const proto::InfoInputs& inputs, const Caller& caller) override;
   Reply<proto::JobList> jobs(const JobQuery& query) override;
   Reply<proto::StatusInfo> job(std::string_view id) override;
@@ -55,6 +55,9 @@ class FakeBackend final : public Backend {
   Reply<std::string> identity(std::string_view name) override;
   // At once; but the star of vertex 13 only when nobody waits for it any more.
   Reply<QuestionAnswer> ask(const Question& question) override;
+  Reply<std::vector<FeatureCollection>> collections() override;
+  Reply<FeatureCollection> collection(std::string_view id) override;
+  Reply<std::array<double, 4>> map_extent(std::string_view name) override;
   // Until so many such stars were given up.
   void wait_for_given_up(int count);
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,

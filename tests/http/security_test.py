@@ -1,5 +1,6 @@
 """Nobody gets in who does not belong: every route of the document, and every way around."""
 
+import base64
 import re
 import unittest
 import urllib.parse
@@ -54,6 +55,24 @@ class Security(serving.ServerTest):
         self.assertEqual(self.ask("GET", "/ui/none", token=None).status, 404)
         self.assertEqual(self.ask("GET", "/?token=" + self.server.tokens["read"], token=None,
                                   headers={"Accept": "text/html"}).headers["Location"], "ui/")
+
+    def test_a_token_as_password_reads_and_no_more(self):
+        def ask(method, path, pair, body=None):
+            code = base64.b64encode(pair.encode()).decode()
+            return self.ask(method, path, body, token=None, headers={"Authorization": f"Basic {code}"})
+        for role in ("read", "submit", "admin"):
+            token = self.server.tokens[role]
+            for name in ("", "anybody", "tessera"):
+                self.assertEqual(ask("GET", "/v1/caller", f"{name}:{token}").json(), {"name": role + "er", "role": "read"})
+            submitted = ask("POST", "/v1/processes/triangulate/execution", f"x:{token}", {"inputs": {"inputs": ["a.las"]}})
+            self.assertEqual(submitted.status, 403)
+            self.assertEqual(ask("DELETE", "/v1/triangulations/block", f"x:{token}").status, 403)
+            self.assertIn(ask("GET", "/v1/caller", f"{token}:x").status, (401, 429))
+        for value in ("Basic", "Basic ", "Basic !!!", "Basic " + "A" * 101, "Basic OnQ=", "Basic eA=="):
+            answer = self.ask("GET", "/v1/caller", token=None, headers={"Authorization": value})
+            self.assertIn(answer.status, (401, 429), value)
+            # Nobody is asked for a password: browsers would show a window of their own.
+            self.assertTrue(answer.headers.get("WWW-Authenticate", "Bearer").startswith("Bearer"))
 
     def test_who_asks_is_told_their_name_and_role(self):
         for role in ("read", "submit", "admin"):

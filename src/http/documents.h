@@ -1,0 +1,13 @@
+// JSON schemas of what is no message: the documents of the standards, and what the commands print.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace tessera::http {
+
+// To a schema of the document.
+nlohmann::ordered_json reference(const std::string& schema);
+void add_documents(nlohmann::ordered_json& schemas);
+
+}  // namespace tessera::http

@@ -1,0 +1,101 @@
+#include "src/service/collections.h"
+
+#include "src/crs/lon_lat.h"
+#include "src/files/names.h"
+#include "src/service/beneath.h"
+#include "src/service/naming.h"
+#include "src/service/problem.h"
+#include "src/terrain/line_reader.h"
+#include "src/terrain/map_tile.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::size_t extents_max = 4096;
+constexpr const char* kinds[] = {"tiles", "hull", "contours"};
+
+proto::Problem nothing(std::string_view id) {
+  return problem(404, "there is no collection '" + std::string(id) + "'", Errc::usage);
+}
+
+}  // namespace
+
+Collections::Extent Collections::extent_of(const Results::Held& held) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto known = extents_.find(held.identity); known != extents_.end()) return known->second;
+  }
+  const Manifest& manifest = *held.manifest;
+  Extent extent;
+  const auto places = LonLat::of(manifest.crs);
+  if (places && !manifest.partition.empty() && !manifest.bounds.empty()) {
+    if (const auto box = places.value().box_to(manifest.bounds))
+      extent = {box.value().lo.x, box.value().lo.y, box.value().hi.x, box.value().hi.y};
+  }
+  // Without GDAL now, there may be one later.
+  if (!places && places.error().code == Errc::io) return extent;
+  const std::lock_guard lock(mutex_);
+  if (extents_.size() >= extents_max) extents_.clear();
+  extents_[held.identity] = extent;
+  return extent;
+}
+
+std::optional<FeatureCollection> Collections::make(const std::string& name, const std::string& kind,
+                                                   const Results::Held& held) {
+  const auto extent = extent_of(held);
+  if (!extent) return std::nullopt;
+  if (kind == "contours") {
+    if (!results_.export_exists(name, contours_of_result("").filename().string())) return std::nullopt;
+    if (!terrain::LineReader::open(contours_of_result(path_of(held.folder)))) return std::nullopt;
+  }
+  FeatureCollection made{.id = name + "." + kind, .triangulation = name, .kind = kind, .extent = *extent};
+  made.title = name + (kind == "tiles" ? ": tiles" : kind == "hull" ? ": hull" : ": contour lines");
+  made.description = kind == "tiles"  ? "The parts of space that the tiles of the triangulation " + name + " have"
+                     : kind == "hull" ? "The convex hull of the points of " + name + " in the plane"
+                                      : "The contour lines of the surface " + name;
+  return made;
+}
+
+Reply<std::vector<FeatureCollection>> Collections::list() {
+  std::vector<FeatureCollection> all;
+  for (const auto& name : results_.names()) {
+    const auto held = results_.hold(name);
+    if (!held) continue;  // gone since, or damaged: it must not hide the others
+    for (const char* kind : kinds)
+      if (auto made = make(name, kind, held.value())) all.push_back(*std::move(made));
+  }
+  return all;
+}
+
+Reply<FeatureCollection> Collections::find(std::string_view id) {
+  const auto dot = id.rfind('.');
+  if (dot == std::string_view::npos) return nothing(id);
+  const std::string name(id.substr(0, dot)), kind(id.substr(dot + 1));
+  bool known = false;
+  for (const char* one : kinds) known = known || kind == one;
+  if (!known || !check_name(name) || !results_.exists(name)) return nothing(id);
+  const auto held = results_.hold(name);
+  if (!held) return results_.exists(name) ? problem_of(held.error()) : nothing(id);
+  auto made = make(name, kind, held.value());
+  return made ? Reply<FeatureCollection>(*std::move(made)) : nothing(id);
+}
+
+Reply<std::array<double, 4>> Collections::map_extent(std::string_view name) {
+  const auto missing = [&] {
+    return problem(404,
+                   "triangulation '" + std::string(name) +
+                       "' has no map: the process dem makes one, of heights, when its output is " +
+                       dem_of_result("").filename().string() + " and the coordinates have a system",
+                   Errc::usage);
+  };
+  if (!check_name(name) || !results_.exists(name))
+    return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+  if (!results_.export_exists(name, dem_of_result("").filename().string())) return missing();
+  const auto held = results_.hold(name);
+  if (!held) return results_.exists(name) ? problem_of(held.error()) : missing();
+  const auto raster = terrain::HeightRaster::open(dem_of_result(path_of(held.value().folder)));
+  if (!raster) return raster.error().code == Errc::usage ? missing() : problem_of(raster.error());
+  return raster.value()->extent();
+}
+
+}  // namespace tessera

@@ -1,0 +1,37 @@
+// What results offer for maps: collections of features, and a raster of heights.
+#pragma once
+
+#include <array>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/service/results.h"
+#include "src/service/service.h"
+
+namespace tessera {
+
+// Safe from any thread.
+class Collections {
+ public:
+  explicit Collections(Results& results) : results_(results) {}
+
+  Reply<std::vector<FeatureCollection>> list();
+  Reply<FeatureCollection> find(std::string_view id);
+  Reply<std::array<double, 4>> map_extent(std::string_view name);
+
+ private:
+  using Extent = std::optional<std::array<double, 4>>;
+  // West, south, east and north; none when that is not known, or cannot be asked.
+  Extent extent_of(const Results::Held& held);
+  std::optional<FeatureCollection> make(const std::string& name, const std::string& kind, const Results::Held& held);
+
+  Results& results_;
+  std::mutex mutex_;
+  std::map<std::string, Extent> extents_;  // by the result's identity
+};
+
+}  // namespace tessera

@@ -1,0 +1,16 @@
+// What the processes dem and contours are asked to do, from fields to options.
+#pragma once
+
+#include "service.pb.h"
+#include "src/base/result.h"
+#include "src/service/convert.h"
+#include "src/terrain/contours.h"
+#include "src/terrain/dem.h"
+
+namespace tessera {
+
+// Errors usage, with options marked. `overwrite` is left to the caller.
+Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& share);
+Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const Share& share);
+
+}  // namespace tessera

@@ -1,0 +1,53 @@
+// Features of maps as GeoJSON, in longitude and latitude.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/crs/lon_lat.h"
+
+namespace tessera {
+
+// Whether a line, or the area of a ring whose last point is the first again, and a closed box have a point in common.
+bool line_meets(std::span<const Point> line, const Bounds& box);
+bool ring_meets(std::span<const Point> ring, const Bounds& box);
+
+// With points between its corners, so that its sides go where those on the ground do; closed.
+std::vector<Point> dense_ring(std::span<const Point> corners);
+
+// A page of features.
+class FeaturePage {
+ public:
+  // At most `limit` of those that meet `box`, if there is one.
+  FeaturePage(const LonLat& places, const std::optional<Bounds>& box, std::uint64_t limit)
+      : places_(places), box_(box), limit_(limit) {}
+
+  enum class Kind : bool { ring, line };
+  // False: it belongs to the next page, and nothing more is wanted. `points` in the coordinates of the result; `third`:
+  // the third coordinate of all, if they have one.
+  Result<bool> add(std::uint64_t id, const nlohmann::ordered_json& properties, Kind kind, std::vector<Point> points,
+                   std::optional<double> third = {});
+
+  std::uint64_t count() const { return count_; }
+  std::uint64_t last() const { return last_; }  // the id of the last one. REQUIRES: there is one
+  bool full() const { return full_; }
+  // The features, with commas between.
+  std::string take() { return std::move(text_); }
+
+ private:
+  static constexpr std::uint64_t points_max = 500'000;  // of a page; one feature may have more
+
+  const LonLat& places_;
+  std::optional<Bounds> box_;
+  std::uint64_t limit_, count_ = 0, points_ = 0, last_ = 0;
+  bool full_ = false;
+  std::string text_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,148 @@
+#include "src/service/work_exports.h"
+
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "src/base/option.h"
+#include "src/export/export.h"
+#include "src/files/checksum.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/whole_file.h"
+#include "src/service/drawing_options.h"
+#include "src/service/kinds.h"
+#include "src/service/problem.h"
+#include "src/tileset/tileset.h"
+
+namespace tessera {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* tileset_format = "3dtiles";  // of exports, beside those of src/export
+
+// What an export has made in `folder`: where the result will have it, its bytes and checksum.
+Result<Json> written_files(const std::filesystem::path& folder) {
+  Json list = Json::array();
+  std::vector<std::filesystem::path> folders{""};
+  while (!folders.empty()) {
+    const auto inside = std::move(folders.back());
+    folders.pop_back();
+    FolderReader reader(folder / inside);
+    while (const char* name = reader.next()) {
+      const auto path = inside / name;
+      std::error_code failed;
+      if (std::filesystem::is_directory(folder / path, failed)) {
+        folders.push_back(path);
+        continue;
+      }
+      BOOST_OUTCOME_TRY(sum, checksum_file(folder / path));
+      list.push_back({{"path", (exports_folder("") / path).string()},
+                      {"bytes", std::filesystem::file_size(folder / path, failed)},
+                      {"xxh3", checksum_text(sum)}});
+    }
+    if (reader.error()) return io_error(folder / inside, "cannot be listed", reader.error().value());
+  }
+  return list;
+}
+
+// What `write` has made in the job's folder, or nothing.
+template <class Write>
+auto written_aside(const std::filesystem::path& folder, const JobWork& work, const Write& write) {
+  auto made = [&]() -> decltype(write()) {
+    if (const auto left = remove_tree(folder)) return io_error(folder, "cannot be removed", left.value());
+    BOOST_OUTCOME_TRYV(make_directories(folder));
+    return write();
+  }();
+  if (!made) {
+    if (const auto left = remove_tree(folder)) work.log(folder.string() + ": cannot be removed: " + left.message());
+    std::error_code others;
+    std::filesystem::remove(folder.parent_path(), others);  // stays when anything is in it
+  }
+  return made;
+}
+
+// As a share of points that there may not be: a percentage for those who watch.
+std::function<void(double)> percentage(const JobWork& work) {
+  return [&work](double part) {
+    work.progress.points_total = 100;
+    work.progress.points_triangulated = static_cast<std::uint64_t>(part * 100);
+  };
+}
+
+Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
+  const auto& inputs = work.job.inputs().export_();
+  if (inputs.has_heights() || inputs.has_spatial_index())
+    return problem(400, "format: 3dtiles takes neither heights nor spatial_index", Errc::usage);
+  TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
+  if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
+  const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
+  const auto made = written_aside(folder, work, [&] {
+    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options, work.stop);
+  });
+  if (!made) return problem_of(made.error());
+  Json outcome = Json::parse(to_json(made.value()));
+  const auto document = tileset_file(exports_folder("") / inputs.output());
+  outcome["output"] = inputs.output();
+  outcome["written"] = Json::array({Json{{"path", document.string()}, {"bytes", made.value().bytes}}});
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
+// A file that terrain draws: `write` is given the result's folder and the file to make.
+template <class Options, class Write>
+Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> options, const Write& write) {
+  if (!options) return problem_of(options.error());
+  options.value().progress = percentage(work);
+  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  const auto& inputs = work.job.inputs();
+  const std::string name = result_read(inputs), output = *export_output(inputs);
+  const auto folder = shop.results.unfinished_export(name, work.job.id());
+  const auto made = written_aside(
+      folder, work, [&] { return write(shop.results.folder(name), folder / output, options.value(), work.stop); });
+  if (!made) return problem_of(made.error());
+  auto written = written_files(folder);
+  if (!written) return problem_of(written.error());
+  if (!made.value().note.empty()) work.log("note: " + made.value().note);
+  Json outcome = Json::parse(to_json(made.value()));
+  outcome["output"] = output;
+  outcome["written"] = std::move(written).value();
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
+}  // namespace
+
+Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
+  const auto& inputs = work.job.inputs().export_();
+  if (inputs.format() == tileset_format) return export_tileset(shop, work);
+  auto options = export_options(inputs);
+  if (!options) return problem_of(options.error());
+  options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
+  options.value().progress = percentage(work);
+  const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
+  const auto exported = written_aside(folder, work, [&] {
+    // A name without an ending is a folder of files.
+    return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
+                         work.stop);
+  });
+  if (!exported) return problem_of(exported.error());
+  auto written = written_files(folder);
+  if (!written) return problem_of(written.error());
+  const auto& made = exported.value();
+  if (!made.note.empty()) work.log("note: " + made.note);
+  Json outcome = Json::parse(to_json(made, made.path.filename().string()));
+  outcome["written"] = std::move(written).value();
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
+Reply<JobDone> do_dem(const Workshop& shop, const JobWork& work) {
+  return draw(shop, work, dem_options(work.job.inputs().dem(), shop.share), write_dem);
+}
+
+Reply<JobDone> do_contours(const Workshop& shop, const JobWork& work) {
+  return draw(shop, work, contour_options(work.job.inputs().contours(), shop.share), write_contours);
+}
+
+}  // namespace tessera

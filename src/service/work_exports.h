@@ -1,0 +1,12 @@
+// Jobs that make a file below a result's exports. As do_work().
+#pragma once
+
+#include "src/service/work.h"
+
+namespace tessera {
+
+Reply<JobDone> do_export(const Workshop& shop, const JobWork& work);
+Reply<JobDone> do_dem(const Workshop& shop, const JobWork& work);
+Reply<JobDone> do_contours(const Workshop& shop, const JobWork& work);
+
+}  // namespace tessera

@@ -1,0 +1,146 @@
+#include "src/service/work_region.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "src/base/attribute.h"
+#include "src/budget/budget.h"
+#include "src/files/folder.h"
+#include "src/job/estimate.h"
+#include "src/job/open_cloud.h"
+#include "src/job/region_job.h"
+#include "src/job/result_folder.h"
+#include "src/report/human.h"
+#include "src/service/costs.h"
+#include "src/service/json.h"
+#include "src/service/problem.h"
+
+namespace tessera {
+namespace {
+
+// What a cloud is, of all that is asked.
+std::string words_of(const proto::RegionInputs& inputs) {
+  const auto cloud = cloud_of(inputs);
+  return (cloud ? to_json(cloud.value()) : "") + (inputs.scan() ? " scan" : "");
+}
+
+Result<RegionJobOptions> options_of(const Workshop& shop, const proto::RegionInputs& inputs) {
+  BOOST_OUTCOME_TRY(options, region_options(inputs, shop.share));
+  options.cloud.spool_folder = shop.data;
+  options.cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);
+  if (shop.limits.points > 0) options.limits.max_points = std::min(options.limits.max_points, shop.limits.points);
+  return options;
+}
+
+Result<RegionSummary> write(const Workshop& shop, const JobWork& work, const std::vector<std::string>& files,
+                            const RegionJobOptions& options, ResultFolder& folder) {
+  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(work.job.inputs().region()), work.stop));
+  for (const auto& warning : lent.cloud.warnings) work.log("warning: " + warning);
+  BOOST_OUTCOME_TRY(summary, write_region(lent.cloud, options, folder, work.stop));
+  shop.clouds.give_back(std::move(lent));
+  return summary;
+}
+
+// Of a region that had got its name just before an earlier process ended: what its folder tells.
+Result<std::string> outcome_of_stored(const Workshop& shop, const std::string& name) {
+  BOOST_OUTCOME_TRY(manifest, shop.results.manifest(name));
+  nlohmann::ordered_json told{{"event", "finished"},
+                              {"output", name},
+                              {"dimension", manifest->dimension},
+                              {"vertices", manifest->vertices},
+                              {"cells", manifest->cells}};
+  for (const auto& [figure, number] : manifest->figures) told[figure] = number;
+  return told.dump() + "\n";
+}
+
+}  // namespace
+
+Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
+  const auto& job = work.job;
+  auto options = options_of(shop, job.inputs().region());
+  if (!options) return problem_of(options.error());
+  options.value().command = Results::command_of(job.id(), process_of(job.inputs()));
+  options.value().limits.progress = [&](std::uint64_t points, std::uint64_t needed) {
+    work.progress.points_total = needed;
+    work.progress.points_triangulated = points;
+  };
+  const auto path = shop.results.unfinished(job.id());
+  std::error_code failed;
+  if (!std::filesystem::exists(path, failed) && job.starts() > 1 &&
+      shop.results.made_by(job.triangulation(), job.id())) {
+    auto told = outcome_of_stored(shop, job.triangulation());
+    if (!told) return problem_of(told.error());
+    return JobDone{std::move(told).value(), 0, {}};
+  }
+  auto files = shop.roots.files(list_of(job.inputs().region().inputs()), job.inputs().region().recursive());
+  if (!files) return problem_of(files.error());
+  // What an attempt before has left is begun anew.
+  auto folder = ResultFolder::inspect(path, false, true);
+  if (!folder) return problem_of(folder.error());
+  auto summary = write(shop, work, files.value(), options.value(), folder.value());
+  if (!summary) {
+    folder.value().abandon();
+    return problem_of(summary.error());
+  }
+  summary.value().out = job.triangulation();
+  if (!summary.value().complete) work.log("note: " + summary.value().needed);
+  return JobDone{region_json(summary.value()) + "\n",
+                 summary.value().figures.points_read,
+                 {{"region", summary.value().figures.seconds}}};
+}
+
+Result<proto::Estimate> region_estimate(const Workshop& shop, const proto::RegionInputs& inputs) {
+  proto::Estimate estimate;
+  BOOST_OUTCOME_TRY(options, options_of(shop, inputs));
+  BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
+  BOOST_OUTCOME_TRY(packed, any_packed(files));
+  estimate.set_accepted(true);
+  if (packed || options.scan) {
+    estimate.set_reason("files that are compressed or scanned are measured when the job runs");
+    return estimate;
+  }
+  BOOST_OUTCOME_TRY(cloud, Cloud::open(files, options.cloud));
+  for (const auto& file : cloud.files()) {
+    if (file.bounds) continue;
+    estimate.set_reason("files that do not state where their points are are measured when the job runs");
+    return estimate;
+  }
+  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(inputs), {}));
+  const RegionCloud& regions = lent.cloud;
+  std::uint64_t points = 0, units = 0;
+  const Bounds box{options.box.lo, options.box.hi};
+  for (const auto& unit : regions.regions->units().list()) {
+    bool meets = true;
+    for (int axis = 0; axis < regions.dimension; ++axis)
+      meets = meets && unit.bounds.lo[axis] <= box.hi[axis] && box.lo[axis] <= unit.bounds.hi[axis];
+    if (!meets) continue;
+    points += unit.points;
+    ++units;
+  }
+  const auto row = row_bytes(regions.schema);
+  const auto cost = tessera::estimate(regions.dimension, KernelKind::flat, points, std::max<std::uint64_t>(points, 1),
+                                      options.neighbors, row, {.memory_bytes = shop.share.memory_bytes, .threads = 1});
+  estimate.set_points(points);
+  estimate.set_cells(cost.cells);
+  estimate.set_tiles(units > 0 ? 1 : 0);
+  estimate.set_memory_bytes(budget::region_bytes(regions.dimension, points, row));
+  estimate.set_result_bytes(cost.result_bytes);
+  estimate.set_seconds(cost.seconds);
+  shop.clouds.give_back(std::move(lent));
+  const auto refuse = [&](const std::string& why) {
+    estimate.set_accepted(false);
+    estimate.set_reason("bbox: the boxes that meet it hold " + grouped(points) + " points, " + why);
+  };
+  if (inputs.partial()) return estimate;
+  if (points > options.limits.max_points) {
+    refuse("and " + grouped(options.limits.max_points) + " are allowed");
+  } else if (estimate.memory_bytes() > options.limits.memory_bytes) {
+    refuse("which take " + human_bytes(estimate.memory_bytes()) + "; the job has " +
+           human_bytes(options.limits.memory_bytes));
+  }
+  return estimate;
+}
+
+}  // namespace tessera

@@ -1,0 +1,24 @@
+// Lists of options, as GDAL takes them.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tessera::terrain {
+
+// "NAME=VALUE", or words of a command line.
+class Choices {
+ public:
+  explicit Choices(std::vector<std::string> texts) : texts_(std::move(texts)) {
+    for (auto& text : texts_) pointers_.push_back(text.data());
+    pointers_.push_back(nullptr);
+  }
+  char** get() { return pointers_.data(); }
+
+ private:
+  std::vector<std::string> texts_;
+  std::vector<char*> pointers_;
+};
+
+}  // namespace tessera::terrain

@@ -1,0 +1,91 @@
+// What the made-up service answers to questions.
+#include <mutex>
+
+#include "tests/http/fake_backend.h"
+
+namespace tessera {
+namespace {
+
+proto::Problem missing(const char* detail) {
+  proto::Problem problem;
+  problem.set_status(404);
+  problem.set_detail(detail);
+  return problem;
+}
+
+}  // namespace
+
+Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
+  using About = Question::About;
+  const auto type = [&]() -> std::string {
+    switch (question.about) {
+      case About::cells:
+      case About::contours:
+        return "application/geo+json";
+      case About::dem:
+        return "image/tiff; application=geotiff; profile=cloud-optimized";
+      case About::hull:
+      case About::section:
+      case About::solids:
+        return "model/gltf-binary";
+      default:
+        return {};
+    }
+  }();
+  if (!type.empty()) {
+    auto opened = open(folder_ / "block" / "deep" / "tile.vtu", type.c_str(), "");
+    if (!opened) return opened.error();
+    return QuestionAnswer{.text = {}, .file = opened.value()};
+  }
+  if (question.about == Question::About::star && question.vertex == "13") {
+    std::condition_variable_any never;
+    std::unique_lock lock(mutex_);
+    never.wait(lock, question.stop, [] { return false; });
+    ++given_up_;
+    held_changed_.notify_all();
+    proto::Problem gone = missing("nobody waits for it");
+    gone.set_status(410);
+    return gone;
+  }
+  std::string text = R"({"point":[1,2],"cell":null})";
+  if (question.about == Question::About::star)
+    text =
+        R"({"asked":1,"vertex":{"id":1,"tile":0,"point":[1,2]},"voronoi_volume":null,"on_hull":true,"neighbors":[],"cells":[]})";
+  if (question.about == About::map_tile) return QuestionAnswer{.text = "png", .type = "image/png"};
+  if (question.about == About::features) {
+    const std::string feature =
+        R"({"type":"Feature","id":7,"properties":{},"geometry":{"type":"Polygon","coordinates":[[[2,48],[3,48],[2,49],[2,48]]]})";
+    if (const auto item = question.options.find("item"); item != question.options.end())
+      return QuestionAnswer{.text = item->second == "7" ? feature : "", .type = "application/geo+json"};
+    QuestionAnswer page{.text = R"({"type":"FeatureCollection","numberReturned":1,"features":[)" + feature + "}]",
+                        .type = "application/geo+json"};
+    if (!question.options.contains("after")) page.next = 1;
+    return page;
+  }
+  if (question.about == Question::About::profile)
+    return QuestionAnswer{.text = R"({"points":[{"distance":0,"x":1,"y":2,"z":3,"part":0}]})",
+                          .type = "application/json"};
+  if (question.body) text = R"({"answers":[{"point":[1,2],"value":3}]})";
+  return QuestionAnswer{.text = text, .type = "application/json"};
+}
+
+Reply<std::vector<FeatureCollection>> FakeBackend::collections() {
+  return std::vector<FeatureCollection>{collection("block.tiles").value()};
+}
+
+Reply<FeatureCollection> FakeBackend::collection(std::string_view id) {
+  if (id != "block.tiles") return missing("there is no such collection");
+  return FeatureCollection{.id = "block.tiles",
+                           .triangulation = "block",
+                           .kind = "tiles",
+                           .title = "block: tiles",
+                           .description = "",
+                           .extent = {2, 48, 3, 49}};
+}
+
+Reply<std::array<double, 4>> FakeBackend::map_extent(std::string_view name) {
+  if (name != "block") return missing("there is no map");
+  return std::array<double, 4>{2, 48, 3, 49};
+}
+
+}  // namespace tessera
