@@ -12,6 +12,8 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/percent_line.h"
+#include "src/apps/remote_drawing.h"
+#include "src/apps/server_options.h"
 #include "src/apps/terrain_commands.h"
 #include "src/job/arguments.h"
 #include "src/job/job_options.h"
@@ -60,6 +62,8 @@ Status run_contours(Settings& settings, const std::string& folder) {
       threads,
       settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
   options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  if (names_server(settings)) return draw_remotely(settings, "contours", folder, target, output);
+  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   options.progress = share_line("tracing", output);
 
   const Interrupt interrupt;
@@ -89,9 +93,11 @@ Command add_contours(CLI::App& root) {
   add_value(command, "memory", "SIZE", "memory for tiles and lines, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.app->add_option("result", *folder, "result folder; with --server, the name of the result")
+      ->type_name("FOLDER");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_contours(*settings, *folder);
   };

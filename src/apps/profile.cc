@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,23 +24,14 @@ namespace {
 
 // "x,y x,y ...", or a GeoJSON file with one line.
 Result<std::vector<Point>> read_line(const std::string& text) {
-  const auto refused = [&](const std::string& why) { return error(Errc::usage, "--line: '" + text + "' " + why); };
   if (text.ends_with(".geojson") || text.ends_with(".json")) {
     BOOST_OUTCOME_TRY(lines, query::read_geojson(text, query::GeoJson::lines));
     if (lines.size() > 1)
       return error(Errc::bad_input, text + ": has " + std::to_string(lines.size()) + " lines, not one");
     return std::move(lines[0]);
   }
-  std::vector<Point> line;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const std::size_t comma = word.find(',');
-    const auto x = parse_finite(word.substr(0, comma));
-    const auto y = parse_finite(comma == std::string::npos ? "" : word.substr(comma + 1));
-    if (!x || !y) return refused("is neither points like '0,0 50,20' nor a GeoJSON file");
-    line.push_back(without_negative_zero({x.value(), y.value(), 0}));
-  }
-  if (line.size() < 2) return refused("has fewer than two points");
+  auto line = parse_line(text);
+  if (!line) return error(Errc::usage, "--line: " + line.error().where);
   return line;
 }
 

@@ -18,7 +18,7 @@ namespace {
 using query::StoredTriangulation;
 
 Result<StoredTriangulation> open(const QueryRequest& request) {
-  return StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes});
+  return StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes, .parts = true});
 }
 
 Status print(const std::string& text) {
@@ -62,9 +62,11 @@ Status query_locate(QueryRequest& request) {
       BOOST_OUTCOME_TRY(found, result.details(cells[0]));
       details = std::move(found);
     }
-    return print(request.output.json ? json_of(p, dimension, details) : text_of(p, dimension, details));
+    const auto final = result.manifest().region ? std::optional(cells[0].final) : std::nullopt;
+    return print(request.output.json ? json_of(p, dimension, details, final) : text_of(p, dimension, details, final));
   }
   request.answers.dimension = dimension;
+  request.answers.final = result.manifest().region.has_value();
   BOOST_OUTCOME_TRY(answers, Answers::open(request.answers));
   BOOST_OUTCOME_TRYV(
       for_all_points(request, request.points, dimension, [&](const std::vector<Point>& points) -> Status {
@@ -81,7 +83,8 @@ Status query_star(const QueryRequest& request) {
   const PointId asked{static_cast<std::uint64_t>(id.value())};
   BOOST_OUTCOME_TRY(star, result.star(asked, request.tile, request.ask));
   const int dimension = result.manifest().dimension;
-  return print(request.output.json ? json_of(asked, dimension, star) : text_of(asked, dimension, star));
+  const bool part = result.manifest().region.has_value();
+  return print(request.output.json ? json_of(asked, dimension, star, part) : text_of(asked, dimension, star, part));
 }
 
 Status query_cells(const QueryRequest& request) {
@@ -89,7 +92,8 @@ Status query_cells(const QueryRequest& request) {
   if (request.target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
   BOOST_OUTCOME_TRYV(find_export_target(request.target, request.cells));
   // Half for tiles, half for what is found in them.
-  BOOST_OUTCOME_TRY(result, StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes / 2}));
+  BOOST_OUTCOME_TRY(
+      result, StoredTriangulation::open(request.folder, {.memory_bytes = request.memory_bytes / 2, .parts = true}));
   query::Area area;
   if (!request.polygon.empty()) {
     BOOST_OUTCOME_TRY(polygon, query::Polygon::read_geojson(request.polygon));
@@ -110,6 +114,8 @@ Status query_cells(const QueryRequest& request) {
   BOOST_OUTCOME_TRY(exported, export_cells(request.folder, result.manifest(), set.mesh, set.tiles, request.target,
                                            request.cells, request.ask.stop));
   print_exported(exported, std::nullopt, request.output);
+  if (!set.final && !request.output.json && !request.output.quiet)
+    std::fprintf(stderr, "note: the region does not know all cells of this place; these are those it has\n");
   return success();
 }
 
@@ -121,6 +127,7 @@ Status query_interpolate(QueryRequest& request) {
   BOOST_OUTCOME_TRY(result, open(request));
   const int dimension = result.manifest().dimension;
   request.answers.dimension = dimension;
+  request.answers.final = result.manifest().region.has_value();
   request.answers.values = true;
   request.answers.weights = request.value.weights;
   BOOST_OUTCOME_TRY(answers, Answers::open(request.answers));

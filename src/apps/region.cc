@@ -14,6 +14,8 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/outcome.h"
+#include "src/apps/remote_drawing.h"
+#include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
 #include "src/apps/words.h"
 #include "src/base/option.h"
@@ -161,6 +163,7 @@ Command add_region(CLI::App& root) {
   add_switch(command, "scan", "read all files once and see where their points are, instead of believing their boxes");
   add_point_options(command);
   add_switch(command, "overwrite", "replace what is in the place of the result", 0, true);
+  add_remote_options(command);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
   command.app->add_option("inputs", *inputs, "point files, folders of them, patterns of their names")
@@ -168,6 +171,8 @@ Command add_region(CLI::App& root) {
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(read, read_command(*settings, *inputs));
     if (read.output.verbose) log_everything();
+    if (names_server(*settings)) return region_remotely(*settings, read.inputs, read.out.string(), read.output);
+    BOOST_OUTCOME_TRYV(refuse_detach(*settings));
     read.job.command = command_line;
     return run_region(read);
   };

@@ -12,6 +12,7 @@
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
 #include "src/apps/outcome.h"
+#include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
@@ -107,7 +108,10 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
   const auto verified = verified_of(outcome);
   const auto exported = exported_of(outcome);
   const auto described = description_text(outcome);
-  if (verified) {
+  const auto drawn = drawn_text(outcome);
+  if (drawn) {
+    std::fputs(drawn->c_str(), stdout);
+  } else if (verified) {
     print_verified(job.triangulation(), *verified, output);
   } else if (exported) {
     print_exported(*exported, std::nullopt, output);
