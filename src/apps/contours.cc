@@ -2,13 +2,13 @@
 #include "src/terrain/contours.h"
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/percent_line.h"
@@ -18,23 +18,9 @@
 #include "src/job/arguments.h"
 #include "src/job/job_options.h"
 #include "src/job/machine.h"
-#include "src/report/human.h"
 
 namespace tessera {
 namespace {
-
-void print(const Contours& contours, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(contours).c_str());
-  } else if (!output.quiet) {
-    std::printf("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
-                grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
-                grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
-    if (contours.left_out > 0)
-      std::printf("%s cells with longer edges are left out\n", grouped(contours.left_out).c_str());
-    if (!contours.note.empty()) std::fprintf(stderr, "note: %s\n", contours.note.c_str());
-  }
-}
 
 Status run_contours(Settings& settings, const std::string& folder) {
   const std::string target = settings.text("output").value_or("");
@@ -70,7 +56,7 @@ Status run_contours(Settings& settings, const std::string& folder) {
   auto result = write_contours(folder, target, options, interrupt.token());
   clear_line(output);
   BOOST_OUTCOME_TRY(contours, std::move(result));
-  print(contours, output);
+  print_drawn(contours, output);
   return success();
 }
 

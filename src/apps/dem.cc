@@ -2,7 +2,6 @@
 #include "src/terrain/dem.h"
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/percent_line.h"
@@ -18,7 +18,6 @@
 #include "src/job/arguments.h"
 #include "src/job/job_options.h"
 #include "src/job/machine.h"
-#include "src/report/human.h"
 
 namespace tessera {
 namespace {
@@ -40,20 +39,6 @@ Result<std::optional<Light>> read_light(Settings& settings) {
       return error(Errc::usage, "--" + std::string(key) + " belongs to --hillshade");
   }
   return hillshade ? std::optional(light) : std::nullopt;
-}
-
-void print(const Dem& dem, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", to_json(dem).c_str());
-  } else if (!output.quiet) {
-    const auto all = static_cast<std::uint64_t>(dem.width) * static_cast<std::uint64_t>(dem.height);
-    std::printf("%s: %s x %s pixels, %s of them without a value, %s\n", dem.path.c_str(),
-                grouped(static_cast<std::uint64_t>(dem.width)).c_str(),
-                grouped(static_cast<std::uint64_t>(dem.height)).c_str(), grouped(all - dem.pixels).c_str(),
-                human_bytes(dem.bytes).c_str());
-    if (dem.left_out > 0) std::printf("%s cells with longer edges are left out\n", grouped(dem.left_out).c_str());
-    if (!dem.note.empty()) std::fprintf(stderr, "note: %s\n", dem.note.c_str());
-  }
 }
 
 Status run_dem(Settings& settings, const std::string& folder) {
@@ -92,7 +77,7 @@ Status run_dem(Settings& settings, const std::string& folder) {
   auto result = write_dem(folder, target, options, interrupt.token());
   clear_line(output);
   BOOST_OUTCOME_TRY(dem, std::move(result));
-  print(dem, output);
+  print_drawn(dem, output);
   return success();
 }
 

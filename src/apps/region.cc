@@ -1,7 +1,6 @@
 // tessera region: the cells of a region of raw clouds.
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -11,14 +10,13 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
-#include "src/apps/outcome.h"
 #include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
 #include "src/apps/words.h"
-#include "src/base/option.h"
 #include "src/budget/budget.h"
 #include "src/export/export.h"
 #include "src/files/temporary.h"
@@ -102,16 +100,6 @@ Result<RegionSummary> run_in(const RegionCommand& command, RegionCloud& cloud, c
   return summary;
 }
 
-void print(const RegionSummary& summary, const OutputOptions& output) {
-  if (output.json) {
-    std::printf("%s\n", region_json(summary).c_str());
-  } else if (!output.quiet) {
-    std::fputs(region_text(summary).c_str(), stdout);
-    for (const auto& warning : summary.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
-  }
-  if (!summary.complete && !output.json) std::fprintf(stderr, "note: %s\n", render(summary.needed, flag_name).c_str());
-}
-
 Status run_region(const RegionCommand& command) {
   const Interrupt interrupt;
   const ExportOptions exporting{.format = command.format, .overwrite = command.overwrite};
@@ -123,14 +111,14 @@ Status run_region(const RegionCommand& command) {
   BOOST_OUTCOME_TRY(cloud, open_regions(command.inputs, command.job, interrupt.token()));
   if (command.is_folder) {
     BOOST_OUTCOME_TRY(summary, run_in(command, cloud, command.out, command.overwrite, interrupt.token()));
-    print(summary, command.output);
+    print_drawn(summary, command.output);
     return success();
   }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make());
   BOOST_OUTCOME_TRY(summary, run_in(command, cloud, scratch.path(), true, interrupt.token()));
   BOOST_OUTCOME_TRY(exported, export_result(scratch.path(), command.out, exporting, interrupt.token()));
   summary.out = exported.path.string();
-  print(summary, command.output);
+  print_drawn(summary, command.output);
   return success();
 }
 
@@ -171,7 +159,9 @@ Command add_region(CLI::App& root) {
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(read, read_command(*settings, *inputs));
     if (read.output.verbose) log_everything();
-    if (names_server(*settings)) return region_remotely(*settings, read.inputs, read.out.string(), read.output);
+    if (names_server(*settings))
+      return region_remotely(*settings, {.inputs = read.inputs, .name = read.out.string(), .crs = read.job.cloud.crs},
+                             read.output);
     BOOST_OUTCOME_TRYV(refuse_detach(*settings));
     read.job.command = command_line;
     return run_region(read);

@@ -2,25 +2,30 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
-#include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "src/apps/command.h"
 #include "src/base/result.h"
+#include "src/client/server.h"
 
 namespace tessera {
 
-// `out`: the name of the result there.
-Status region_remotely(Settings& settings, const std::vector<std::string>& inputs, const std::string& out,
-                       const OutputOptions& output);
+struct RemoteRegion {
+  std::vector<std::string> inputs;
+  std::string name;  // of the result there
+  std::string crs;   // empty: the files'
+};
+Status region_remotely(Settings& settings, const RemoteRegion& region, const OutputOptions& output);
 
 // `process`: dem or contours. The file arrives at `target`, and stays at the daemon only with --detach.
 Status draw_remotely(Settings& settings, const std::string& process, const std::string& result,
                      const std::filesystem::path& target, const OutputOptions& output);
 
-// What a job of these processes found, for people; nothing when it is none of them.
-std::optional<std::string> drawn_text(const nlohmann::ordered_json& outcome);
+bool is_drawing(const proto::StatusInfo& job);
+// What a successful job of dem or contours has written, to `target`, which is then told; in place of what is there.
+Status fetch_drawing(Server& server, const proto::StatusInfo& job, const std::filesystem::path& target,
+                     const OutputOptions& output, const std::stop_token& stop);
 
 }  // namespace tessera

@@ -103,6 +103,20 @@ Error advise_upload(Error refused, const std::vector<std::string>& inputs) {
   return refused;
 }
 
+Error advise_here(Error refused, const std::string& name) {
+  std::error_code none;
+  refused = in_flags(std::move(refused));
+  if (refused.code == Errc::usage && refused.where.starts_with("triangulation:") &&
+      std::filesystem::is_directory(name, none))
+    refused.where += "; " + name + " is a folder here: with --server '' the command works on it";
+  return refused;
+}
+
+std::string without_slash(std::string name) {
+  while (name.size() > 1 && name.ends_with('/')) name.pop_back();
+  return name;
+}
+
 Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, const std::vector<std::string>& here) {
   Json json = Json::object();
   for (const auto& key : settings.given()) {

@@ -27,5 +27,10 @@ std::vector<std::string> only_here(std::vector<std::string> more);
 Error in_flags(Error refused);
 // What a daemon says of inputs that it does not find, and of a file here, what to do.
 Error advise_upload(Error refused, const std::vector<std::string>& inputs);
+// Of a result's name that it does not know, and a folder here.
+Error advise_here(Error refused, const std::string& name);
+
+// Of a result: as a shell completes the name of a folder, it ends in one.
+std::string without_slash(std::string name);
 
 }  // namespace tessera

@@ -28,20 +28,6 @@ Error no_json(const Server& server) {
   return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
 }
 
-// Of a name that the daemon does not know, and a folder here.
-Error advise_here(Error refused, const std::string& name) {
-  std::error_code none;
-  refused = in_flags(std::move(refused));
-  if (refused.code == Errc::usage && refused.where.starts_with("triangulation:") && fs::is_directory(name, none))
-    refused.where += "; " + name + " is a folder here: with --server '' the command works on it";
-  return refused;
-}
-
-std::string without_slash(std::string name) {
-  while (name.size() > 1 && name.ends_with('/')) name.pop_back();
-  return name;
-}
-
 Result<proto::StatusInfo> submit(Server& server, const char* process, const Json& inputs, const std::string& name,
                                  const std::stop_token& stop) {
   auto submitted = server.submit(process, inputs, new_idempotency_key(), stop);

@@ -13,6 +13,7 @@
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
 #include "src/apps/percent_line.h"
+#include "src/apps/remote_drawing.h"
 #include "src/apps/remote_result.h"
 #include "src/apps/server_options.h"
 #include "src/client/fetch.h"
@@ -33,17 +34,23 @@ Status run_results(Settings& settings) {
   return success();
 }
 
-// What an export job has written.
+// What a job of export, dem or contours has written.
 Status fetch_of_job(Server& server, const std::string& id, const std::filesystem::path& path,
                     const OutputOptions& output, const std::stop_token& stop) {
   const auto job = server.job(id, stop);
   if (!job && job.error().code != Errc::usage) return job.error();
-  if (!job || job.value().process_id() != "export")
+  if (!job || (job.value().process_id() != "export" && !is_drawing(job.value())))
     return error(Errc::usage,
-                 "there is no result '" + id + "', and no export job of this id; 'tessera results' lists results");
+                 "there is no result '" + id +
+                     "', and no job of this id that exports or draws one; 'tessera results' lists results");
   if (job.value().status() != "successful")
     return error(Errc::usage, "job " + id + " is " + job.value().status() + ": there is nothing to fetch of it");
   std::error_code none;
+  if (is_drawing(job.value())) {
+    if (std::filesystem::exists(path, none))
+      return error(Errc::usage, path.string() + ": exists already; name something new");
+    return fetch_drawing(server, job.value(), path, output, stop);
+  }
   const bool folder = !path.has_filename() || !path.has_extension() || std::filesystem::is_directory(path, none);
   if (folder ? std::filesystem::exists(path, none) && !std::filesystem::is_empty(path, none)
              : std::filesystem::exists(path, none))
@@ -103,15 +110,17 @@ Command add_fetch(CLI::App& root) {
   auto command = new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
                              "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
                              "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)\n"
-                             "  tessera fetch ID -o mesh.ply    (what export job ID has written)");
+                             "  tessera fetch ID -o mesh.ply    (what a job of export, dem or contours has written)");
   command.app->group(daemon_group);
   add_value(command, "output", "FOLDER",
-            "the result folder: new, empty, or what an earlier fetch has left; of an export, the file or folder", 'o',
-            true);
+            "the result folder: new, empty, or what an earlier fetch has left; of a job's files, the file or folder",
+            'o', true);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
-  command.app->add_option("result", *name, "its name, as 'tessera results' shows it; or the id of an export job")
+  command.app
+      ->add_option("result", *name,
+                   "its name, as 'tessera results' shows it; or the id of a job of export, dem or contours")
       ->type_name("NAME");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
 #include "src/apps/outcome.h"
-#include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
@@ -105,13 +105,11 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
     print_json_line(outcome);
     return success();
   }
+  if (print_drawn(outcome, output)) return success();
   const auto verified = verified_of(outcome);
   const auto exported = exported_of(outcome);
   const auto described = description_text(outcome);
-  const auto drawn = drawn_text(outcome);
-  if (drawn) {
-    std::fputs(drawn->c_str(), stdout);
-  } else if (verified) {
+  if (verified) {
     print_verified(job.triangulation(), *verified, output);
   } else if (exported) {
     print_exported(*exported, std::nullopt, output);
