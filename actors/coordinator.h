@@ -141,6 +141,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void act(QuiescenceDetector::Verdict verdict);
   void collect_if_settled();
   void show_progress(PartProgress& message);
+  void tell_progress();
   void count_tiles();
   void ended(PartEnded& message);
   void fail(Failure failure);
@@ -188,6 +189,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::uint64_t tiles_again_ = 0;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
+  std::vector<WorkSpan> untold_;  // what parts have said, and the owner has not been told
+  std::size_t spoken_ = 0;        // times that a part has spoken since
   std::optional<std::uint64_t> counted_;
   bool told_ = false, again_ = false;
 };

@@ -106,7 +106,7 @@ TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
 TESSERA_MESSAGE(AskPlace)
 TESSERA_MESSAGE(NodePlace, x.member, x.trouble, x.others, x.silent_ms)
-TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.seconds, x.silent_ms, x.memory_used)
+TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.last_words, x.seconds, x.silent_ms, x.memory_used)
 TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
 }  // namespace tessera

@@ -82,7 +82,7 @@ void Registry::welcome(const Hello& hello) {
     return send(member, Refused{refused});
   }
   if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
-  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node}).second) {
+  if (actors_.emplace(hello.info.uuid, Actors{member, hello.node, hello.last_words}).second) {
     monitor(member);
     if (!hello.last_words.empty()) {
       options_.log(known_as(hello.info) + " is back; the process before it " + hello.last_words);
@@ -191,8 +191,8 @@ MemberList Registry::list() const {
   for (const auto& [number, uuid] : by_number) {
     const Members::Member& member = *members_.find(uuid);
     out.members.push_back({member.info, false, member.free && !leaving_.contains(uuid), leaving_.contains(uuid),
-                           since(std::chrono::seconds(), member.came), since(std::chrono::milliseconds(), member.heard),
-                           member.memory_used});
+                           actors_.at(uuid).last_words, since(std::chrono::seconds(), member.came),
+                           since(std::chrono::milliseconds(), member.heard), member.memory_used});
     out.nodes.push_back(actors_.at(uuid).node);
   }
   return out;

@@ -35,6 +35,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   struct Actors {
     MemberHandle member;
     caf::actor node;
+    std::string last_words;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;

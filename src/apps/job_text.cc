@@ -66,7 +66,11 @@ std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
                     grouped(node.tiles()), human_seconds(static_cast<double>(node.seconds())),
                     human_seconds(static_cast<double>(node.silent_ms()) / 1000) + " ago"});
   }
-  return table(rows);
+  std::string text = table(rows);
+  for (const auto& node : nodes) {
+    if (!node.last_words().empty()) text += node.name() + ": the process before this one " + node.last_words() + "\n";
+  }
+  return text;
 }
 
 std::string local_nodes_text(const std::vector<LocalNodeState>& nodes) {
@@ -162,7 +166,8 @@ nlohmann::ordered_json node_json(const proto::NodeInfo& node) {
           {"state", node.state()},
           {"seconds", node.seconds()},
           {"silent_ms", node.silent_ms()},
-          {"coordinator", node.coordinator()}};
+          {"coordinator", node.coordinator()},
+          {"last_words", node.last_words()}};
 }
 
 nlohmann::ordered_json local_node_json(const LocalNodeState& node) {

@@ -31,7 +31,8 @@ struct NodeState {
   MemberInfo info;
   bool own = false;  // of the coordinator's process
   bool free = false;
-  bool leaves = false;  // takes no more work, and ends when all it has is elsewhere
+  bool leaves = false;                       // takes no more work, and ends when all it has is elsewhere
+  std::string last_words;                    // how the process before its own has ended; empty: in order
   std::uint64_t seconds = 0, silent_ms = 0;  // since it came, since it was heard
   std::uint64_t memory_used = 0;
 };

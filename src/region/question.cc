@@ -93,8 +93,7 @@ RegionQuestion::Wanted RegionQuestion::within_limits(std::vector<std::size_t> un
   Wanted wanted;
   std::sort(units.begin(), units.end(),
             [&](auto a, auto b) { return std::pair(tree_.distance(a), a) < std::pair(tree_.distance(b), b); });
-  std::uint64_t points = figures_.points_used, all = points;
-  for (const std::size_t unit : units) all += units_.list()[unit].points;
+  std::uint64_t points = figures_.points_used;
   for (const std::size_t unit : units) {
     points += units_.list()[unit].points;
     if (points > limits_.max_points) {

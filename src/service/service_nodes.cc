@@ -23,6 +23,7 @@ proto::NodeInfo info_of(const NodeState& node) {
   info.set_seconds(node.seconds);
   info.set_silent_ms(node.silent_ms);
   info.set_coordinator(node.own);
+  info.set_last_words(node.last_words);
   return info;
 }
 

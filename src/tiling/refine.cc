@@ -17,7 +17,8 @@ bool split_by_sample(Partition& partition, TileId tile, std::vector<Point> point
   std::vector<std::pair<TileId, std::vector<Point>>> parts;
   parts.emplace_back(tile, std::move(points));
   while (!parts.empty()) {
-    auto [part, inside] = std::move(parts.back());
+    const TileId part = parts.back().first;
+    std::vector<Point> inside = std::move(parts.back().second);
     parts.pop_back();
     if (inside.size() * stride <= limit) continue;
     const TileId added{partition.tiles()};

@@ -11,16 +11,19 @@ class Nodes(ServerTest):
         self.server.nodes = [
             {"name": "a", "id": "0a", "address": "10.0.0.1:7072", "threads": 8, "memoryBytes": 2 << 30, "memoryUsedBytes": 1 << 20, "tiles": 12,
              "state": "free", "seconds": 7384, "silentMs": 1200, "coordinator": True},
-            {"name": "b c", "id": "0b", "address": "10.0.0.2:7072", "threads": 4, "memoryBytes": 1 << 30, "state": "joining"}]
+            {"name": "b c", "id": "0b", "address": "10.0.0.2:7072", "threads": 4, "memoryBytes": 1 << 30, "state": "joining",
+             "lastWords": "was killed (SIGKILL), while splaying"}]
 
     def test_they_are_listed(self):
-        head, a, b = self.ok("nodes").splitlines()
+        head, a, b, words = self.ok("nodes").splitlines()
         self.assertRegex(head, "^NODE +ADDRESS +STATE +THREADS +MEMORY +USED +TILES +SINCE +HEARD$")
         self.assertRegex(a, r"^a +10\.0\.0\.1:7072 +free, coordinator +8 +2\.00 GiB +1\.00 MiB +12 +2 h 03 min +1\.20 s ago$")
         self.assertRegex(b, r"^b c +10\.0\.0\.2:7072 +joining +4 ")
+        self.assertEqual(words, "b c: the process before this one was killed (SIGKILL), while splaying")
         told = self.json_lines(self.ok("nodes", "--json"))
         self.assertEqual([(node["event"], node["name"], node["coordinator"]) for node in told], [("node", "a", True), ("node", "b c", False)])
         self.assertEqual((told[0]["memory_used_bytes"], told[0]["tiles"], told[0]["seconds"]), (1 << 20, 12, 7384))
+        self.assertEqual([node["last_words"] for node in told], ["", "was killed (SIGKILL), while splaying"])
         self.server.nodes = []
         self.assertEqual(self.ok("nodes"), "there are no nodes\n")
 

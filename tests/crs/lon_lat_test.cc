@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <vector>
 
 namespace tessera {
@@ -50,8 +51,9 @@ TEST(LonLat, WhatIsNowhereIsRefused) {
     EXPECT_FALSE(LonLat::of(crs)) << crs;
   const auto places = LonLat::of("EPSG:2154");
   ASSERT_TRUE(places) << places.error().where;
-  std::vector<Point> points{{1e300, 1e300, 0}};
-  EXPECT_FALSE(places.value().to(points));
+  std::vector<Point> beyond_the_pole{{3, 100, 0}}, endless{{std::numeric_limits<double>::infinity(), 0, 0}};
+  EXPECT_FALSE(places.value().from(beyond_the_pole));
+  EXPECT_FALSE(places.value().to(endless));
 }
 
 }  // namespace

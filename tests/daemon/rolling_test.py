@@ -76,6 +76,10 @@ class Rolling(DaemonTest):
         self.nodes["b"].end()
         self.nodes["b"] = self.join("b")
         self.result(job)
+        self.wait_until(lambda: self.free() == set("abcd"), lambda: str(self.free()))
+        words = {node["name"]: node.get("lastWords", "") for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]}
+        self.assertIn("was killed (SIGKILL)", words["b"])
+        self.assertEqual({words[name] for name in "acd"}, {""})
         self.assertRegex(self.log(job), r"node b: the process before this one was killed \(SIGKILL\), while \w+")
 
 

@@ -92,7 +92,7 @@ export class NodesPage implements Page {
 
   private async drain(row: Row): Promise<void> {
     const node = row.seen;
-    if (!await confirmed(`Drain ${node.name}?`, "Its tiles begin again on the other nodes, then its process ends. Results stay right.", "Drain the node")) return;
+    if (!await confirmed(`Drain ${node.name}?`, "The other nodes take over its tiles as they are, then its process ends.", "Drain the node")) return;
     await this.notice.attempt(async () => {
       row.update(await (await send("POST", `${address("nodes", node.id || node.name)}/drain`)).json() as NodeInfo);
     });
