@@ -31,9 +31,8 @@ class LastWords(DaemonTest):
 
     def join(self, name, group=None):
         before = self.count(name, "has joined")
-        node = Node(self, name, self.port)
-        if group:  # what it takes from now on counts there
-            (group / "cgroup.procs").write_text(str(node.process.pid))
+        # In its control group from the start: it notes which one that is.
+        node = Node(self, name, self.port, enter=lambda: (group / "cgroup.procs").write_text(str(os.getpid())) if group else None)
         self.wait_until(lambda: self.count(name, "has joined") > before, node.said)
         return node
 
@@ -77,9 +76,10 @@ class LastWords(DaemonTest):
         except OSError as problem:
             self.skipTest(f"no control group can be made: {problem}")
         self.addCleanup(lambda: subprocess.run(["rmdir", group], check=False))
-        (group / "memory.limit_in_bytes").write_text(str(48 << 20))
         self.tessera("generate", "uniform", "-n", "1M", "-o", "cloud.npy", "--quiet")
         node = self.join("b", group=group)
+        taken = int((group / "memory.usage_in_bytes").read_text())
+        (group / "memory.limit_in_bytes").write_text(str(taken + (8 << 20)))
         job = self.submit("large")
         self.assertEqual(node.process.wait(timeout=300), -signal.SIGKILL)
         self.join("b")

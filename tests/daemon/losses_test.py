@@ -33,7 +33,7 @@ def free_port():
 class Node:
     """A process that only works for the cluster."""
 
-    def __init__(self, test, name, join, certs="certs", *options):
+    def __init__(self, test, name, join, certs="certs", *options, enter=None):
         self.port = free_port()
         self.log = tempfile.TemporaryFile()
         test.addCleanup(self.log.close)
@@ -42,7 +42,7 @@ class Node:
             [TESSERAD, "--data", str(test.folder / "data"), "--cluster", f"127.0.0.1:{self.port}", "--join",
              f"127.0.0.1:{join}", "--certs", str(test.folder / certs), "--node-name", name, "--lease", LEASE,
              *options, *(word for usual in USUAL.items() if usual[0] not in options for word in usual)],
-            env=clean, stdout=subprocess.DEVNULL, stderr=self.log)
+            env=clean, preexec_fn=enter, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
 
     def said(self):
