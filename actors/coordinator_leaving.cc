@@ -4,8 +4,7 @@
 // finding    | it is waited until it is known where the parts are
 // opening    | nothing has begun: its tiles are others'
 // exchanging | HandOver to its part, which writes an image of each tile that has begun, and ends. A table of a new
-// epoch
-//            | then has them elsewhere, as other incarnations, which begin from these images
+//            | epoch then has them elsewhere, as other incarnations, which begin from these images
 // settling   | it is waited
 // collecting | what it has it stores
 // finishing, ending | it is waited

@@ -26,6 +26,26 @@ void add_random_seeds(const std::vector<LocalPoint>& cloud, const Partition& par
 
 }  // namespace
 
+CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition) {
+  CutCloud out;
+  out.tiles.resize(partition.tiles());
+  out.bounds.resize(partition.tiles());
+  SpanFinder span(partition.dimension());
+  SeedFinder seeds(partition.dimension());
+  for (const LocalPoint& p : cloud) {
+    const TileId tile = partition.tile_of(p.at);
+    out.tiles[tile.value].push_back(p);
+    out.bounds[tile.value].add(p.at);
+    seeds.add(tile, partition.boxes()[tile.value], p);
+  }
+  span.add(cloud);
+  std::vector<LocalPoint> everywhere = span.span();
+  if (std::find(everywhere.begin(), everywhere.end(), span.least()) == everywhere.end())
+    everywhere.push_back(span.least());
+  out.seeds = seeds.choose(partition, out.bounds, everywhere);
+  return out;
+}
+
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng) {
   Setting s;
   const int d = options.dimension;
@@ -37,20 +57,8 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     bounds.add(p.at);
   }
   const Partition partition = Partition::build_tiles(options.partition, d, sample, bounds, options.tiles);
-  s.tiles.resize(partition.tiles());
-  std::vector<Bounds> tile_bounds(partition.tiles());
-  SpanFinder finder(d);
-  SeedFinder seed_finder(d);
-  for (const LocalPoint& p : s.cloud) {
-    const TileId tile = partition.tile_of(p.at);
-    s.tiles[tile.value].push_back(p);
-    tile_bounds[tile.value].add(p.at);
-    seed_finder.add(tile, partition.boxes()[tile.value], p);
-  }
-  finder.add(s.cloud);
-  std::vector<LocalPoint> seeds = finder.span();
-  if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
-  std::vector<Seed> known = seed_finder.choose(partition, tile_bounds, seeds);
+  auto [own, tile_bounds, known] = cut(s.cloud, partition);
+  s.tiles = std::move(own);
   switch (rng() % 4) {
     case 0:  // none but those that are needed
       std::erase_if(known, [](const Seed& seed) { return !std::isinf(seed.reach); });

@@ -9,6 +9,7 @@
 #include "actors/harness/harness.h"
 #include "actors/harness/memory_storage.h"
 #include "src/run/part.h"
+#include "src/tiling/partition.h"
 
 namespace tessera {
 
@@ -23,6 +24,14 @@ struct Setting {
   GateOptions gates;
   bool late_stores = false;
 };
+
+// A cloud as production cuts it, and the seeds it finds. By tile.
+struct CutCloud {
+  std::vector<std::vector<LocalPoint>> tiles;
+  std::vector<Bounds> bounds;
+  std::vector<Seed> seeds;
+};
+CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition);
 
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng);
 

@@ -23,8 +23,6 @@
 #include "src/run/assignment.h"
 #include "src/run/touching.h"
 #include "src/tiling/hilbert.h"
-#include "src/tiling/seed_finder.h"
-#include "src/tiling/span_finder.h"
 
 namespace tessera {
 namespace {
@@ -108,23 +106,12 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
     bounds.add(sample.back());
   }
   const Partition partition = Partition::build_tiles(PartitionKind::kdtree, 2, sample, bounds, tiles);
-  s.tiles.resize(partition.tiles());
-  std::vector<Bounds> tile_bounds(partition.tiles());
-  SpanFinder finder(2);
-  SeedFinder seed_finder(2);
-  for (const LocalPoint& p : s.cloud) {
-    const TileId tile = partition.tile_of(p.at);
-    s.tiles[tile.value].push_back(p);
-    tile_bounds[tile.value].add(p.at);
-    seed_finder.add(tile, partition.boxes()[tile.value], p);
-  }
-  finder.add(s.cloud);
-  std::vector<LocalPoint> seeds = finder.span();
-  if (std::find(seeds.begin(), seeds.end(), finder.least()) == seeds.end()) seeds.push_back(finder.least());
+  CutCloud own = cut(s.cloud, partition);
+  s.tiles = std::move(own.tiles);
   s.context.dimension = 2;
   s.context.boxes = final_boxes(partition);
-  s.context.around = Surroundings(tile_bounds, touching_tiles(partition, tile_bounds),
-                                  seed_finder.choose(partition, tile_bounds, seeds));
+  auto neighbours = touching_tiles(partition, own.bounds);
+  s.context.around = Surroundings(std::move(own.bounds), std::move(neighbours), std::move(own.seeds));
   s.context.many_nodes = s.schedule.settle_asleep = true;
   s.schedule.memory_bytes = std::uint64_t{1} << 40;
   std::vector<std::uint64_t> place(s.tiles.size());
@@ -132,7 +119,7 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
   for (std::uint32_t t = 0; t < s.tiles.size(); ++t) {
     if (s.tiles[t].empty()) continue;
     order.push_back(TileId{t});
-    const Bounds& b = tile_bounds[t];
+    const Bounds& b = s.context.around.bounds(TileId{t});
     place[t] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, 0});
   }
   std::stable_sort(order.begin(), order.end(), [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
