@@ -70,7 +70,8 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     attempt([&] { fail(lost("a message of the coordinator", reason)); });
   });
-  for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)});
+  const std::string spec = spec_bytes();
+  for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)}, spec);
   return {
       [this](const PartOpened& message) { attempt([&] { opened(message); }); },
       [this](PartFound& message) { attempt([&] { found(message); }); },
@@ -130,12 +131,16 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   };
 }
 
-void Coordinator::prepare(NodeId node) {
-  PartOf& p = parts_[node.value];
-  monitor(p.node);
+std::string Coordinator::spec_bytes() const {
   PartSpec spec = options_.spec;
   spec.table = table_;
-  p.open.message() = {options_.job, node, to_bytes(spec), caf::actor_cast<caf::actor>(this), options_.term};
+  return to_bytes(spec);
+}
+
+void Coordinator::prepare(NodeId node, const std::string& spec) {
+  PartOf& p = parts_[node.value];
+  monitor(p.node);
+  p.open.message() = {options_.job, node, spec, caf::actor_cast<caf::actor>(this), options_.term};
   p.abort.message().term = options_.term;
 }
 
@@ -159,14 +164,10 @@ void Coordinator::opened(const PartOpened& message) {
   welcome(message.node);
 }
 
+BeginPart Coordinator::beginning() const { return {part_handles(), table_, state_ == State::collecting}; }
+
 // REQUIRES: the part is open, and has not been told.
-void Coordinator::begin(NodeId node) {
-  BeginPart message;
-  message.settled = state_ == State::collecting;
-  message.table = table_;
-  message.parts = part_handles();
-  send(parts_.at(node.value).part, std::move(message));
-}
+void Coordinator::begin(NodeId node) { send(parts_.at(node.value).part, beginning()); }
 
 void Coordinator::take(const TileDone& done) {
   if (stored_.at(done.entry.tile.value)) return;  // by a node that was lost, too
@@ -186,7 +187,8 @@ void Coordinator::begin() {
   started_ = std::chrono::steady_clock::now();
   state_ = settled ? State::collecting : State::exchanging;
   if (settled) begun_ = quiet_ = started_;
-  for (const Host& host : hosts()) begin(host.node);
+  const caf::message message = for_parts(beginning());
+  for (const Host& host : hosts()) tell(parts_[host.node.value], message);
   detector_.restart_busy(nodes());
   for (const TileId t : options_.order) {  // of nodes that were lost before anything began
     if (parts_.at(table_.node_of(t).value).lost) released_.push_back(t);

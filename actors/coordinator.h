@@ -105,8 +105,11 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void open_anew(std::vector<NodeHandle> nodes);
   void go_on();
   void begin(NodeId node);
+  BeginPart beginning() const;
   void take(const TileDone& done);
-  void prepare(NodeId node);
+  // `spec` as spec_bytes() has it: of many nodes it is made once.
+  void prepare(NodeId node, const std::string& spec);
+  std::string spec_bytes() const;
   void join(const NodeHandle& node);
   void leave(const NodeLeaves& leaves);
   bool leaves(const NodeHandle& node) const;
@@ -149,10 +152,21 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void abort_parts() noexcept;
   void lost_actor(const caf::down_msg& down);
   void finish_if_over() noexcept;
+  // One message for many, for a table is as long as there are tiles: who changes what he gets makes his own of it.
   template <class Message>
-  void tell_parts(const Message& message) {
+  caf::message for_parts(Message message) const {
+    static_assert(caf::response_type_unbox<caf::signatures_of_t<PartHandle>, caf::detail::type_list<Message>>::valid);
+    return caf::make_message(std::move(message));
+  }
+  void tell(const PartOf& p, const caf::message& for_parts) {
+    caf::actor_cast<caf::abstract_actor*>(p.part)->enqueue(caf::strong_actor_ptr(ctrl()), caf::make_message_id(),
+                                                           for_parts, context());
+  }
+  template <class Message>
+  void tell_parts(Message message) {
+    const caf::message shared = for_parts(std::move(message));
     for (const PartOf& p : parts_) {
-      if (p.part) send(p.part, message);
+      if (p.part) tell(p, shared);
     }
   }
   // Of those that are not lost.

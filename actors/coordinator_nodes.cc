@@ -74,7 +74,8 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
             std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
   const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
   for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
-  for (const Host& host : hosts) prepare(host.node);
+  const std::string spec = spec_bytes();
+  for (const Host& host : hosts) prepare(host.node, spec);
   for (PartOf& p : parts_) p.open.say(p.node);
 }
 
@@ -122,7 +123,7 @@ void Coordinator::join(const NodeHandle& node) {
     return find(node);
   }
   parts_.emplace_back().node = node;
-  prepare(NodeId{static_cast<std::uint32_t>(parts_.size() - 1)});
+  prepare(NodeId{static_cast<std::uint32_t>(parts_.size() - 1)}, spec_bytes());
   parts_.back().open.say(node);
 }
 
@@ -171,7 +172,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
     state_ = State::exchanging;
     quiet_.reset();
   }
-  tell_parts(message);
+  tell_parts(std::move(message));
 }
 
 std::vector<Host> Coordinator::hosts() const {
