@@ -1,7 +1,8 @@
 // Nodes that are to leave in order: what they have goes on elsewhere, and none of it begins again.
 //
 // the job    | what must be done before the node may go
-// finding    | it is waited until it is known where the parts are
+// finding    | it is waited until it is known where the parts are; it is asked for its own, too, as it may have said
+//            | to the coordinator before this one that it leaves
 // opening    | nothing has begun: its tiles are others'
 // exchanging | HandOver to its part, which writes an image of each tile that has begun, and ends. A table of a new
 //            | epoch then has them elsewhere, as other incarnations, which begin from these images
@@ -17,7 +18,9 @@
 namespace tessera {
 
 void Coordinator::leave(const NodeLeaves& leaves) {
-  leaving_.push_back({caf::actor_cast<NodeHandle>(leaves.node), caf::actor_cast<UsherHandle>(leaves.registry)});
+  const auto node = caf::actor_cast<NodeHandle>(leaves.node);
+  if (state_ == State::finding) join(node);
+  leaving_.push_back({node, caf::actor_cast<UsherHandle>(leaves.registry)});
 }
 
 bool Coordinator::leaves(const NodeHandle& node) const {

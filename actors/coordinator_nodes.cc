@@ -117,7 +117,7 @@ void Coordinator::go_on() {
 }
 
 void Coordinator::join(const NodeHandle& node) {
-  if (state_ == State::finishing || state_ == State::ending || knows(node)) return;
+  if (state_ == State::finishing || state_ == State::ending || knows(node) || leaves(node)) return;
   if (state_ == State::finding) {
     asked_.push_back(node);
     return find(node);

@@ -59,6 +59,7 @@ void PartActor::failed(const std::exception_ptr& exception) noexcept {
 }
 
 PartActor::behavior_type PartActor::make_behavior() {
+  meter_->tell(id(), {});  // it is there
   monitor(coordinator_);
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) {
     lost_coordinator(down);

@@ -1,6 +1,7 @@
 #!/bin/bash
 # A cluster for the time of a Slurm job: a coordinator on the first host, a node on every host. --no-kill: the loss of a host
-# ends neither the job nor the others. Each process begins again when it dies, but not when it is drained or told to end.
+# ends neither the job nor the others. Each process begins again when it dies, but not when it is drained or told to end: a node
+# then hands over its tiles, for at most 20 s (drain-timeout; of Slurm's KillWait it takes less).
 #
 #   sbatch --nodes 4 deploy/slurm-cluster.sh SHARED_FOLDER INPUTS CERTS       CERTS: a certificate for each host (tessera certs)
 #SBATCH --ntasks-per-node=1 --exclusive --no-kill --job-name=tessera

@@ -76,6 +76,7 @@ for name in $parts; do
       part seeds-all-faults run_seeds kill,pause,join,coordinator,leave,last,all 1
       part seeds-coordinator run_seeds coordinator 4
       part seeds-leave run_seeds leave,join 4
+      part seeds-leave-coordinator run_seeds leave,join,coordinator 4
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;

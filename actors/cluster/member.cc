@@ -50,6 +50,8 @@ Member::behavior_type Member::make_behavior() {
       },
       [this](const Renewed&) { answered_ = Clock::now(); },
       [this](const Expelled& expelled) { expel(expelled); },
+      [this](const AskToLeave&) { leave(); },
+      [this](const Depart&) { leave(); },
       [this](const Leave&) { quit(); },
       [this](const AskPlace&) { return place(); },
       [this](caf::tick_atom) { renew(); },
@@ -123,6 +125,7 @@ void Member::welcome(const Welcome& message) {
   answered_ = Clock::now();
   coordinator_address_ = message.coordinator;
   options_.cluster.log("member of the cluster " + options_.cluster.name);
+  if (leaves_) leave();  // before it is free
   for (const NodeUuid& uuid : std::exchange(broken_, {})) send(registry_, Unreachable{options_.info.uuid, uuid});
   for (std::size_t i = 0; i < message.uuids.size(); ++i) {
     if (doors_.contains(message.uuids[i]) || gone_.contains(message.uuids[i])) continue;  // known from before
@@ -159,6 +162,7 @@ void Member::renew() {
   if (const auto closed = close_mute_connections(options_.cluster.lease); closed > 0)
     options_.cluster.log(std::to_string(closed) + " connections were closed, over which nothing was said");
   delayed_send(this, options_.cluster.lease / 5, caf::tick_atom::value);
+  if (leaves_) leave();
   if (state_ == State::seeking) return;
   if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();
   if (state_ == State::member) send(registry_, Renew{options_.info.uuid, options_.memory_used()});
@@ -188,18 +192,35 @@ void Member::lost_registry() {
   state_ = State::seeking;
   if (registry_) demonitor(registry_.address());
   registry_ = nullptr;
+  leave_unheard();
   seek_later();
+}
+
+void Member::leave() {
+  if (expelled_) return;
+  if (!std::exchange(leaves_, true)) options_.cluster.log("leaves the cluster: its tiles go to others");
+  if (state_ == State::member) send(registry_, Leaving{options_.info.uuid, options_.jobs()});
+  leave_unheard();
+}
+
+// Whoever coordinates next would have nothing to take from it.
+void Member::leave_unheard() {
+  if (leaves_ && state_ == State::seeking && options_.jobs() == 0)
+    expel({"had nothing that others would go on with", false});
 }
 
 NodePlace Member::place() const {
   NodePlace place;
   place.member = state_ == State::member && !expelled_;
+  place.leaves = leaves_;
   place.others = static_cast<std::uint64_t>(
       std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second != nullptr; }));
   place.silent_ms = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - answered_).count());
   if (expelled_) {
     place.trouble = "no member of the cluster any more";
+  } else if (leaves_) {
+    place.trouble = "leaves the cluster";
   } else if (state_ == State::greeting) {
     place.trouble = "the cluster's coordinator has not answered yet";
   } else if (state_ == State::seeking) {

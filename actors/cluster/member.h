@@ -9,6 +9,8 @@
 // any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
 // any      | another node is gone | Unreachable                                                            |
 // any      | AskPlace       | answers with its state
+// any      | Depart, AskToLeave | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
+//          |                | when there is none, and nothing that others would go on with, the process ends
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once
 
@@ -33,7 +35,7 @@ struct MemberOptions {
   std::string last_words;  // how the process before this one ended; empty: in order
   caf::actor registry;     // of the same process; null: another one coordinates
   caf::actor node;
-  std::function<std::uint64_t()> memory_used;
+  std::function<std::uint64_t()> memory_used, jobs;  // of what it has; that it is at work for
 };
 
 class Member : public SteadyActor<MemberHandle, Pool::deciding> {
@@ -58,6 +60,8 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void renew();
   void gone(const caf::down_msg& down);
   void lost_registry();
+  void leave();
+  void leave_unheard();
   void expel(const Expelled& expelled);
   NodePlace place() const;
 
@@ -72,7 +76,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   std::set<NodeUuid> gone_;               // were reached, and are not any more
   std::vector<NodeUuid> broken_;          // of these, what no coordinator has been told
   Clock::time_point answered_ = Clock::now();
-  bool will_seek_ = false, expelled_ = false;
+  bool will_seek_ = false, leaves_ = false, expelled_ = false;
 };
 
 }  // namespace tessera

@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 5;
+inline constexpr std::uint32_t wire_version = 6;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {
@@ -56,6 +56,14 @@ struct Expelled {
 struct Unreachable {
   std::string from, to;
 };
+// coordinator -> node: it is to leave in order. Answered by Leaving, each time.
+struct AskToLeave {};
+// node -> coordinator: it is to leave, by its own wish or whoever asked it to, of this coordinator or the one before;
+// and is at work for so many jobs, of which the coordinator may not know yet.
+struct Leaving {
+  std::string uuid;
+  std::uint64_t jobs = 0;
+};
 
 // whoever runs a job -> coordinator of the cluster: tell this actor of nodes that come and go.
 struct Follow {
@@ -78,16 +86,19 @@ struct MemberList {
 
 // whoever watches over a process -> its own node
 struct AskPlace {};
+// The same: the process is to end, so leave in order.
+struct Depart {};
 
 using MemberHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
                                       caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
-                                      caf::reacts_to<Leave>, caf::replies_to<AskPlace>::with<NodePlace>,
-                                      caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
-using RegistryHandle =
-    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>, caf::reacts_to<Renew>,
-                     caf::reacts_to<Unreachable>, caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
-                     caf::reacts_to<NodeLet>, caf::replies_to<AskMembers>::with<MemberList>, caf::reacts_to<Leave>,
-                     caf::reacts_to<caf::tick_atom>>;
+                                      caf::reacts_to<AskToLeave>, caf::reacts_to<Depart>, caf::reacts_to<Leave>,
+                                      caf::replies_to<AskPlace>::with<NodePlace>, caf::reacts_to<caf::tick_atom>,
+                                      caf::reacts_to<caf::connect_atom>>;
+using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>,
+                                        caf::reacts_to<Renew>, caf::reacts_to<Unreachable>, caf::reacts_to<Leaving>,
+                                        caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
+                                        caf::reacts_to<NodeLet>, caf::replies_to<AskMembers>::with<MemberList>,
+                                        caf::reacts_to<Leave>, caf::reacts_to<caf::tick_atom>>;
 
 TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
 TESSERA_MESSAGE(WhoIs, x.asks)
@@ -100,12 +111,15 @@ TESSERA_MESSAGE(Renew, x.uuid, x.memory_used)
 TESSERA_MESSAGE(Renewed)
 TESSERA_MESSAGE(Expelled, x.why, x.again)
 TESSERA_MESSAGE(Unreachable, x.from, x.to)
+TESSERA_MESSAGE(AskToLeave)
+TESSERA_MESSAGE(Leaving, x.uuid, x.jobs)
+TESSERA_MESSAGE(Depart)
 TESSERA_MESSAGE(Follow, x.follower)
 TESSERA_MESSAGE(Drain, x.node)
 TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
 TESSERA_MESSAGE(AskPlace)
-TESSERA_MESSAGE(NodePlace, x.member, x.trouble, x.others, x.silent_ms)
+TESSERA_MESSAGE(NodePlace, x.member, x.leaves, x.trouble, x.others, x.silent_ms)
 TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.last_words, x.seconds, x.silent_ms, x.memory_used)
 TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
@@ -114,12 +128,15 @@ TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 CAF_BEGIN_TYPE_ID_BLOCK(tessera_cluster, caf::first_custom_type_id + 200)
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskMembers))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskPlace))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskToLeave))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::CoordinatorIs))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Depart))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drain))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drained))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Expelled))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Follow))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Hello))
+CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Leaving))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::MemberList))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::NodePlace))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::ReachedAll))

@@ -49,6 +49,7 @@ Registry::behavior_type Registry::make_behavior() {
         if (member) send(actors_.at(renew.uuid).member, Renewed{});
       },
       [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
+      [this](const Leaving& leaving) { hear(leaving); },
       [this](const Follow& job) { follow(job.follower); },
       [this](const Drain& wanted) { return drain(wanted.node); },
       [this](const NodeLet& let_go) {
@@ -134,17 +135,28 @@ Drained Registry::drain(const std::string& node) {
     return entry.first != wanted->first && entry.second.free && !leaving_.contains(entry.first);
   });
   if (!other) return {true, "it is the only node that is free for work: start another one first"};
-  const NodeUuid uuid = wanted->first;
-  if (leaving_.contains(uuid)) return {true, {}};
-  options_.log(known_as(wanted->second.info) + " leaves: what it has goes to others");
-  leaving_[uuid];
-  for (const FollowerHandle& job : std::set(jobs_)) ask_to_let(uuid, job);
-  if (leaving_[uuid].empty()) let({}, uuid);
+  begin_leaving(NodeUuid(wanted->first));
   return {true, {}};
 }
 
+// The node keeps in mind that it is to leave, for the coordinator after this one. Until it has said that it is at work
+// for nobody it stays: jobs that another coordinator has left may be to come, and have begun tiles there.
+void Registry::begin_leaving(const NodeUuid& uuid) {
+  if (!leaving_.try_emplace(uuid).second) return;
+  options_.log(known_as(members_.find(uuid)->info) + " leaves: what it has goes to others");
+  for (const FollowerHandle& job : std::set(jobs_)) ask_to_let(uuid, job);
+  send(actors_.at(uuid).member, AskToLeave{});
+}
+
+void Registry::hear(const Leaving& leaving) {
+  if (!members_.find(leaving.uuid)) return;
+  begin_leaving(leaving.uuid);
+  leaving_[leaving.uuid].at_work = leaving.jobs > 0;
+  let_if_over(leaving.uuid);
+}
+
 void Registry::ask_to_let(const NodeUuid& uuid, const FollowerHandle& job) {
-  leaving_[uuid].insert(job);
+  leaving_[uuid].jobs.insert(job);
   send(job, NodeLeaves{actors_.at(uuid).node, caf::actor_cast<caf::actor>(this)});
 }
 
@@ -152,8 +164,14 @@ void Registry::ask_to_let(const NodeUuid& uuid, const FollowerHandle& job) {
 void Registry::let(const FollowerHandle& job, const NodeUuid& uuid) {
   const auto leaving = leaving_.find(uuid);
   if (leaving == leaving_.end()) return;
-  leaving->second.erase(job);
-  if (!leaving->second.empty()) return;
+  leaving->second.jobs.erase(job);
+  if (leaving->second.jobs.empty() && leaving->second.at_work) return send(actors_.at(uuid).member, AskToLeave{});
+  let_if_over(uuid);
+}
+
+void Registry::let_if_over(const NodeUuid& uuid) {
+  const Going& going = leaving_.at(uuid);
+  if (!going.jobs.empty() || going.at_work) return;
   if (const auto loss = members_.lose(uuid, "is drained")) lose(*loss, false);
 }
 

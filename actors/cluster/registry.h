@@ -9,7 +9,10 @@
 // Follow      | this job hears of nodes from now on: NodeJoined for each        | -
 // Drain       | NodeLeaves to every job; nothing when no other node is free     | whether there is one of that name;
 //             |                                                                 | why it stays
-// NodeLet     | when all jobs have: Expelled to the node, for good              | -
+// Leaving     | the same for its sender, though it is the only one; or whether  | -
+//             | jobs that are still to come have something there                |
+// NodeLet     | when all jobs have: AskToLeave, for it may be at work for jobs  |
+//             | that are still to come; when it is not: Expelled, for good      | -
 // AskMembers  | -                                                               | MemberList
 // a member is gone, tick | NodeLost to every job; Expelled to the node          | -
 #pragma once
@@ -45,8 +48,11 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   void lose(const Members::Loss& loss, bool again = true);
   void follow(const caf::actor& job);
   Drained drain(const std::string& node);
+  void hear(const Leaving& leaving);
+  void begin_leaving(const NodeUuid& uuid);
   void ask_to_let(const NodeUuid& uuid, const FollowerHandle& job);
   void let(const FollowerHandle& job, const NodeUuid& uuid);
+  void let_if_over(const NodeUuid& uuid);
   void gone(const caf::down_msg& down);
   void tick();
   MemberList list() const;
@@ -55,7 +61,11 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   Members members_;
   std::map<NodeUuid, Actors> actors_;
   std::set<FollowerHandle> jobs_;
-  std::map<NodeUuid, std::set<FollowerHandle>> leaving_;  // and the jobs that still have something there
+  struct Going {
+    std::set<FollowerHandle> jobs;  // that still have something there
+    bool at_work = true;            // as far as it has said: for these, or for jobs that are still to come
+  };
+  std::map<NodeUuid, Going> leaving_;
   std::uint64_t lost_ = 0;
 };
 

@@ -52,6 +52,7 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
     member.registry = as_actor(registry_);
     member.node = own.node;
     member.memory_used = own.memory_used;
+    member.jobs = own.jobs;
     member_ = system.spawn<Member>(std::move(member));
     if (!o.coordinator) {
       BOOST_OUTCOME_TRYV(open(as_actor(member_)));
@@ -86,6 +87,8 @@ NodePlace Seat::place() const {
   return place;
 }
 
+void Seat::depart() const { caf::anon_send(member_, Depart{}); }
+
 std::vector<NodeState> Seat::members() const {
   auto members = list().members;
   for (NodeState& member : members) member.own = member.info.uuid == uuid_;
@@ -100,7 +103,8 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
     std::vector<NodeHandle> nodes;
     const MemberList now = list();
     for (std::size_t i = 0; i < now.members.size(); ++i) {
-      if (now.members[i].free) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
+      const bool may_have_parts = gathering && now.members[i].leaves;
+      if (now.members[i].free || may_have_parts) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
     }
     const bool in_time = gathering && std::chrono::steady_clock::now() - taken_ < options_.lease;
     if (!nodes.empty() && !in_time) return nodes;

@@ -23,6 +23,7 @@ class Seat final : public Membership {
   Status take(caf::actor_system& system, const Own& own) override;
   void leave() noexcept override;
   NodePlace place() const override;
+  void depart() const override;
   std::vector<NodeState> members() const override;
   std::uint64_t lost() const override { return list().lost; }
   std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const override;

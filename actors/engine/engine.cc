@@ -170,6 +170,7 @@ Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_
   own.threads = threads;
   own.memory_bytes = memory_bytes;
   own.memory_used = [used = impl->used] { return used->load(); };
+  own.jobs = [meter = impl->meter] { return meter->now().parts; };
   BOOST_OUTCOME_TRYV(impl->seat->take(impl->system, own));
   return std::unique_ptr<Engine>(new Engine(std::move(impl)));
 }
@@ -202,6 +203,8 @@ NodeWork Engine::work() const { return impl_->meter->now(); }
 std::uint64_t Engine::memory_used() const { return impl_->used->load(); }
 
 NodePlace Engine::place() const { return impl_->seat->place(); }
+
+void Engine::depart() const { impl_->seat->depart(); }
 
 std::vector<NodeState> Engine::nodes() const { return impl_->seat->members(); }
 

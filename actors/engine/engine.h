@@ -51,7 +51,11 @@ class Engine {
   // What this process does as a node.
   NodeWork work() const;
   std::uint64_t memory_used() const;  // of what it has, by the parts that it hosts: at most what they may use
-  NodePlace place() const;            // REQUIRES: a node of a cluster
+  // REQUIRES: a node of a cluster.
+  NodePlace place() const;
+  // Leaves it in order, whoever coordinates it meanwhile: takes no more work, and others go on with its tiles. When
+  // they can, or there is nobody to ask and nothing to go on with, `expelled` of its options is called.
+  void depart() const;
 
   // REQUIRES of the rest: the coordinator of a cluster.
   std::vector<NodeState> nodes() const;  // in order of coming

@@ -22,7 +22,7 @@ class Membership {
     caf::actor node;
     std::uint32_t threads = 1;
     std::uint64_t memory_bytes = 0;
-    std::function<std::uint64_t()> memory_used;
+    std::function<std::uint64_t()> memory_used, jobs;  // of what it has; that it is at work for
   };
   virtual ~Membership() = default;
   virtual const ClusterOptions& options() const = 0;
@@ -34,12 +34,14 @@ class Membership {
 
   // REQUIRES: this process is a node.
   virtual NodePlace place() const = 0;
+  // As Engine::depart().
+  virtual void depart() const = 0;
 
   // REQUIRES of the rest: it is the coordinator.
   virtual std::vector<NodeState> members() const = 0;  // in order of coming
   virtual std::uint64_t lost() const = 0;              // ever
   // Nodes free for work; waits until there is one. None: `stop` was requested. `gathering`: a job goes on that others
-  // may still be working on, so give all of them the time to come back.
+  // may still be working on, so give all of them the time to come back; also those that are to leave.
   virtual std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const = 0;
   // It hears of nodes from now on, and first of those there are.
   virtual void follow(const FollowerHandle& job) const = 0;

@@ -20,14 +20,14 @@ struct HarnessFaults {
   bool pause = false;        // nodes are given up though they live: some stop for a while before, and go on after
   bool join = false;         // nodes come later
   bool coordinator = false;  // the coordinator is killed, and another one takes over
-  bool leave = false;        // nodes leave in order
+  bool leave = false;        // nodes leave in order, the last one, too, when another comes
   bool last = false;         // all nodes are lost, one after the other; another comes, and some that cannot be used
   bool all = false;          // all nodes are lost at once, with the coordinator or without, and come again
 
   bool nodes() const { return kill || pause || join || leave || last || all; }
   // Nothing of what was done is lost.
-  bool orderly() const { return leave && !(kill || pause || coordinator || last || all || storage); }
-  bool waits() const { return coordinator || last || all; }  // for processes that come
+  bool orderly() const { return leave && !(kill || pause || last || all || storage); }
+  bool waits() const { return coordinator || leave || last || all; }  // for processes that come
 };
 
 struct HarnessOptions {

@@ -67,8 +67,9 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
-  if (options_.faults.orderly() && outcome_.ended && outcome_.ended->tiles_again > 0)
-    outcome_.failure = std::to_string(outcome_.ended->tiles_again) + " tiles began again where a node left in order";
+  const bool again = storage_.take_begun() > 1 || (outcome_.ended && outcome_.ended->tiles_again > 0);
+  if (options_.faults.orderly() && !options_.memory_faults && outcome_.failure.empty() && again)
+    outcome_.failure = "a tile began again where nodes left in order";
   const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
   if (settled && !losses.any() && storage_.take_reads() > 1) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
@@ -123,6 +124,7 @@ void Life::add_coordinator() {
   owners_.push_back(std::make_unique<Owner>());
   auto job = coordinator_options();
   coordinators_.push_back(system_.spawn<Coordinator>(std::move(job), *owners_.back(), std::move(nodes)));
+  for (const NodeId home : leaving_) tell_that_leaves(home);
 }
 
 void Life::believed_quiet(const Table& table) {
@@ -192,6 +194,7 @@ void Life::go_on(NodeId node) {
 void Life::give_up(NodeId node) {
   tell("node " + to_string(node) + " is given up");
   given_up_.insert(node);
+  leaving_.erase(node);
   caf::anon_send(coordinators_.back(), NodeLost{caf::actor_cast<caf::actor>(nodes_.at(node))});
 }
 
@@ -203,12 +206,18 @@ void Life::join(NodeId node) {
 
 void Life::leave(NodeId node) {
   tell("node " + to_string(node) + " is to leave");
+  leaving_.insert(node);
+  tell_that_leaves(node);
+}
+
+void Life::tell_that_leaves(NodeId node) {
   caf::anon_send(coordinators_.back(),
                  NodeLeaves{caf::actor_cast<caf::actor>(nodes_.at(node)), caf::actor_cast<caf::actor>(usher_)});
 }
 
 void Life::let(const NodeLet& let) {
   const Turn ours(options_.memory_faults, false);
+  if (let.follower != caf::actor_cast<caf::actor>(coordinators_.back())) return;  // of one that was replaced
   for (const auto& [home, node] : nodes_) {
     if (caf::actor_cast<caf::actor>(node) != let.node || given_up_.contains(home)) continue;
     tell("node " + to_string(home) + " leaves");
@@ -227,6 +236,7 @@ void Life::join_in_vain(NodeId node) {
 void Life::lose(NodeId node) {
   tell("node " + to_string(node) + " is lost");
   given_up_.insert(node);
+  leaving_.erase(node);
 }
 
 void Life::tell_of(NodeId node) {

@@ -79,6 +79,7 @@ class Life final : private Misfortune {
 
   void add_node(NodeId home, std::uint64_t memory_bytes = ~std::uint64_t{0});
   void tell_of(NodeId node);
+  void tell_that_leaves(NodeId node);
   void let(const NodeLet& let);
   void add_coordinator();
   CoordinatorOptions coordinator_options();
@@ -103,6 +104,7 @@ class Life final : private Misfortune {
   UsherHandle usher_;
   std::map<NodeId, NodeHandle> nodes_;
   std::set<NodeId> given_up_;  // and those that no coordinator begins with
+  std::set<NodeId> leaving_;   // of the others: each coordinator is told of them
   bool began_alone_ = false;   // the coordinator in office: one that cannot be used would be all it has
   std::vector<CoordinatorHandle> coordinators_;  // the last is in office
 };

@@ -41,10 +41,7 @@ Losses::Losses(const HarnessFaults& faults, std::uint32_t nodes, std::mt19937_64
         come(step);
         break;
       case Kind::leave:
-        if (there_.size() > 1) {
-          const There one = take_any();
-          add({std::max(step, one.since), What::leave, one.node});
-        }
+        leave_one(step);
         break;
       case Kind::coordinator:
         step = std::max(step, replaced_);  // one after the other
@@ -83,6 +80,14 @@ void Losses::lose_one(std::uint64_t step, bool stops, bool goes_on) {
   if (stops) add({step, What::stop, node});
   add({step + unnoticed, What::give_up, node});
   if (goes_on) add({step + draw(steps_between), What::go_on, node});
+}
+
+// If it is the last, another one comes before, meanwhile or after.
+void Losses::leave_one(std::uint64_t step) {
+  const bool last = there_.size() == 1;
+  const There one = take_any();
+  if (last) come(step + draw(2 * steps_unnoticed));
+  add({std::max(step, one.since), What::leave, one.node});
 }
 
 // Another one comes before, meanwhile or after: it may just be opening its part.

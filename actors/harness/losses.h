@@ -62,6 +62,7 @@ class Losses {
   void add(Event event);
   void lose_one(std::uint64_t step, bool stops, bool goes_on);
   void lose_last(std::uint64_t step);
+  void leave_one(std::uint64_t step);
   void lose_all(std::uint64_t step, bool coordinator);
   void replace_coordinator(std::uint64_t step);
   std::uint64_t draw(std::uint64_t below) { return rng_() % below; }

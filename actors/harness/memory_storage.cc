@@ -75,7 +75,10 @@ class MemoryStorage::AtNode final : public TileStorage {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
     const auto found = all_.scratch_.find(handed_place(tile));
-    if (found == all_.scratch_.end()) return Pieces{};
+    if (found == all_.scratch_.end()) {
+      ++all_.begun_[tile];
+      return Pieces{};
+    }
     if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
     return found->second.pieces;
   }
@@ -169,6 +172,12 @@ void MemoryStorage::damage(std::mt19937_64& rng) {
 std::uint64_t MemoryStorage::take_reads() {
   std::uint64_t most = 0;
   for (const auto& [what, times] : std::exchange(reads_, {})) most = std::max(most, times);
+  return most;
+}
+
+std::uint64_t MemoryStorage::take_begun() {
+  std::uint64_t most = 0;
+  for (const auto& [tile, times] : std::exchange(begun_, {})) most = std::max(most, times);
   return most;
 }
 

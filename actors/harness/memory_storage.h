@@ -56,6 +56,8 @@ class MemoryStorage {
   std::uint64_t spills() const { return spills_; }
   // How often a tile's points, or its scratch of one kind, were read at most since this was asked last.
   std::uint64_t take_reads();
+  // How often a tile has begun from its points at most since this was asked last, and not from what was handed over.
+  std::uint64_t take_begun();
 
  private:
   class AtNode;
@@ -87,6 +89,7 @@ class MemoryStorage {
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;
   std::map<std::pair<TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;  // no kind: of its points
+  std::map<TileId, std::uint64_t> begun_;
 };
 
 }  // namespace tessera

@@ -70,7 +70,9 @@ std::vector<std::string> arguments_of(const LocalCluster& cluster, const LocalNo
                                  "--metrics",   "none"};
   const auto add = [&](std::vector<std::string> more) { words.insert(words.end(), more.begin(), more.end()); };
   if (&node != &cluster.nodes.front()) {
-    add({"--join", address_of(cluster.nodes.front())});
+    // Its time is up before `tessera cluster down` kills it, also when there is no coordinator that could take its
+    // tiles.
+    add({"--join", address_of(cluster.nodes.front()), "--drain-timeout", "10s"});
     return words;
   }
   add({"--listen", std::string(host) + ":" + std::to_string(cluster.api), "--uploads"});

@@ -36,11 +36,13 @@ struct ClusterOptions {
   std::chrono::milliseconds lease{10'000};
   std::uint32_t jobs_at_once = 1;  // each has an equal share of every node
   std::uint32_t grace_s = 300;     // that tiles go on for without a coordinator
-  std::filesystem::path scratch;   // a folder of this process; of tiles that are not in memory
-  std::string shared;              // tells the shared folder from any other one
+  // That a node which is told to end has for handing over what it has; none: as long as it takes.
+  std::chrono::seconds drain_timeout{20};
+  std::filesystem::path scratch;  // a folder of this process; of tiles that are not in memory
+  std::string shared;             // tells the shared folder from any other one
   std::function<void(const std::string&)> log = [](const std::string&) {};
   // Called once, from any thread: the others count this process as lost, or cannot have it. It must begin anew
-  // (`again`), or end: it was drained.
+  // (`again`), or end: it has left in order.
   std::function<void(const std::string& why, bool again)> expelled = [](const std::string&, bool) {};
 };
 

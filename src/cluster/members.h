@@ -40,6 +40,7 @@ struct NodeState {
 // A node's place in its cluster, as it sees it itself.
 struct NodePlace {
   bool member = false;          // its lease runs
+  bool leaves = false;          // takes no more work
   std::string trouble;          // why not
   std::uint64_t others = 0;     // processes of nodes that it reaches
   std::uint64_t silent_ms = 0;  // since the coordinator was heard; of no member, since it began or was one

@@ -50,6 +50,8 @@ void add_cluster_options(CLI::App& app, Settings& settings) {
              "a disk of its own, for tiles not in memory; default: in the data folder");
   add_option(app, settings, "lease", "TIME", "after which a silent node is lost; default: 10s");
   add_option(app, settings, "grace", "TIME", "that tiles go on for without a coordinator; default: 5m");
+  add_option(app, settings, "drain-timeout", "TIME",
+             "that a node which is told to end has for handing over its tiles; default: 20s");
 }
 
 Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& settings,
@@ -65,6 +67,7 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
   BOOST_OUTCOME_TRY(scratch, settings.get("scratch", text));
   BOOST_OUTCOME_TRY(lease, settings.get("lease", parse_duration));
   BOOST_OUTCOME_TRY(grace, settings.get("grace", parse_duration));
+  BOOST_OUTCOME_TRY(drain_timeout, settings.get("drain-timeout", parse_duration));
   if (!listen) {
     if (join || certs || roles)
       return error(Errc::usage, "--cluster HOST:PORT is needed: where this process listens for the others");
@@ -85,6 +88,7 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
   out.name = name.value_or(out.name);
   if (lease && *lease > 0) out.lease = std::chrono::seconds(*lease);
   if (grace) out.grace_s = static_cast<std::uint32_t>(*grace);
+  if (drain_timeout) out.drain_timeout = std::chrono::seconds(*drain_timeout);
   BOOST_OUTCOME_TRY(files, node_name ? node_certificate_in(*certs, *node_name) : node_certificate_in(*certs));
   BOOST_OUTCOME_TRYV(check_node(files));
   out.authority = files.authority;

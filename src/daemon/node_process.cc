@@ -65,6 +65,7 @@ class Health final : public http::NodeHealth {
   }
   std::optional<std::string> unready() const override {
     const NodePlace place = engine_.place();
+    if (place.leaves) return "leaves the cluster";
     if (place.member) return std::nullopt;
     return place.trouble;
   }
@@ -96,26 +97,37 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   BOOST_OUTCOME_TRYV(make_directories(options.data));
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
-  bool again = false;
+  bool again = false, leaves = false;
   cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
   cluster.expelled = [&](const std::string& why, bool may_come_back) {
     boost::asio::post(context, [&, why, may_come_back] {
       spdlog::warn("this node is no member of the cluster any more: it {}", why);
-      again = may_come_back;
+      again = may_come_back && !leaves;
       if (again) words.ends("was no member of the cluster any more (it " + why + "), and began anew");
       context.stop();
     });
   };
-  signals.async_wait([&](const boost::system::error_code& error, int signal) {
-    if (error) return;
-    spdlog::info("signal {}: leaves the cluster", signal);
-    words.doing("leaving the cluster");
-    LastWords::end_by(SIGTERM);  // a second one, at once
-    LastWords::end_by(SIGINT);
-    context.stop();
-  });
   BOOST_OUTCOME_TRY(
       engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster, words.before())));
+  boost::asio::steady_timer until_too_late(context);
+  signals.async_wait([&](const boost::system::error_code& error, int signal) {
+    if (error) return;
+    leaves = true;
+    LastWords::end_by(SIGTERM);  // a second one, at once
+    LastWords::end_by(SIGINT);
+    spdlog::info("signal {}: leaves the cluster when others have its tiles", signal);
+    supervisor::stopping();
+    engine->depart();
+    if (cluster.drain_timeout.count() == 0) return;
+    until_too_late.expires_after(cluster.drain_timeout);
+    until_too_late.async_wait([&](const boost::system::error_code& error) {
+      if (error) return;
+      const std::string time = std::to_string(cluster.drain_timeout.count()) + " s";
+      spdlog::warn("others do not have its tiles after {}: it ends, and is lost", time);
+      words.ends("was told to end, and did not get rid of its tiles within " + time);
+      context.stop();
+    });
+  });
   const Health health(*engine, options);
   std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
   std::unique_ptr<http::Server> server;
@@ -128,7 +140,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   boost::asio::steady_timer timer(context);
   boost::asio::steady_timer until_told(context);
   std::function<void()> tell = [&] {
-    words.doing(in_words(engine->work()));
+    words.doing((leaves ? "leaving the cluster, " : "") + in_words(engine->work()));
     until_told.expires_after(telling);
     until_told.async_wait([&](const boost::system::error_code& error) {
       if (!error) tell();

@@ -18,8 +18,8 @@ namespace tessera {
 // when another process has it; io.
 Result<FolderLock> take_scratch(const std::filesystem::path& scratch);
 
-// Works until SIGTERM or SIGINT, or until it is drained (success), or until the others count it as lost: `begin_anew`,
-// which should not return.
+// Works until it is drained (success), which SIGTERM and SIGINT ask for, too, and then for no longer than the cluster's
+// drain_timeout; or until the others count it as lost: `begin_anew`, which should not return, unless it was to end.
 // REQUIRES: its scratch is taken, and `words` are kept there. Of `http` the listeners for operations are its own.
 // Errors as of Engine::join() and Server::start().
 Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,

@@ -1,5 +1,6 @@
 // The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
-// can be resumed, which the next start does. SIGHUP reads tokens and certificate again.
+// can be resumed, which the next start does. SIGHUP reads tokens and certificate again. What only works for a cluster
+// hands over its tiles first (node_process.h).
 #include <malloc.h>
 #include <unistd.h>
 

@@ -106,15 +106,16 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Losses,
 
 class Leaving : public ::testing::TestWithParam<Case> {};
 
-// Nodes leave in order, and others come: no tile begins again, which the harness looks at. Then all else happens, too.
+// Nodes leave in order, and others come: no tile begins again, which the harness looks at. Then coordinators are
+// replaced, too, which changes nothing of that; then all else happens.
 TEST_P(Leaving, CostsNoCellAndNoTile) {
   const Case& c = GetParam();
-  for (const bool alone : {true, false}) {
+  for (const int more : {0, 1, 2}) {
     HarnessOptions options = options_of(c);
     options.nodes = 2 + static_cast<std::uint32_t>(c.seeds % 3);
     options.faults.leave = options.faults.join = true;
-    options.faults.kill = options.faults.pause = options.faults.coordinator = !alone;
-    options.faults.last = options.faults.all = !alone;
+    options.faults.coordinator = more > 0;
+    options.faults.kill = options.faults.pause = options.faults.last = options.faults.all = more > 1;
     const HarnessReport report = run_harness(options);
     EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
     EXPECT_EQ(report.seeds, c.seeds);

@@ -191,8 +191,8 @@ TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
   EXPECT_EQ(got, expected);
 }
 
-// One node after the other is drained, and another process takes its place: what it had begun the others go on with.
-TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
+// One node after the other leaves, and another process takes its place: what it had begun the others go on with.
+TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrainedOrDepart) {
   const RoutedRun cloud = routed("rolling", 150'000);
   Engine alone(2, memory);
   const auto expected = run(alone, routed("still", 150'000));
@@ -214,7 +214,11 @@ TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
   });
   while (progress.tiles_triangulated == 0) std::this_thread::yield();
   for (const std::string name : {"second", "third"}) {
-    EXPECT_TRUE(first->drain(name).value());
+    if (name == "second") {
+      EXPECT_TRUE(first->drain(name).value());
+    } else {
+      nodes[name]->depart();
+    }
     wait_for("node " + name, "is drained");
     nodes[name] = start(options(name + "-anew"));
     wait_for("node " + name + "-anew", "has joined");
@@ -225,6 +229,32 @@ TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrained) {
   for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(done.tiles.at(i).xxh3, expected[i]);
   EXPECT_EQ(done.exchange.tiles_again + done.exchange.nodes_lost, 0U);
   EXPECT_GT(handed, 0U);
+}
+
+// The only one may, if it wants to itself; and whoever finds no coordinator, if it has nothing.
+TEST_F(Cluster, LetsANodeDepart) {
+  auto expelled = [this](const std::string& name) {
+    auto with = options(name);
+    with.expelled = [log = with.log, name](const std::string& why, bool again) {
+      log(name + (again ? " begins anew: it " : " ends: it ") + why);
+    };
+    return with;
+  };
+  const auto first = coordinator(false);
+  const auto only = start(expelled("only"));
+  wait_for("node only", "has joined");
+  EXPECT_FALSE(first->drain("only"));
+  EXPECT_FALSE(only->place().leaves);
+  only->depart();
+  wait_for("only ends", "is drained");
+  EXPECT_TRUE(only->place().leaves);
+  EXPECT_TRUE(first->nodes().empty());
+  EXPECT_EQ(first->nodes_lost(), 0U);
+  first_ = {"127.0.0.1", free_port()};
+  const auto lonely = start(expelled("lonely"));
+  wait_for("nobody of the cluster is reached", "127.0.0.1");
+  lonely->depart();
+  wait_for("lonely ends", "had nothing that others would go on with");
 }
 
 TEST_F(Cluster, RoutesAnInputOnAllNodes) {

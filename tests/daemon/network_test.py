@@ -1,6 +1,5 @@
-"""A cluster of daemons in network namespaces of their own, joined by a bridge: links that go down and come back, lost
-packets, two clusters on one network, full disks, and what is open to the network. Needs root. POINTS, SEED as in
-losses_test."""
+"""A cluster of daemons in network namespaces of their own, joined by a bridge: links that go down and come back, lost packets, a long
+way between them, two clusters on one network, full disks, and what is open to the network. Needs root. POINTS, SEED as in losses_test."""
 import json
 import os
 import pathlib
@@ -9,6 +8,7 @@ import re
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -59,12 +59,15 @@ class Network:
         self.names.append(name)
         address = f"10.77.0.{len(self.names)}"
         run("ip", "netns", "add", self.space(name))
-        self.at_hub("ip", "link", "add", f"to-{name}", "type", "veth", "peer", "name", "eth0", "netns", self.space(name))
-        self.at_hub("ip", "link", "set", f"to-{name}", "master", "bridge", "up")
+        self.connect(name)
         self.at(name, "ip", "link", "set", "lo", "up")
         self.at(name, "ip", "address", "add", f"{address}/24", "dev", "eth0")
         self.at(name, "ip", "link", "set", "eth0", "up")
         return address
+
+    def connect(self, name):
+        self.at_hub("ip", "link", "add", f"to-{name}", "type", "veth", "peer", "name", "eth0", "netns", self.space(name))
+        self.at_hub("ip", "link", "set", f"to-{name}", "master", "bridge", "up")
 
     def link(self, name, state):
         self.at_hub("ip", "link", "set", f"to-{name}", state)
@@ -73,6 +76,24 @@ class Network:
         """That share of all packets that come in there."""
         self.at(name, "iptables", "-A", "INPUT", "-i", "eth0", "-m", "statistic", "--mode", "random", "--probability",
                 share, "-j", "DROP")
+
+
+class SlowNetwork(Network):
+    """Every frame takes its time, and some are lost."""
+    delay_ms, lost = 50, 0.05
+
+    def __init__(self, test):
+        super().__init__(test)
+        switch = pathlib.Path(__file__).with_name("slow_switch.py")
+        self.switch = subprocess.Popen([sys.executable, switch, str(self.delay_ms), str(self.lost)], text=True,
+                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        test.addCleanup(self.switch.communicate)  # its input ends, and so does it
+
+    def connect(self, name):
+        self.switch.stdin.write(self.space(name) + "\n")
+        self.switch.stdin.flush()
+        if self.switch.stdout.readline().strip() != self.space(name):
+            raise AssertionError("the switch has ended")
 
 
 class Process:
@@ -98,11 +119,12 @@ class Process:
 
 class ClusterTest(unittest.TestCase):
     points = POINTS
+    network_of = Network
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tessera-network-"))
         self.addCleanup(shutil.rmtree, self.folder, True)
-        self.network = Network(self)
+        self.network = self.network_of(self)
         self.certs = self.folder / "certs"
         run(TESSERA, "certs", "init", self.certs)
         run(TESSERA, "certs", "node", self.certs, "a", "b", "c", "d", "e")
@@ -230,6 +252,23 @@ class Links(ClusterTest):
             beyond = [at for at in listening if not at.startswith(("127.", "[::1]"))]
             self.assertEqual(beyond, [f"{self.addresses[name]}:{CLUSTER_PORT}"], listening)
             self.assertEqual(self.network.at(name, "ss", "-Hlun").stdout, "")
+
+
+@unittest.skipUnless(pathlib.Path("/dev/net/tun").exists(), "no network can be made in user space: no /dev/net/tun")
+class LongLinks(ClusterTest):
+    points = "100k"
+    network_of = SlowNetwork
+
+    def test_frames_may_be_late_and_lost(self):
+        self.first = self.coordinator()
+        for name in "bcd":
+            self.node(name)
+        self.wait_for_members(4)
+        self.assert_right(self.submit("far"))
+        told = self.network.at("b", "ss", "-Htin", "dport", f":{CLUSTER_PORT}", "or", "sport", f":{CLUSTER_PORT}").stdout
+        there_and_back = [float(ms) for ms in re.findall(r"minrtt:([0-9.]+)", told)]
+        self.assertGreaterEqual(len(there_and_back), 3, told)
+        self.assertGreaterEqual(min(there_and_back), 2 * SlowNetwork.delay_ms)
 
 
 class TwoClusters(ClusterTest):

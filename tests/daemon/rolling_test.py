@@ -1,7 +1,10 @@
-"""Nodes are drained and begin anew, one after the other, while a job runs: nothing of it begins again, and its result is the command's."""
+"""Nodes leave in order while a job runs, drained or told to end, and others come: nothing of it begins again, and its result is the
+command's."""
 import json
 import os
 import re
+import signal
+import time
 import unittest
 
 import losses_test
@@ -28,8 +31,8 @@ class Rolling(DaemonTest):
     wait_for_phase = losses_test.Cluster.wait_for_phase
     result = losses_test.Cluster.result
 
-    def join(self, name):
-        return Node(self, name, self.port)
+    def join(self, name, drain_timeout="5m"):
+        return Node(self, name, self.port, "certs", "--drain-timeout", drain_timeout)
 
     def free(self):
         return {node["name"] for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"] if node["state"] == "free"}
@@ -44,26 +47,117 @@ class Rolling(DaemonTest):
     def log(self, job):
         return self.coordinator.request("GET", f"/v1/jobs/{job}/log")[2].decode()
 
-    def test_all_nodes_are_replaced_under_a_running_job(self):
-        alone = json.loads(self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", str(TILES), "--json").splitlines()[-1])
+    def alone(self):
+        told = self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", str(TILES), "--json")
+        return json.loads(told.splitlines()[-1])["digest"]
+
+    def running(self, output, *names):
+        """A job that is not settled yet, and in which these nodes have begun tiles."""
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": "rolled", "tiles": TILES}})
+            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": output, "tiles": TILES}})
         self.assertEqual(status, 201, job)
         job = job["jobID"]
         self.wait_for_phase(job, "triangulating", "splaying")
+        begun = lambda: {node["name"] for node in self.status(job).get("figures", {}).get("nodes", []) if node.get("tilesTriangulated", 0) > 0}
+        self.wait_until(lambda: set(names) <= begun(), lambda: json.dumps(self.status(job)))
+        return job
+
+    def assert_nothing_began_again(self, output, job):
+        figures = json.loads((self.folder / "data" / "results" / output / "manifest.json").read_text())["figures"]
+        self.assertEqual((figures["tiles_again"], figures["nodes_lost"]), (0, 0), self.log(job))
+
+    def handed(self, job):
+        return sum(int(tiles) for tiles in re.findall(r"leaves: others go on with (\d+) tiles", self.log(job)))
+
+    def test_all_nodes_are_replaced_under_a_running_job(self):
+        alone, job = self.alone(), self.running("rolled")
         for name in "bcd":
             self.drain(name)
             self.assertEqual(self.nodes[name].process.wait(timeout=300), 0, self.nodes[name].said())
             self.nodes[name] = self.join(name)
             self.wait_for_members(set("abcd"))
         self.drain("a")  # its process goes on as the coordinator
-        self.assertEqual(self.result(job), alone["digest"], self.log(job))
-        figures = json.loads((self.folder / "data" / "results" / "rolled" / "manifest.json").read_text())["figures"]
-        self.assertEqual((figures["tiles_again"], figures["nodes_lost"]), (0, 0), self.log(job))
-        handed = [int(tiles) for tiles in re.findall(r"leaves: others go on with (\d+) tiles", self.log(job))]
-        self.assertGreater(sum(handed), 0, self.log(job))
+        self.assertEqual(self.result(job), alone, self.log(job))
+        self.assert_nothing_began_again("rolled", job)
+        self.assertGreater(self.handed(job), 0, self.log(job))
         self.wait_for_members(set("bcd"))
+
+    def test_nodes_that_are_told_to_end_leave_in_order(self):
+        alone, job = self.alone(), self.running("told", "b", "c", "d")
+        self.nodes["b"].process.send_signal(signal.SIGTERM)
+        self.nodes["c"].process.send_signal(signal.SIGINT)
+        for name in "bc":
+            self.assertEqual(self.nodes[name].process.wait(timeout=300), 0, self.nodes[name].said())
+            self.assertIn("it is drained", self.nodes[name].said())
+            self.nodes[name] = self.join(name)
+        self.assertEqual(self.result(job), alone, self.log(job))
+        self.assert_nothing_began_again("told", job)
+        self.assertGreater(self.handed(job), 0, self.log(job))
+        self.assertNotIn("is lost", self.coordinator.messages())
+        self.wait_for_members(set("abcd"))
+        nodes = self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]
+        self.assertEqual({node.get("lastWords", "") for node in nodes}, {""})
+
+    def test_the_last_nodes_leave_and_another_goes_on(self):
+        alone = self.alone()
+        self.drain("a")
+        self.wait_for_members(set("bcd"))
+        job = self.running("handed", "b", "c", "d")
+        for name in "bcd":
+            self.nodes[name].process.send_signal(signal.SIGTERM)
+        for name in "bcd":
+            self.assertEqual(self.nodes[name].process.wait(timeout=300), 0, self.nodes[name].said())
+        self.wait_until(lambda: "no node is left: the job waits" in self.log(job), lambda: self.log(job))
+        self.nodes["b"] = self.join("b")
+        self.assertEqual(self.result(job), alone, self.log(job))
+        self.assert_nothing_began_again("handed", job)
+        self.assertGreater(self.handed(job), 0, self.log(job))
+
+    def test_that_a_node_leaves_is_known_to_the_next_coordinator(self):
+        alone, job = self.alone(), self.running("remembered", "b", "c", "d")
+        self.drain("c")
+        self.nodes["d"].process.send_signal(signal.SIGTERM)
+        for name in "cd":
+            self.wait_until(lambda: "leaves the cluster: its tiles go to others" in self.nodes[name].said(), self.nodes[name].said)
+        self.coordinator.end(signal.SIGKILL)
+        self.assertEqual([self.nodes[name].process.poll() for name in "cd"], [None, None], "it was too late")
+        self.coordinator = self.start_coordinator()
+        for name in "cd":
+            self.assertEqual(self.nodes[name].process.wait(timeout=300), 0, self.nodes[name].said())
+            self.assertIn("it is drained", self.nodes[name].said())
+            self.assertRegex(self.coordinator.messages(), rf"node {name} \(\S+\) leaves: what it has goes to others")
+            self.assertNotRegex(self.coordinator.messages(), rf"node {name} \(\S+\) has joined")
+        self.assertEqual(self.result(job), alone, self.log(job))
+        self.assert_nothing_began_again("remembered", job)
+        self.assertNotIn("is lost", self.coordinator.messages())
+
+    def test_without_a_coordinator_a_node_that_is_told_to_end_has_its_time_and_no_more(self):
+        self.nodes["c"].end(signal.SIGTERM)
+        self.nodes["c"] = self.join("c", "2s")
+        self.wait_for_members(set("abcd"))
+        alone, job = self.alone(), self.running("orphaned", "b", "c", "d")
+        self.coordinator.end(signal.SIGKILL)
+        began = time.monotonic()
+        self.nodes["c"].process.send_signal(signal.SIGTERM)
+        self.assertEqual(self.nodes["c"].process.wait(timeout=300), 0)
+        self.assertGreaterEqual(time.monotonic() - began, 2)
+        self.assertIn("others do not have its tiles after 2 s: it ends, and is lost", self.nodes["c"].said())
+        self.nodes["d"].process.send_signal(signal.SIGTERM)
+        self.wait_until(lambda: "leaves the cluster" in self.nodes["d"].said(), self.nodes["d"].said)
+        self.assertEqual(self.nodes["d"].end(signal.SIGTERM), -signal.SIGTERM)  # a second one
+        self.coordinator = self.start_coordinator()
+        self.nodes |= {name: self.join(name) for name in "cd"}
+        self.assertEqual(self.result(job), alone, self.log(job))
+        self.wait_for_members(set("abcd"))
+        words = {node["name"]: node.get("lastWords", "") for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]}
+        self.assertIn("was told to end, and did not get rid of its tiles within 2 s", words["c"])
+        self.assertIn("was ended by signal SIGTERM", words["d"])
+        # With nothing that others would go on with it is not waited.
+        self.coordinator.end(signal.SIGKILL)
+        for name in "bcd":
+            self.assertEqual(self.nodes[name].end(signal.SIGTERM), 0, self.nodes[name].said())
+            self.assertIn("it had nothing that others would go on with", self.nodes[name].said())
 
     def test_how_a_node_ended_stands_in_the_log_of_its_job(self):
         status, _, job = self.coordinator.request(

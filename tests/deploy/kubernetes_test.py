@@ -126,6 +126,10 @@ class Cluster(unittest.TestCase):
         self.assertIn(f"create secret generic {volumes['certs']['secret']['secretName']} ", self.text)
         self.assertEqual(volumes["certs"]["secret"]["defaultMode"], 0o440)
 
+    def test_a_node_has_the_time_to_hand_its_tiles_over(self):
+        drain = re.search(r'(?m)^# drain-timeout = "(\d+)s"$', (SOURCE / "config/tesserad.toml").read_text())
+        self.assertGreater(self.pod["terminationGracePeriodSeconds"], int(drain[1]))
+
     def test_its_health_is_asked_where_it_is_told(self):
         ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
         self.assertEqual(self.options["--metrics"], f"0.0.0.0:{ports['metrics']}")

@@ -43,6 +43,11 @@ class Unit(unittest.TestCase):
         self.assertEqual(self.verify(re.sub(r"^ExecStart=/usr/bin/tesserad", "ExecStart=/bin/true", text, flags=re.MULTILINE)), (0, []))
         self.assertIn("\nRestart=always\n", text)
 
+    def test_a_node_has_the_time_to_hand_its_tiles_over(self):
+        stop = re.search(r"(?m)^TimeoutStopSec=(\d+)s$", (SOURCE / "deploy/tesserad-node.service").read_text())
+        drain = re.search(r'(?m)^# drain-timeout = "(\d+)s"$', (SOURCE / "config/tesserad.toml").read_text())
+        self.assertGreater(int(stop[1]), int(drain[1]))
+
     def test_a_line_that_it_does_not_understand_is_told(self):
         _, told = self.verify(self.unit.read_text().replace("ProtectSystem=strict", "ProtectSystem=strictly"))
         self.assertEqual(len(told), 1)

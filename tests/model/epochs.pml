@@ -20,7 +20,8 @@ mtype = { exchanging, settling, collecting, finished };
 mtype state = exchanging;
 byte epoch, incarnation[EPOCHS * TILES], node[TILES], crashes = CRASHES;
 byte alive = (1 << TILES) - 1;
-bool notice = true;  // a part has become idle, or there is a new epoch
+byte known_idle;      // nodes
+bool noticed = true;  // since the last wave began: one has said that it is idle, or there is a new epoch
 bool in_wave, had_sums, all_idle = true;
 byte had_sent, answered, sum_sent, sum_processed;
 byte said_settled;  // by node
@@ -30,6 +31,7 @@ byte quiet_at;      // ghost: 1 + the epoch in which quiet was believed last
 byte asked[EPOCHS], told_to_settle[EPOCHS];
 bool answer[EPOCHS * TILES], idle[EPOCHS * TILES], settled_said[EPOCHS * TILES];
 byte answer_sent[EPOCHS * TILES], answer_processed[EPOCHS * TILES];
+byte told_idle, idle_notice;  // nodes: since the last answer or table; it is under way
 // Tiles
 bool up[TILES], due[TILES];
 byte applied[TILES], reborn[TILES];
@@ -56,15 +58,51 @@ inline send_some() {
   :: budget > 0 -> budget--; send_to((me + 2) % TILES)
   :: break
   od;
-  notice = true
+  say_if_idle()
 }
 
-inline begin() { up[me] = true; applied[me] = epoch; send_some() }
+// The part of this tile's node, after each step. What it goes by may be an older table than the coordinator's.
+inline say_if_idle() {
+  d_step {
+    quiet = !HAS(told_idle, node[me]);
+    for (k : 0 .. TILES - 1) {
+      quiet = quiet && (node[k] != node[me] || (up[k] && applied[k] == applied[me] && !due[k]))
+    }
+    if
+    :: quiet -> told_idle = told_idle | (1 << node[me]); idle_notice = idle_notice | (1 << node[me])
+    :: else
+    fi;
+    quiet = false;
+    k = 0
+  }
+}
+
+// What a node says comes in its order: a notice before an answer, if it was said before.
+#if EPOCHS == 1
+#define ANSWERS(t) answer[TALLY(0, t)]
+#elif EPOCHS == 2
+#define ANSWERS(t) (answer[TALLY(0, t)] || answer[TALLY(1, t)])
+#else
+#define ANSWERS(t) (answer[TALLY(0, t)] || answer[TALLY(1, t)] || answer[TALLY(2, t)])
+#endif
+inline hear_notice(n) {
+  idle_notice = idle_notice & ~(1 << (n));
+  if
+  :: state == exchanging && HAS(alive, n) -> known_idle = known_idle | (1 << (n)); noticed = true
+  :: else
+  fi
+}
+
+// A new table has come: it says anew when it is idle.
+inline forget_idle() { told_idle = told_idle & ~(1 << node[me]) }
+
+inline begin() { forget_idle(); up[me] = true; applied[me] = epoch; send_some() }
 
 inline apply_table() {
   d_step {
     applied[me]++;
     due[me] = true;
+    forget_idle();
     for (k : 0 .. TILES - 1) {
       if
       :: LIVE(applied[me], k) != LIVE(applied[me] - 1, k) ->
@@ -90,7 +128,7 @@ inline replay() {
     fi
   }
   reborn[me] = 0;
-  notice = true
+  say_if_idle()
 }
 
 // Any batch that has reached the tile; `to` of it is its own incarnation, or was a dead one's.
@@ -133,6 +171,13 @@ inline take() {
 inline reply(e) {
   d_step {
     asked[e] = asked[e] & ~(1 << me);
+    if
+    :: HAS(idle_notice, me) -> hear_notice(me)
+    :: else
+    fi;
+#ifndef SILENT_AFTER_ANSWER
+    told_idle = told_idle & ~(1 << me);
+#endif
     answer[TALLY(e, me)] = true;
     idle[TALLY(e, me)] = true;
     for (k : 0 .. TILES - 1) {
@@ -153,7 +198,8 @@ inline reply(e) {
   }
 }
 
-inline begin_wave() { in_wave = true; notice = false; asked[epoch] = alive; answered = 0 }
+#define WORTH (noticed && known_idle == alive)
+inline begin_wave() { in_wave = true; noticed = false; asked[epoch] = alive; answered = 0 }
 
 inline hear(e) {
   d_step {
@@ -166,6 +212,7 @@ inline hear(e) {
 #endif
       answered = answered | (1 << me);
       all_idle = all_idle && idle[TALLY(e, me)];
+      known_idle = (idle[TALLY(e, me)] -> known_idle : known_idle & ~(1 << me));
       sum_sent = sum_sent + answer_sent[TALLY(e, me)];
       sum_processed = sum_processed + answer_processed[TALLY(e, me)]
     :: else
@@ -266,10 +313,12 @@ inline lose(dead) {
       asked[k] = asked[k] & ~(1 << (dead));
       told_to_settle[k] = told_to_settle[k] & ~(1 << (dead))
     }
+    told_idle = told_idle & ~(1 << (dead)); idle_notice = idle_notice & ~(1 << (dead));
     if
     :: state != collecting ->
       state = exchanging; in_wave = false; answered = 0; all_idle = true; sum_sent = 0; sum_processed = 0;
-      had_sums = false; had_sent = 0; said_settled = 0; notice = true
+      had_sums = false; had_sent = 0; said_settled = 0;
+      known_idle = 0; noticed = true
     :: else
     fi
   }
@@ -296,18 +345,27 @@ inline reset() {
 }
 
 #define EXCHANGES (state == exchanging || state == settling)
-#define STEPS(t)                                                                                       \
-  :: atomic { EXCHANGES && !up[t] -> me = t; begin(); reset() }                                        \
-  :: atomic { EXCHANGES && up[t] && applied[t] < epoch -> me = t; apply_table(); reset() }             \
-  :: atomic { EXCHANGES && due[t] -> me = t; replay(); reset() }                                       \
-  :: atomic { EXCHANGES && up[t] && !due[t] && HAS(waits, t) -> me = t; find_mail(); take(); reset() } \
-  :: atomic { state == exchanging && notice && !in_wave -> begin_wave(); reset() }                     \
-  :: atomic { state == collecting && entry[t] == 0 -> me = t; store(); reset() }                       \
+// A probe of an earlier epoch is under way to this node: its table comes after that.
+#if EPOCHS == 1
+#define ASKED_BEFORE(n, e) false
+#elif EPOCHS == 2
+#define ASKED_BEFORE(n, e) ((e) > 0 && HAS(asked[0], n))
+#else
+#define ASKED_BEFORE(n, e) (((e) > 0 && HAS(asked[0], n)) || ((e) > 1 && HAS(asked[1], n)))
+#endif
+#define STEPS(t)                                                                                                                     \
+  :: atomic { EXCHANGES && !up[t] && !ASKED_BEFORE(node[t], epoch) -> me = t; begin(); reset() }                                     \
+  :: atomic { EXCHANGES && up[t] && applied[t] < epoch && !ASKED_BEFORE(node[t], applied[t] + 1) -> me = t; apply_table(); reset() } \
+  :: atomic { EXCHANGES && due[t] -> me = t; replay(); reset() }                                                                     \
+  :: atomic { EXCHANGES && up[t] && !due[t] && HAS(waits, t) -> me = t; find_mail(); take(); reset() }                               \
+  :: atomic { state == exchanging && WORTH && !in_wave -> begin_wave(); reset() }                                                    \
+  :: atomic { state == collecting && entry[t] == 0 -> me = t; store(); reset() }                                                     \
   :: atomic { state != finished && crashes > 0 && HAS(alive, t) && alive != (1 << (t)) -> lose(t); reset() }
-#define CONTROL(t, e)                                                        \
-  :: atomic { HAS(asked[e], t) -> me = t; reply(e); reset() }                \
-  :: atomic { answer[TALLY(e, t)] -> me = t; hear(e); reset() }              \
-  :: atomic { HAS(told_to_settle[e], t) -> me = t; settle(e); reset() }      \
+#define NOTICE(t) :: atomic { HAS(idle_notice, t) && !ANSWERS(t) -> hear_notice(t) }
+#define CONTROL(t, e)                                                                \
+  :: atomic { HAS(asked[e], t) && !ASKED_BEFORE(t, e) -> me = t; reply(e); reset() } \
+  :: atomic { answer[TALLY(e, t)] -> me = t; hear(e); reset() }                      \
+  :: atomic { HAS(told_to_settle[e], t) -> me = t; settle(e); reset() }              \
   :: atomic { settled_said[TALLY(e, t)] -> me = t; hear_settled(e); reset() }
 
 active proctype system() {
@@ -321,6 +379,9 @@ active proctype system() {
   STEPS(0)
   STEPS(1)
   STEPS(2)
+  NOTICE(0)
+  NOTICE(1)
+  NOTICE(2)
   CONTROL(0, 0)
   CONTROL(1, 0)
   CONTROL(2, 0)

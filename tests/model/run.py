@@ -16,11 +16,13 @@ DEPTH = 100000
 RIGHT = [("detector", ["FRESH=1", "BATCHES=2", "WINDOW=1"]),
          ("detector", ["FRESH=3", "BATCHES=1"]),
          ("epochs", ["CRASHES=0", "BATCHES=2"]),
+         ("epochs", ["CRASHES=1", "BATCHES=1"]),
          ("loss", ["CRASHES=0"]),
          ("loss", ["CRASHES=1", "ANNOUNCED=1"]),
          ("loss", ["CRASHES=2", "ANNOUNCED=1"])]
 FULL = [("detector", ["FRESH=1", "BATCHES=4"]),
         ("detector", ["FRESH=3", "BATCHES=2"]),
+        ("epochs", ["CRASHES=1", "BATCHES=2"]),
         ("loss", ["CRASHES=1", "ANNOUNCED=2"])]
 # The last flag is what is wrong.
 WRONG = [("detector", ["FRESH=3", "BATCHES=3", "WINDOW=1", "BUSY_IGNORED"]),
@@ -34,6 +36,7 @@ WRONG = [("detector", ["FRESH=3", "BATCHES=3", "WINDOW=1", "BUSY_IGNORED"]),
          ("epochs", ["BATCHES=1", "TABLE_NOT_AWAITED"]),
          ("epochs", ["BATCHES=1", "SETTLED_TOO_EARLY"]),
          ("epochs", ["BATCHES=1", "NO_INCARNATION_CHECK"]),
+         ("epochs", ["BATCHES=1", "SILENT_AFTER_ANSWER"]),
          ("loss", ["CRASHES=1", "NO_REPLAY"]),
          ("loss", ["CRASHES=1", "NODES=2", "KEEP_DEAD_MAIL"]),
          ("loss", ["CRASHES=1", "KEEP_WORDS"]),
@@ -42,8 +45,10 @@ WRONG = [("detector", ["FRESH=3", "BATCHES=3", "WINDOW=1", "BUSY_IGNORED"]),
 
 QUICK = [("detector", ["FRESH=1", "BATCHES=2", "WINDOW=1"]),
          ("epochs", ["CRASHES=0", "BATCHES=2"]),
+         ("epochs", ["CRASHES=1", "BATCHES=1"]),
          ("loss", ["CRASHES=1", "ANNOUNCED=1"])]
 QUICK_WRONG = [("epochs", ["BATCHES=1", "NO_INCARNATION_CHECK"]),
+               ("epochs", ["BATCHES=1", "SILENT_AFTER_ANSWER"]),
                ("loss", ["CRASHES=1", "NO_REPLAY"])]
 
 
