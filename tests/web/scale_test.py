@@ -217,11 +217,21 @@ class Scale(unittest.TestCase):
             b.theme("light", motion)
             self.assertEqual(b.script("return getComputedStyle(document.querySelector('.arcs .arc')).animationName"), name)
         # All neighbours at once, then half of them.
-        ways = [(a, c) for a in range(60) for c in (a + 1, a - 1, a + 7) if 0 <= c < 60][:128]
+        ways = [(a, c) for a in range(60) for c in (a + 1, a - 1, a ^ 2) if 0 <= c < 60][:128]
         tell({"from": [-1 - a for a, _ in ways], "to": [-1 - c for _, c in ways], "points": [9000 // (1 + i) + 1 for i in range(len(ways))]},
              "t" * 20 + "s" * 30 + "w" * 10)
         self.assertLess(self.elements(), ELEMENTS_MAX)
+        self.stands_still()
         b.look(self, "job-mail")
+        for theme in ("light", "dark"):
+            for width in (400, 1280):
+                b.theme(theme)
+                b.size(width)
+                b.script("document.querySelector('.map').scrollIntoView({behavior: 'instant'}); scrollBy(0, -80)")
+                b.script("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+                b.picture(f"map-mail-{theme}-{width}")
+        b.size(1280)
+        b.theme("light")
         tell({"from": [-1], "to": [-2], "points": [7]}, "q" * 60)
         self.assertEqual(b.text(".mail"), "Mail has lately gone one way between tiles; most from tile 0 to tile 1: 7 points.")
         # What happens at the end, and when it is stopped: no arc is left of it.
@@ -231,7 +241,6 @@ class Scale(unittest.TestCase):
         self.service.tell(99, "status", jobID="000000000001", status=now | {"status": "dismissed"})
         b.until("return document.querySelectorAll('.arcs *').length === 0")
         self.assertNotIn("Mail", b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"))
-        self.stands_still()
 
     def arcs(self):
         """Of each its width, and the numbers of the tiles at whose middle it ends: as pointing there tells."""

@@ -30,7 +30,7 @@ export class MailArcs {
       // One that stays goes on moving.
       const arc = before.get(key) ?? svg("path", {class: "arc"});
       arc.setAttribute("d", way);
-      arc.setAttribute("stroke-width", (1 + 2.5 * Math.sqrt(points[i] / points[0])).toFixed(1));
+      arc.style.setProperty("--weight", (1 + 2 * Math.sqrt(points[i] / points[0])).toFixed(1));
       before.delete(key);
       this.arcs.set(key, arc);
       ways.push(way);
