@@ -122,6 +122,33 @@ class Jobs(WithDaemon):
         self.assertEqual(sorted(file.name for file in (result / "exports").iterdir()), ["dem.tif", "lines.geojson"])
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
+    def test_rasters_and_lines_of_a_region_are_the_files_of_the_command(self):
+        box = self.middle()
+        corner = json.dumps({"type": "Polygon", "coordinates": [[box[:2], [box[2], box[1]], box[2:], box[:2]]]})
+        self.execute("region", **INPUTS, bbox=box, dim=2, output="square")
+        self.execute("region", **INPUTS, polygon=corner, dim=2, output="corner")
+        inner = self.middle(4)
+        for name, near, final in (("square", inner, True), ("square", None, False), ("corner", None, False)):
+            where = {"bbox": near} if near else {}
+            flags = ("--bbox", ",".join(map(repr, near))) if near else ()
+            for process, inputs, args, file in (("dem", {"res": 0.5, "output": "a.tif"}, ("--res", 0.5), "a.tif"),
+                                                ("contours", {"interval": 0.5, "output": "a.geojson"}, ("--interval", 0.5), "a.geojson")):
+                with self.subTest(f"{process} of {name} {near}"):
+                    self.assertTrue(self.estimate(process, triangulation=name, **inputs, **where)["accepted"])
+                    _, outcome = self.execute(process, triangulation=name, overwrite=True, **inputs, **where)
+                    result = self.folder / "data/results" / name
+                    told = json.loads(self.tessera(process, result, *args, *flags, "-o", file, "--overwrite", "--json").splitlines()[-1])
+                    self.assertEqual((result / "exports" / file).read_bytes(), (self.folder / file).read_bytes())
+                    # What is not provably that of the whole is said not to be.
+                    self.assertEqual(outcome.get("note"), told.get("note"))
+                    self.assertEqual("the region does not know all cells" not in outcome.get("note", ""), final)
+        self.execute("region", **INPUTS, bbox=inner, dim=3, output="cube")
+        for process, inputs in (("dem", {"res": 1}), ("contours", {"interval": 1})):
+            status, detail = self.refused(process, triangulation="cube", **inputs)
+            self.assertEqual(status, 400)
+            self.assertIn("3D", detail)
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
 
 class Commands(WithDaemon):
     """region, dem and contours with --server: the same words and files as without, and nothing left behind."""
@@ -178,6 +205,36 @@ class Commands(WithDaemon):
         self.assertEqual(self.tile(self.folder / "data/results/part"), self.tile(self.folder / "part"))
         told = json.loads(self.tessera("region", "*50_627755.las", *args, "-o", "again", "--json", *self.server).splitlines()[-1])
         self.assertEqual((told["output"], told["points_read"]), ("again", 0))
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
+    def test_a_region_of_a_polygon_and_what_is_drawn_of_it_are_told_as_here(self):
+        box = self.middle()
+        (self.folder / "area.geojson").write_text(json.dumps(
+            {"type": "Polygon", "coordinates": [[box[:2], [box[2], box[1]], box[2:], box[:2]]]}))
+        (self.folder / "system.prj").write_text(subprocess.run(["gdalsrsinfo", "-o", "wkt2", "EPSG:2154"], check=True, text=True,
+                                                               capture_output=True).stdout)
+        for name, crs in (("code", "EPSG:2154"), ("text", "system.prj")):
+            args = ("--dim", 2, "--polygon", "area.geojson", "--crs", crs)
+            first = self.tessera("region", "*50_627755.las", *args, "-o", name, *self.server).splitlines()
+            here = self.tessera("region", self.cloud, *args, "-o", name).splitlines()
+            self.assertEqual(first[0], here[0])
+            self.assertEqual(self.tile(self.folder / "data/results" / name), self.tile(self.folder / name))
+            self.tessera("fetch", name, "-o", f"{name}-fetched", *self.server)
+            one, other = (json.loads((self.folder / folder / "manifest.json").read_text()) for folder in (name, f"{name}-fetched"))
+            self.assertEqual((one["crs"], one["digest2"], one["region"]), (other["crs"], other["digest2"], other["region"]))
+            self.assertIn("EPSG:2154" if name == "code" else "Lambert-93", one["crs"])
+            for command, size, file in (("dem", "--res", "a.tif"), ("contours", "--interval", "a.geojson")):
+                here = self.tessera(command, f"{name}-fetched", size, 0.5, "-o", file, "--overwrite")
+                near = (self.folder / file).read_bytes()
+                # As a name of a result it is refused while a folder here is called so.
+                (self.folder / name).rename(self.folder / "elsewhere")
+                self.assertEqual(self.tessera(command, name, size, 0.5, "-o", file, "--overwrite", *self.server), here)
+                (self.folder / "elsewhere").rename(self.folder / name)
+                self.assertEqual((self.folder / file).read_bytes(), near)
+        for says, *args in (("--crs", "--polygon", "area.geojson", "--crs", "2154"), ("none.geojson", "--polygon", "none.geojson"),
+                            ("--bbox or --polygon", "--polygon", "area.geojson", "--bbox", "0,0,1,1"),
+                            ("system.prj", "--polygon", "system.prj")):
+            self.says_no(says, "region", "*50_627755.las", "--dim", 2, *args, "-o", "none")
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
     def test_what_is_wrong_gets_a_sentence(self):
