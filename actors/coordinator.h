@@ -204,7 +204,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
   std::vector<WorkSpan> untold_;  // what parts have said, and the owner has not been told
-  std::size_t spoken_ = 0;        // times that a part has spoken since
+  std::vector<MailArc> untold_mail_;
+  std::size_t spoken_ = 0;  // times that a part has spoken since
   std::optional<std::uint64_t> counted_;
   bool told_ = false, again_ = false;
 };

@@ -8,8 +8,10 @@ namespace tessera {
 void Coordinator::show_progress(PartProgress& message) {
   if (!has(message.node)) return;
   untold_.insert(untold_.end(), message.spans.begin(), message.spans.end());
+  untold_mail_.insert(untold_mail_.end(), message.mail.begin(), message.mail.end());
   parts_.at(message.node.value).progress = std::move(message);
   parts_.at(message.node.value).progress.spans.clear();
+  parts_.at(message.node.value).progress.mail.clear();
   // Of many nodes an eighth speak before all are added up: else their words would cost the square of their number.
   if (++spoken_ >= parts_.size() / 8) tell_progress();
 }
@@ -19,6 +21,7 @@ void Coordinator::tell_progress() {
   count_tiles();
   RunProgress progress;
   progress.sum.spans = std::exchange(untold_, {});
+  progress.sum.mail = std::exchange(untold_mail_, {});
   progress.nodes_lost = nodes_lost_;
   progress.stage = quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
   for (const PartOf& p : parts_) {

@@ -312,6 +312,8 @@ void PartActor::tell_progress(bool now) {
   meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting, progress_.tiles_begun,
                       progress_.points_begun, progress_.tiles_stored - part_->stored.size(), progress_.gates});
   if (!coordinator_) return;  // spans are kept for the next one
+  // Of many nodes all are added up, ten times a second: each tells less.
+  if (part_->mail) progress_.mail = part_->mail->take(part_->context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max);
   tell(progress_);
   std::vector<WorkSpan>().swap(progress_.spans);
 }

@@ -10,6 +10,7 @@
 
 #include "src/base/figures.h"
 #include "src/base/ids.h"
+#include "src/base/mail_arcs.h"
 #include "src/base/result.h"
 #include "src/run/assignment.h"
 #include "src/run/gate.h"
@@ -217,6 +218,7 @@ struct PartProgress {
   std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0, memory_bytes = 0;
   GateCounts gates;
   std::vector<WorkSpan> spans;  // since the last one
+  std::vector<MailArc> mail;    // likewise; the heaviest
 };
 // part -> coordinator: a tile is in the store.
 struct TileDone {

@@ -18,6 +18,7 @@ TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(Grant, x.work)
 TESSERA_MESSAGE(MailNotice, x.tile, x.updates, x.points, x.bytes, x.hops)
+TESSERA_MESSAGE(MailArc, x.from, x.to, x.points)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
 TESSERA_MESSAGE(TileReport, x.span, x.failure, x.kept, x.memory, x.storing, x.waiting, x.sent, x.processed, x.updates,
                 x.hops, x.points)
@@ -52,7 +53,7 @@ TESSERA_MESSAGE(PartSettled, x.node, x.epoch)
 TESSERA_MESSAGE(PartCollected, x.node, x.epoch)
 TESSERA_MESSAGE(PartReleased, x.node, x.tiles)
 TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
-                x.updates_processed, x.points_sent, x.memory_bytes, x.gates, x.spans)
+                x.updates_processed, x.points_sent, x.memory_bytes, x.gates, x.spans, x.mail)
 TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
 TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.points, x.updates, x.hops, x.sleeps, x.most_received, x.begin_us,
                 x.splay_us, x.collect_us, x.gates, x.handed, x.not_handed)

@@ -156,6 +156,7 @@ void TileActor::work(Work work) {
 void TileActor::post_outgoing() {
   for (Update& update : state_.take_outgoing()) {
     office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
+    if (part_->mail) part_->mail->add(update.from.tile, update.to.tile, update.points.size());
     office_->post(this, std::move(update));
   }
 }

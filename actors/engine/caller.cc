@@ -38,6 +38,7 @@ void show(const RunProgress& from, double opened_s, Progress& to) {
   to.credit_waits = sum.gates.waits;
   to.nodes_lost = from.nodes_lost;
   to.set_nodes(from.nodes);
+  to.mail.add(sum.mail);
   for (const WorkSpan& span : sum.spans) {
     to.add_span({phase_of(span.work), span.tile, span.thread, opened_s + static_cast<double>(span.begin_us) * 1e-6,
                  opened_s + static_cast<double>(span.end_us) * 1e-6});

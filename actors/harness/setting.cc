@@ -124,6 +124,7 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
       part->settled = part->settled && alone;
     }
   }
+  part->mail = std::make_unique<MailCounts>(parts_of({}, setting_.tiles.size(), MailCounts::parts_max));
   return part;
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/ids.h"
+#include "src/base/mail_arcs.h"
 #include "src/base/tile_map.h"
 
 namespace tessera {
@@ -83,6 +84,7 @@ struct Progress {
   std::function<void(const std::string&)> log = [](const std::string&) {};
 
   TileMap map;
+  RecentMail mail;
 
   void add_span(const PhaseSpan& span) {
     if (span.phase == Phase::triangulating) map.reached(span.tile, TileStage::triangulated);

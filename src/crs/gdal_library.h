@@ -34,7 +34,7 @@ namespace tessera {
   F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) \
   F(OGR_G_CreateFromWkb) F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
   F(OGR_L_GetFeatureCount) F(OGR_L_GetGeomType) F(OGR_L_GetLayerDefn) F(OGR_L_GetNextFeature) F(OGR_L_SyncToDisk) \
-  F(OSRDestroySpatialReference) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
+  F(OSRDestroySpatialReference) F(OSREPSGTreatsAsLatLong) F(OSREPSGTreatsAsNorthingEasting) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
   F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetTargetLinearUnits) \
   F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
   F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \

@@ -68,9 +68,10 @@ Answer conformance(const Call&) {
   };
   std::vector<std::string> all =
       classes("ogcapi-processes-1", {"core", "json", "oas30", "ogc-process-description", "job-list", "dismiss"});
-  for (const auto& more : {classes("ogcapi-common-1", {"core", "json", "oas30"}),
-                           classes("ogcapi-features-1", {"core", "geojson", "oas30"}),
-                           classes("ogcapi-tiles-1", {"core", "tileset", "tilesets-list", "png"})})
+  for (const auto& more :
+       {classes("ogcapi-common-1", {"core", "json", "oas30"}),
+        classes("ogcapi-features-1", {"core", "geojson", "oas30"}), classes("ogcapi-features-2", {"crs"}),
+        classes("ogcapi-tiles-1", {"core", "tileset", "tilesets-list", "png"})})
     all.insert(all.end(), more.begin(), more.end());
   const ordered_json told{{"conformsTo", all}};
   return json_answer(200, told.dump());

@@ -25,6 +25,7 @@ void add_maps(ordered_json& schemas) {
                              {"itemType", text},
                              {"extent", object},
                              {"crs", list_of(text)},
+                             {"storageCrs", text},
                              {"links", links}}}};
   schemas["Collections"] = {{"type", "object"},
                             {"required", {"collections", "links"}},

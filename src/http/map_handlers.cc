@@ -14,7 +14,6 @@ using About = Question::About;
 constexpr const char* json = "application/json";
 constexpr const char* geojson = "application/geo+json";
 constexpr const char* png = "image/png";
-constexpr const char* crs84 = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 constexpr const char* matrix_set = "http://www.opengis.net/def/tilematrixset/OGC/1.0/WebMercatorQuad";
 
 std::string collection_path(const std::string& id) { return "/v1/collections/" + encode_segment(id); }
@@ -31,16 +30,21 @@ ordered_json link(const Call& call, const std::string& path, const char* rel, co
 
 ordered_json told(const Call& call, const FeatureCollection& collection) {
   const std::string self = collection_path(collection.id);
-  return {{"id", collection.id},
-          {"title", collection.title},
-          {"description", collection.description},
-          {"itemType", "feature"},
-          {"extent", {{"spatial", {{"bbox", ordered_json::array({collection.extent})}, {"crs", crs84}}}}},
-          {"crs", {crs84}},
-          {"links",
-           {link(call, self, "self", json, "This collection"),
-            link(call, self + "/items", "items", geojson, "Its features"),
-            link(call, triangulation_path(collection.triangulation), "describedby", json, "The result")}}};
+  ordered_json made{{"id", collection.id},
+                    {"title", collection.title},
+                    {"description", collection.description},
+                    {"itemType", "feature"},
+                    {"extent", {{"spatial", {{"bbox", ordered_json::array({collection.extent})}, {"crs", crs84_uri}}}}},
+                    {"crs", {crs84_uri}},
+                    {"links",
+                     {link(call, self, "self", json, "This collection"),
+                      link(call, self + "/items", "items", geojson, "Its features"),
+                      link(call, triangulation_path(collection.triangulation), "describedby", json, "The result")}}};
+  if (!collection.storage_crs.empty()) {
+    made["crs"].push_back(collection.storage_crs);
+    made["storageCrs"] = collection.storage_crs;
+  }
+  return made;
 }
 
 Answer collections(const Call& call) {
@@ -57,11 +61,12 @@ Answer collection(const Call& call) {
   return found ? json_answer(200, told(call, found.value()).dump()) : problem(found.error());
 }
 
-// The text of the features, with links to what goes with them.
-Answer with_links(QuestionAnswer found, ordered_json links) {
+// The text of the features, with links to what goes with them. They are in the system that was asked for: another one
+// is refused.
+Answer with_links(const Call& call, QuestionAnswer found, ordered_json links) {
   Answer answer;
   answer.headers = {{"Content-Type", geojson},
-                    {"Content-Crs", std::string("<") + crs84 + ">"},
+                    {"Content-Crs", "<" + call.request.target.parameter("crs").value_or(crs84_uri) + ">"},
                     {"Tessera-Final", found.final ? "true" : "false"},
                     // Lines may be drawn anew.
                     {"Cache-Control", "private, no-cache"}};
@@ -87,7 +92,12 @@ Answer items(const Call& call) {
   };
   ordered_json links{link(call, page({}), "self", geojson), link(call, self, "collection", json)};
   if (found.value().next) links.push_back(link(call, page(found.value().next), "next", geojson));
-  return with_links(std::move(found).value(), std::move(links));
+  return with_links(call, std::move(found).value(), std::move(links));
+}
+
+std::string asked_crs(const Call& call) {
+  const auto crs = call.request.target.parameter("crs");
+  return crs ? "?crs=" + encode_segment(*crs) : "";
 }
 
 Answer item(const Call& call) {
@@ -95,14 +105,16 @@ Answer item(const Call& call) {
   if (!known) return problem(known.error());
   Question question{.about = About::features, .triangulation = known.value().triangulation, .stop = call.request.stop};
   question.options = {{"kind", known.value().kind}, {"item", call.arguments[1]}};
+  if (const auto crs = call.request.target.parameter("crs")) question.options["crs"] = *crs;
   Reply<QuestionAnswer> found = call.context.backend->ask(question);
   if (!found) return problem(found.error());
   if (found.value().text.empty())
     return problem(404, "collection '" + known.value().id + "' has no feature " + call.arguments[1], 2);
   const std::string self = collection_path(known.value().id);
-  return with_links(std::move(found).value(),
-                    {link(call, self + "/items/" + encode_segment(call.arguments[1]), "self", geojson),
-                     link(call, self, "collection", json)});
+  return with_links(
+      call, std::move(found).value(),
+      {link(call, self + "/items/" + encode_segment(call.arguments[1]) + asked_crs(call), "self", geojson),
+       link(call, self, "collection", json)});
 }
 
 ordered_json tileset(const Call& call, const std::string& name, const std::array<double, 4>& extent) {
@@ -113,13 +125,13 @@ ordered_json tileset(const Call& call, const std::string& name, const std::array
   href.replace(href.size() - 5, 5, "{tileMatrix}/{tileRow}/{tileCol}");
   places["href"] = href;
   places["templated"] = true;
-  return {
-      {"title", name},
-      {"dataType", "map"},
-      {"crs", "http://www.opengis.net/def/crs/EPSG/0/3857"},
-      {"tileMatrixSetURI", matrix_set},
-      {"boundingBox", {{"lowerLeft", {extent[0], extent[1]}}, {"upperRight", {extent[2], extent[3]}}, {"crs", crs84}}},
-      {"links", {link(call, self, "self", json), std::move(places)}}};
+  return {{"title", name},
+          {"dataType", "map"},
+          {"crs", "http://www.opengis.net/def/crs/EPSG/0/3857"},
+          {"tileMatrixSetURI", matrix_set},
+          {"boundingBox",
+           {{"lowerLeft", {extent[0], extent[1]}}, {"upperRight", {extent[2], extent[3]}}, {"crs", crs84_uri}}},
+          {"links", {link(call, self, "self", json), std::move(places)}}};
 }
 
 Answer map_tilesets(const Call& call) {
@@ -172,6 +184,7 @@ Route route(std::string path, const char* name, const char* summary, std::vector
 }  // namespace
 
 void add_map_routes(std::vector<Route>& routes) {
+  const Parameter crs{"crs", "string", "The URI of a system of the collection in which they are told; CRS84"};
   const std::string of_collection = "/v1/collections/{collection}";
   const std::string tiles = "/v1/triangulations/{triangulation}/map/tiles";
   routes.push_back(route("/v1/collections", "listCollections", "What there is for maps",
@@ -179,16 +192,18 @@ void add_map_routes(std::vector<Route>& routes) {
   routes.push_back(route(of_collection, "getCollection", "Footprints, hull or contour lines of a result",
                          {{200, json, "Collection", "The collection"}}, collection));
   Route all =
-      route(of_collection + "/items", "getFeatures", "Features, in longitude and latitude",
+      route(of_collection + "/items", "getFeatures", "Features, in longitude and latitude or as the result has them",
             {{200, geojson, "FeatureCollection", "A page of them; a link `next` as long as there are more"}}, items,
             {{"bbox", "string", "west,south,east,north: only features that meet it"},
+             {"bbox-crs", "string", "The URI of the system of bbox; CRS84"},
+             crs,
              {"limit", "integer", "How many at most: 10, up to 10000"},
              {"after", "integer", "The id that ended the page before"},
              {"datetime", "string", "Has no effect: the features have no time"}});
   all.asks = true;
   routes.push_back(std::move(all));
   Route one = route(of_collection + "/items/{item}", "getFeature", "A feature",
-                    {{200, geojson, "Feature", "The feature"}}, item);
+                    {{200, geojson, "Feature", "The feature"}}, item, {crs});
   one.asks = true;
   routes.push_back(std::move(one));
   routes.push_back(route(tiles, "listMapTilesets", "The raster dem.tif of a 2D result as a map",

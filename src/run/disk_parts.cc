@@ -142,6 +142,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.storage = &part->storage;
   context.stop = part->stopping.get_token();
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
+  part->mail = std::make_unique<MailCounts>(
+      parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
   part->tile_points = run->tile_points;
   part->points = std::move(points);
   // Mail of an earlier process was for tiles that are no more.

@@ -12,6 +12,7 @@
 #include "src/base/result.h"
 #include "src/run/gate.h"
 #include "src/run/heap_trim.h"
+#include "src/run/mail_counts.h"
 #include "src/run/schedule.h"
 #include "src/run/table.h"
 #include "src/run/tile_state.h"
@@ -59,6 +60,7 @@ struct Part {
   GateOptions gates;
   std::filesystem::path scratch;  // of this part alone; none: what waits for other nodes is held in memory
   HeapTrim heap_trim;
+  std::unique_ptr<MailCounts> mail;  // none: nobody counts
   std::stop_source stopping;  // of all work that leaves nothing behind when it is stopped; the context has its token
   // Set where there are other nodes: what settled tiles have left is where those will find it. Called before the part
   // says that its tiles are settled.

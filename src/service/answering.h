@@ -12,6 +12,7 @@
 #include "src/query/answers.h"
 #include "src/query/area.h"
 #include "src/query/stored_triangulation.h"
+#include "src/service/map_features.h"
 #include "src/service/questions.h"
 #include "src/service/readers.h"
 #include "src/service/service.h"
@@ -41,6 +42,7 @@ class Answering {
   Result<QuestionAnswer> profile() const;
   // answering_maps.cc
   Result<QuestionAnswer> features() const;
+  Result<MapForm> map_form() const;
   Result<QuestionAnswer> map_tile() const;
   Result<std::vector<Point>> hull_corners() const;
   template <class Options>

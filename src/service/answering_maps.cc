@@ -6,6 +6,7 @@
 
 #include "src/base/option.h"
 #include "src/crs/lon_lat.h"
+#include "src/crs/storage_crs.h"
 #include "src/files/names.h"
 #include "src/job/arguments.h"
 #include "src/query/hull.h"
@@ -54,13 +55,34 @@ Result<std::vector<Point>> Answering::hull_corners() const {
   return *reader_.hull->points;
 }
 
+Result<MapForm> Answering::map_form() const {
+  MapForm form;
+  for (const auto& [key, stored] : {std::pair("crs", &MapForm::stored), std::pair("bbox-crs", &MapForm::stored_box)}) {
+    const std::string asked = word(key, crs84_uri);
+    if (asked == crs84_uri) continue;
+    BOOST_OUTCOME_TRY(own, storage_crs(reader_.stored.manifest().crs));
+    if (own.uri.empty() || asked != own.uri)
+      return error(Errc::usage, std::string(key) + ": '" + asked + "' is no system of this collection; there " +
+                                    (own.uri.empty() ? "is " : "are ") + crs84_uri +
+                                    (own.uri.empty() ? "" : " and " + own.uri));
+    form.*stored = true;
+    form.swapped = own.swapped;
+  }
+  return form;
+}
+
 Result<QuestionAnswer> Answering::features() const {
   const Manifest& manifest = reader_.stored.manifest();
   BOOST_OUTCOME_TRY(places, LonLat::of(manifest.crs));
+  BOOST_OUTCOME_TRY(form, map_form());
   std::optional<Bounds> box;
   if (question_.options.contains("bbox")) {
     BOOST_OUTCOME_TRY(asked, read("bbox", [](const std::string& text) { return parse_crop(text, 3); }));
     box = Bounds{asked.lo, asked.hi};
+    if (form.stored_box && form.swapped) {
+      std::swap(box->lo.x, box->lo.y);
+      std::swap(box->hi.x, box->hi.y);
+    }
   }
   const auto number = [&](const char* key, std::int64_t least, std::int64_t usual) -> Result<std::int64_t> {
     if (!question_.options.contains(key)) return usual;
@@ -79,7 +101,7 @@ Result<QuestionAnswer> Answering::features() const {
     const auto item = parse_integer(word("item"), 0, std::numeric_limits<std::int64_t>::max());
     only = item ? static_cast<std::uint64_t>(item.value()) : std::numeric_limits<std::uint64_t>::max();
   }
-  FeaturePage page(places, box, static_cast<std::uint64_t>(std::min(limit, limit_max)));
+  FeaturePage page(places, box, static_cast<std::uint64_t>(std::min(limit, limit_max)), form);
   const std::string kind = word("kind");
   std::uint64_t all = 1;
   if (kind == "tiles") {
@@ -96,7 +118,9 @@ Result<QuestionAnswer> Answering::features() const {
     all = lines->lines();
     const bool heights = lines->value_name() == "elevation";
     std::optional<Bounds> near;
-    if (box) {
+    if (box && form.stored_box) {
+      near = box;
+    } else if (box) {
       // What is beyond the coordinates of the result is in no line's box.
       const auto own = places.box_from(*box);
       if (own) near = own.value();

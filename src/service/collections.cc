@@ -1,6 +1,7 @@
 #include "src/service/collections.h"
 
 #include "src/crs/lon_lat.h"
+#include "src/crs/storage_crs.h"
 #include "src/files/names.h"
 #include "src/service/beneath.h"
 #include "src/service/naming.h"
@@ -11,7 +12,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t extents_max = 4096;
+constexpr std::size_t places_max = 4096;
 constexpr const char* kinds[] = {"tiles", "hull", "contours"};
 
 proto::Problem nothing(std::string_view id) {
@@ -20,35 +21,40 @@ proto::Problem nothing(std::string_view id) {
 
 }  // namespace
 
-Collections::Extent Collections::extent_of(const Results::Held& held) {
+std::optional<Collections::Place> Collections::place_of(const Results::Held& held) {
   {
     const std::lock_guard lock(mutex_);
-    if (const auto known = extents_.find(held.identity); known != extents_.end()) return known->second;
+    if (const auto known = places_.find(held.identity); known != places_.end()) return known->second;
   }
   const Manifest& manifest = *held.manifest;
-  Extent extent;
+  std::optional<Place> place;
   const auto places = LonLat::of(manifest.crs);
   if (places && !manifest.partition.empty() && !manifest.bounds.empty()) {
     if (const auto box = places.value().box_to(manifest.bounds))
-      extent = {box.value().lo.x, box.value().lo.y, box.value().hi.x, box.value().hi.y};
+      place = Place{{box.value().lo.x, box.value().lo.y, box.value().hi.x, box.value().hi.y}, {}};
+    if (const auto storage = storage_crs(manifest.crs); place && storage) place->storage_crs = storage.value().uri;
   }
   // Without GDAL now, there may be one later.
-  if (!places && places.error().code == Errc::io) return extent;
+  if (!places && places.error().code == Errc::io) return place;
   const std::lock_guard lock(mutex_);
-  if (extents_.size() >= extents_max) extents_.clear();
-  extents_[held.identity] = extent;
-  return extent;
+  if (places_.size() >= places_max) places_.clear();
+  places_[held.identity] = place;
+  return place;
 }
 
 std::optional<FeatureCollection> Collections::make(const std::string& name, const std::string& kind,
                                                    const Results::Held& held) {
-  const auto extent = extent_of(held);
-  if (!extent) return std::nullopt;
+  const auto place = place_of(held);
+  if (!place) return std::nullopt;
   if (kind == "contours") {
     if (!results_.export_exists(name, contours_of_result("").filename().string())) return std::nullopt;
     if (!terrain::LineReader::open(contours_of_result(path_of(held.folder)))) return std::nullopt;
   }
-  FeatureCollection made{.id = name + "." + kind, .triangulation = name, .kind = kind, .extent = *extent};
+  FeatureCollection made{.id = name + "." + kind,
+                         .triangulation = name,
+                         .kind = kind,
+                         .extent = place->extent,
+                         .storage_crs = place->storage_crs};
   made.title = name + (kind == "tiles" ? ": tiles" : kind == "hull" ? ": hull" : ": contour lines");
   made.description = kind == "tiles"  ? "The parts of space that the tiles of the triangulation " + name + " have"
                      : kind == "hull" ? "The convex hull of the points of " + name + " in the plane"

@@ -24,14 +24,17 @@ class Collections {
   Reply<std::array<double, 4>> map_extent(std::string_view name);
 
  private:
-  using Extent = std::optional<std::array<double, 4>>;
-  // West, south, east and north; none when that is not known, or cannot be asked.
-  Extent extent_of(const Results::Held& held);
+  struct Place {
+    std::array<double, 4> extent{};  // west, south, east and north
+    std::string storage_crs;
+  };
+  // None when that is not known, or cannot be asked.
+  std::optional<Place> place_of(const Results::Held& held);
   std::optional<FeatureCollection> make(const std::string& name, const std::string& kind, const Results::Held& held);
 
   Results& results_;
   std::mutex mutex_;
-  std::map<std::string, Extent> extents_;  // by the result's identity
+  std::map<std::string, std::optional<Place>> places_;  // by the result's identity
 };
 
 }  // namespace tessera

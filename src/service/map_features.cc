@@ -78,9 +78,16 @@ std::vector<Point> dense_ring(std::span<const Point> corners) {
 
 Result<bool> FeaturePage::add(std::uint64_t id, const nlohmann::ordered_json& properties, Kind kind,
                               std::vector<Point> points, std::optional<double> third) {
-  BOOST_OUTCOME_TRYV(places_.to(points));
   const bool is_ring = kind == Kind::ring && points.size() > 3;
-  if (box_ && !(is_ring ? ring_meets(points, *box_) : line_meets(points, *box_))) return true;
+  const auto met = [&] { return !box_ || (is_ring ? ring_meets(points, *box_) : line_meets(points, *box_)); };
+  if (form_.stored_box && !met()) return true;
+  if (!form_.stored || (box_ && !form_.stored_box)) {
+    std::vector<Point> own;
+    if (form_.stored) own = points;
+    BOOST_OUTCOME_TRYV(places_.to(points));
+    if (!form_.stored_box && !met()) return true;
+    if (form_.stored) points.swap(own);
+  }
   if (count_ >= limit_ || (count_ > 0 && points_ + points.size() > points_max)) {
     full_ = true;
     return false;
@@ -95,9 +102,11 @@ Result<bool> FeaturePage::add(std::uint64_t id, const nlohmann::ordered_json& pr
   text_ += is_ring ? "{\"type\":\"Polygon\",\"coordinates\":[[" : "{\"type\":\"LineString\",\"coordinates\":[";
   for (std::size_t i = 0; i < points.size(); ++i) {
     text_ += i == 0 ? "[" : ",[";
-    add_degrees(text_, points[i].x);
+    const bool swapped = form_.stored && form_.swapped;
+    const auto add = form_.stored ? add_shortest : add_degrees;
+    add(text_, swapped ? points[i].y : points[i].x);
     text_ += ',';
-    add_degrees(text_, points[i].y);
+    add(text_, swapped ? points[i].x : points[i].y);
     if (third) {
       text_ += ',';
       add_shortest(text_, *third);

@@ -1,4 +1,4 @@
-// Features of maps as GeoJSON, in longitude and latitude.
+// Features of maps as GeoJSON, in longitude and latitude or as the result has them.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,18 @@ bool ring_meets(std::span<const Point> ring, const Bounds& box);
 // With points between its corners, so that its sides go where those on the ground do; closed.
 std::vector<Point> dense_ring(std::span<const Point> corners);
 
+// In which systems features are told, and a box of them is asked for.
+struct MapForm {
+  bool stored = false, stored_box = false;  // as the result has them; else in longitude and latitude
+  bool swapped = false;                     // what is as the result has it is told, and asked for, with y before x
+};
+
 // A page of features.
 class FeaturePage {
  public:
-  // At most `limit` of those that meet `box`, if there is one.
-  FeaturePage(const LonLat& places, const std::optional<Bounds>& box, std::uint64_t limit)
-      : places_(places), box_(box), limit_(limit) {}
+  // At most `limit` of those that meet `box`, if there is one: x before y, whatever the form.
+  FeaturePage(const LonLat& places, const std::optional<Bounds>& box, std::uint64_t limit, MapForm form)
+      : places_(places), box_(box), form_(form), limit_(limit) {}
 
   enum class Kind : bool { ring, line };
   // False: it belongs to the next page, and nothing more is wanted. `points` in the coordinates of the result; `third`:
@@ -45,6 +51,7 @@ class FeaturePage {
 
   const LonLat& places_;
   std::optional<Bounds> box_;
+  MapForm form_;
   std::uint64_t limit_, count_ = 0, points_ = 0, last_ = 0;
   bool full_ = false;
   std::string text_;

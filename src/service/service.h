@@ -104,7 +104,10 @@ struct FeatureCollection {
   std::string kind;           // tiles, hull, contours
   std::string title = {}, description = {};
   std::array<double, 4> extent{};  // west, south, east, north
+  std::string storage_crs = {};    // a URI: features are also told as the result has them; empty: they are not
 };
+// In which they are told unless another system is asked for.
+inline constexpr const char* crs84_uri = "http://www.opengis.net/def/crs/OGC/1.3/CRS84";
 
 struct JobQuery {
   std::vector<std::string> states = {}, processes = {};  // empty: all

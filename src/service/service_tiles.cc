@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
@@ -28,6 +29,15 @@ void tell_layout(const TileLayout& layout, proto::TileLayout& told) {
   }
 }
 
+void tell_mail(const std::vector<MailArc>& arcs, proto::JobTiles& tiles) {
+  for (const MailArc& arc : arcs) {
+    proto::TileMail& mail = *tiles.mutable_mail();
+    mail.add_from(arc.from);
+    mail.add_to(arc.to);
+    mail.add_points(arc.points);
+  }
+}
+
 void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& tiles) {
   const Phase phase = progress.phase;  // before the stages: what is settled stays so
   std::string stages = progress.map.stages();
@@ -37,6 +47,7 @@ void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& t
   }
   tiles.set_stages(std::move(stages));
   tiles.set_begun_again(progress.map.begun_again());
+  if (phase < Phase::collecting) tell_mail(progress.mail.heaviest(), tiles);
   tiles.set_elapsed_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count());
   const BusyThreads busy = progress.busy(parts_of_time);
   tiles.mutable_busy_threads()->Add(busy.threads.begin(), busy.threads.end());

@@ -127,6 +127,65 @@ class Maps(DaemonTest):
         self.get("/v1/collections/ground.contours/items/x", 404)
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
+    def test_they_are_told_as_the_result_has_them(self):
+        """OGC API - Features, part 2."""
+        self.execute("contours", triangulation="ground", interval=0.25)
+        crs84, lambert = "http://www.opengis.net/def/crs/OGC/1.3/CRS84", "http://www.opengis.net/def/crs/EPSG/0/2154"
+        for one in self.get("/v1/collections")["collections"]:
+            self.assertEqual((one["crs"], one["storageCrs"]), ([crs84, lambert], lambert))
+        items = "/v1/collections/ground.contours/items"
+        file = self.folder / "data/results/ground/exports/contours.gpkg"
+        run("ogr2ogr", "-f", "GeoJSON", "-lco", "COORDINATE_PRECISION=15", self.folder / "right.geojson", file)
+        right = json.loads((self.folder / "right.geojson").read_text())["features"]
+        lines = self.all_items(f"{items}?limit=100&crs={lambert}")  # the pages go on in it
+        self.assertEqual(len(lines), len(right))
+        for line, other in zip(lines, right):
+            self.assertLess(abs(points_of(line) - points_of(other)).max(), 1e-8)
+        self.assertEqual(self.get(f"{items}/7?crs={lambert}")["geometry"], lines[6]["geometry"])
+        bounds = np.array(self.get("/v1/triangulations/ground")["bounds"])
+        (hull,) = self.all_items(f"/v1/collections/ground.hull/items?crs={lambert}")
+        corners = points_of(hull)
+        low, high = bounds[:2], bounds[len(bounds) // 2:][:2]
+        self.assertEqual([corners.min(axis=0).tolist(), corners.max(axis=0).tolist()], [low.tolist(), high.tolist()])
+
+        # Boxes of each system, told in each.
+        rng = np.random.default_rng(5)
+        for _ in range(5):
+            start = rng.uniform(low, high)
+            end = start + rng.uniform(0, 20, 2)
+            box = ",".join(repr(float(at)) for at in (*start, *end))
+            wanted = [line["id"] for line in lines if meets(points_of(line), (*start, *end))]
+            for told in (crs84, lambert):
+                found = self.all_items(f"{items}?limit=1000&bbox={box}&bbox-crs={lambert}&crs={told}")
+                self.assertEqual([line["id"] for line in found], wanted)
+            degrees = ",".join(repr(float(at)) for at in self.lon_lat([start, end]).ravel())
+            right = self.all_items(f"{items}?limit=1000&bbox={degrees}")
+            again = self.all_items(f"{items}?limit=1000&bbox={degrees}&bbox-crs={crs84}&crs={lambert}")
+            self.assertEqual([line["id"] for line in again], [line["id"] for line in right])
+            for line in again:
+                self.assertEqual(line, lines[line["id"] - 1])
+        for wrong in ("crs=EPSG:2154", "crs=http://www.opengis.net/def/crs/EPSG/0/4326", "bbox-crs=x&bbox=1,2,3,4", "crs="):
+            self.get(f"{items}?{wrong}", 400)
+        self.get(f"{items}/7?crs=x", 400)
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
+    def test_where_latitude_comes_first_it_does_so_in_features(self):
+        (self.folder / "inputs").mkdir()
+        points = np.random.default_rng(2).uniform((2, 48, 0), (3, 49, 10), (50, 3))
+        np.savetxt(self.folder / "inputs/a.xyz", points, fmt="%.6f")
+        self.assertEqual(self.daemon.end(), 0)
+        self.daemon = self.start(inputs=self.folder / "inputs")
+        self.execute("triangulate", inputs=["a.xyz"], dim=2, crs="EPSG:4326", output="degrees")
+        uri = "http://www.opengis.net/def/crs/EPSG/0/4326"
+        self.assertEqual(self.get("/v1/collections/degrees.hull")["storageCrs"], uri)
+        items = "/v1/collections/degrees.hull/items"
+        (hull,), (swapped,) = self.all_items(items), self.all_items(f"{items}?crs={uri}")
+        self.assertLess(abs(points_of(hull) - points_of(swapped)[:, ::-1]).max(), 1e-8)
+        self.assertGreater(points_of(swapped)[:, 0].min(), 40)
+        self.assertEqual(len(self.all_items(f"{items}?bbox-crs={uri}&bbox=48,2,49,3")), 1)
+        self.assertEqual(self.all_items(f"{items}?bbox-crs={uri}&bbox=2,48,3,49"), [])
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
     def test_gdal_reads_them_with_the_token_as_its_password(self):
         self.execute("contours", triangulation="ground", interval=0.25)
         place = f"OAPIF:{self.daemon.url}v1"

@@ -1,11 +1,10 @@
 """Regions, rasters and lines as jobs of the daemon, and questions to results that are regions: what is said to be final is so."""
 import json
-import subprocess
 import unittest
 
 import numpy as np
 
-from daemon import IGN, TESSERA, DaemonTest
+from daemon import IGN, DaemonTest
 
 INPUTS = {"inputs": ["ign_77050_627755.las"]}
 
@@ -122,90 +121,31 @@ class Jobs(WithDaemon):
         self.assertEqual(sorted(file.name for file in (result / "exports").iterdir()), ["dem.tif", "lines.geojson"])
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
-
-class Commands(WithDaemon):
-    """region, dem and contours with --server: the same words and files as without, and nothing left behind."""
-
-    def setUp(self):
-        super().setUp()
-        self.server = ["--server", f"{self.daemon.url}?token={self.daemon.token}"]
-        self.execute("triangulate", **INPUTS, dim=2, output="ground", tiles=4)
-        self.result = self.folder / "data/results/ground"
-
-    def exports(self):
-        folder = self.result / "exports"
-        return sorted(file.name for file in folder.iterdir()) if folder.exists() else []
-
-    def says_no(self, says, *args):
-        done = subprocess.run([TESSERA, *map(str, args), *self.server], cwd=self.folder, text=True, capture_output=True)
-        self.assertGreater(done.returncode, 0, done.stdout)
-        self.assertEqual(done.stdout, "")
-        self.assertIn(says, done.stderr.splitlines()[-1])
-
-    def test_drawings_are_told_and_written_as_here(self):
-        for near, far, args in (("a.tif", "b.tif", ("--res", 0.5, "--max-edge", 1)), ("a.tif", "b.tif", ("--res", 1, "--hillshade", "--bbox", ",".join(map(repr, self.middle())))),
-                                ("a.geojson", "b.geojson", ("--interval", 1, "--max-edge", 1)), ("a.geojson", "b.geojson", ("--interval", 2, "--base", 0.25))):
-            command = "dem" if near.endswith(".tif") else "contours"
-            for also in ((), ("--json",)):
-                with self.subTest(f"{command} {args} {also}"):
-                    here = self.tessera(command, self.result, *args, *also, "-o", near, "--overwrite")
-                    there = self.tessera(command, "ground/", *args, *also, "-o", far, "--overwrite", *self.server)
-                    self.assertEqual(there.splitlines()[-len(here.splitlines()):], here.replace(near, far).splitlines())
-                    if not also:
-                        self.assertEqual(there, here.replace(near, far))
-                    self.assertEqual((self.folder / far).read_bytes(), (self.folder / near).read_bytes())
-        self.assertEqual(self.exports(), [])
-        # What others have drawn stays.
-        self.execute("dem", triangulation="ground", res=5)
-        before = (self.result / "exports/dem.tif").read_bytes()
-        self.tessera("dem", "ground", "--res", 1, "-o", "dem.tif", *self.server)
-        self.assertEqual(((self.result / "exports/dem.tif").read_bytes(), self.exports()), (before, ["dem.tif"]))
-        # Detached it is fetched later.
-        job = self.tessera("dem", "ground", "--res", 1, "-o", "later.tif", "--detach", "--quiet", *self.server).strip()
-        self.assertEqual(self.daemon.wait(job)["status"], "successful")
-        self.tessera("fetch", job, "-o", "fetched.tif", *self.server)
-        self.assertEqual((self.folder / "fetched.tif").read_bytes(), (self.folder / "dem.tif").read_bytes())
-        self.assertEqual(self.exports(), ["dem.tif", "later.tif"])
-        self.says_no("exists already", "fetch", job, "-o", "fetched.tif")
-        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
-
-    def test_a_region_is_told_as_here(self):
-        args = ("--dim", 2, f"--bbox={','.join(map(repr, self.middle()))}")
-        first = self.tessera("region", "*50_627755.las", *args, "-o", "part/", *self.server).splitlines()
-        here = self.tessera("region", self.cloud, *args, "-o", "part").splitlines()
-        self.assertEqual(first[0], here[0])
-        self.assertEqual(first[1].rpartition(", ")[0], here[1].rpartition(", ")[0])  # but for the seconds
-        self.assertEqual(self.tile(self.folder / "data/results/part"), self.tile(self.folder / "part"))
-        told = json.loads(self.tessera("region", "*50_627755.las", *args, "-o", "again", "--json", *self.server).splitlines()[-1])
-        self.assertEqual((told["output"], told["points_read"]), ("again", 0))
-        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
-
-    def test_what_is_wrong_gets_a_sentence(self):
-        (self.folder / "folder.tif").mkdir()
-        (self.folder / "there.tif").write_text("mine")
-        (self.folder / "ground2").mkdir()
-        region = ("region", "*50_627755.las", "--dim", 2)
-        for says, *args in (("none called 'none'", "dem", "none", "--res", 1, "-o", "x.tif"),
-                            ("ground2 is a folder here", "contours", "ground2", "--interval", 1, "-o", "x.gpkg"),
-                            ("x.png", "dem", "ground", "--res", 1, "-o", "x.png"),
-                            ("x.tif", "contours", "ground", "--interval", 1, "-o", "x.tif"),
-                            ("folder.tif: is a folder", "dem", "ground", "--res", 1, "-o", "folder.tif"),
-                            ("there.tif: exists already", "dem", "ground", "--res", 1, "-o", "there.tif"),
-                            ("no/such: there is no such folder", "dem", "ground", "--res", 1, "-o", "no/such/x.tif"),
-                            ("--res", "dem", "ground", "-o", "x.tif"),
-                            ("nothing", "dem", "ground", "--res", 1, "--value", "nothing", "-o", "x.tif"),
-                            ("--bbox", *region, "-o", "part"),
-                            ("ending", *region, "--bbox", "0,0,1,1", "-o", "part.vtu"),
-                            ("no cell", *region, "--bbox", "0,0,1,1", "-o", "part"),
-                            ("inputs", "region", "none.las", "--bbox", "0,0,1,1", "-o", "part"),
-                            ("standard input", "region", "-", "--bbox", "0,0,1,1", "-o", "part"),
-                            ("--input-list", "region", "--input-list", "list", "--bbox", "0,0,1,1", "-o", "part"),
-                            ("ground", *region, "--bbox", "0,0,1,1", "-o", "ground")):
-            with self.subTest(args):
-                self.says_no(says, *args)
-        self.assertEqual(sorted(one.name for one in self.folder.iterdir()), ["data", "folder.tif", "ground2", "there.tif"])
-        self.assertEqual(((self.folder / "there.tif").read_text(), self.exports()), ("mine", []))
-        self.assertEqual([one.name for one in (self.folder / "data/results").iterdir()], ["ground"])
+    def test_rasters_and_lines_of_a_region_are_the_files_of_the_command(self):
+        box = self.middle()
+        corner = json.dumps({"type": "Polygon", "coordinates": [[box[:2], [box[2], box[1]], box[2:], box[:2]]]})
+        self.execute("region", **INPUTS, bbox=box, dim=2, output="square")
+        self.execute("region", **INPUTS, polygon=corner, dim=2, output="corner")
+        inner = self.middle(4)
+        for name, near, final in (("square", inner, True), ("square", None, False), ("corner", None, False)):
+            where = {"bbox": near} if near else {}
+            flags = ("--bbox", ",".join(map(repr, near))) if near else ()
+            for process, inputs, args, file in (("dem", {"res": 0.5, "output": "a.tif"}, ("--res", 0.5), "a.tif"),
+                                                ("contours", {"interval": 0.5, "output": "a.geojson"}, ("--interval", 0.5), "a.geojson")):
+                with self.subTest(f"{process} of {name} {near}"):
+                    self.assertTrue(self.estimate(process, triangulation=name, **inputs, **where)["accepted"])
+                    _, outcome = self.execute(process, triangulation=name, overwrite=True, **inputs, **where)
+                    result = self.folder / "data/results" / name
+                    told = json.loads(self.tessera(process, result, *args, *flags, "-o", file, "--overwrite", "--json").splitlines()[-1])
+                    self.assertEqual((result / "exports" / file).read_bytes(), (self.folder / file).read_bytes())
+                    # What is not provably that of the whole is said not to be.
+                    self.assertEqual(outcome.get("note"), told.get("note"))
+                    self.assertEqual("the region does not know all cells" not in outcome.get("note", ""), final)
+        self.execute("region", **INPUTS, bbox=inner, dim=3, output="cube")
+        for process, inputs in (("dem", {"res": 1}), ("contours", {"interval": 1})):
+            status, detail = self.refused(process, triangulation="cube", **inputs)
+            self.assertEqual(status, 400)
+            self.assertIn("3D", detail)
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
 

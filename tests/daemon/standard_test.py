@@ -4,12 +4,37 @@ import unittest
 import urllib.parse
 
 import requests
+from owslib.ogcapi.features import Features
 from owslib.ogcapi.processes import Processes
 
 from daemon import DaemonTest
 
 
 class Standard(DaemonTest):
+    def test_owslib_asks_for_features_in_the_system_of_the_result(self):
+        daemon = self.start()
+        job = daemon.request("POST", "/v1/processes/triangulate/execution", {"inputs": {
+            "inputs": ["ign_77050_627755.las"], "crs": "EPSG:2154", "dim": 2, "tiles": 6, "output": "ground"}})[2]["jobID"]
+        self.assertEqual(daemon.wait(job)["status"], "successful")
+        service = Features(daemon.url + "v1/", headers={"Authorization": f"Bearer {daemon.token}"})
+        self.assertIn("http://www.opengis.net/spec/ogcapi-features-2/1.0/conf/crs", service.conformance()["conformsTo"])
+        self.assertEqual(service.feature_collections(), ["ground.tiles", "ground.hull"])
+        storage = service.collection("ground.tiles")["storageCrs"]
+        self.assertEqual(storage, "http://www.opengis.net/def/crs/EPSG/0/2154")
+        items = service.api()["paths"]["/v1/collections/{collection}/items"]["get"]["parameters"]
+        self.assertLessEqual({"crs", "bbox-crs"}, {parameter["name"] for parameter in items})
+        bounds = daemon.request("GET", "/v1/triangulations/ground")[2]["bounds"]
+        everything = service.collection_items("ground.tiles", limit=100, crs=storage)
+        self.assertEqual(everything["numberReturned"], 6)
+        xs = [x for feature in everything["features"] for x, _ in feature["geometry"]["coordinates"][0]]
+        self.assertEqual(min(xs), bounds[0])
+        place = [bounds[0], bounds[1], bounds[0] + 0.001, bounds[1] + 0.001]
+        found = service.collection_items("ground.tiles", bbox=place, **{"bbox-crs": storage})
+        self.assertEqual(found["numberReturned"], 1)
+        self.assertLess(found["features"][0]["geometry"]["coordinates"][0][0][0], 180)  # in degrees, as nobody has asked otherwise
+        self.assertEqual(service.collection_item("ground.tiles", "3")["id"], 3)
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+
     def test_owslib_drives_a_job_from_its_submission_to_its_results(self):
         daemon = self.start()
         head = {"Authorization": f"Bearer {daemon.token}"}

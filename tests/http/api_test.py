@@ -92,6 +92,22 @@ class Api(serving.ServerTest):
                 named = [p["name"] for p in operation["parameters"] if p["in"] == "path"]
                 self.assertEqual(named, [part[1:-1] for part in path.split("/") if part.startswith("{")])
 
+    def test_features_are_told_in_the_system_that_is_asked_for(self):
+        crs84, lambert = "http://www.opengis.net/def/crs/OGC/1.3/CRS84", "http://www.opengis.net/def/crs/EPSG/0/2154"
+        self.assertIn("http://www.opengis.net/spec/ogcapi-features-2/1.0/conf/crs", self.ask("GET", "/v1/conformance").json()["conformsTo"])
+        collection = self.ask("GET", "/v1/collections/block.tiles").json()
+        self.assertEqual((collection["crs"], collection["storageCrs"]), ([crs84, lambert], lambert))
+        paths, items = self.api()["paths"], "/v1/collections/{collection}/items"
+        self.assertLessEqual({"bbox", "bbox-crs", "crs"}, {p["name"] for p in paths[items]["get"]["parameters"]})
+        self.assertIn("crs", {p["name"] for p in paths[items + "/{item}"]["get"]["parameters"]})
+        for path in ("/v1/collections/block.tiles/items", "/v1/collections/block.tiles/items/7"):
+            self.assertEqual(self.ask("GET", path).headers["Content-Crs"], f"<{crs84}>")
+            answer = self.ask("GET", f"{path}?crs={urllib.parse.quote(lambert, '')}")
+            self.assertEqual(answer.headers["Content-Crs"], f"<{lambert}>")
+            links = {link["rel"]: urllib.parse.parse_qs(urllib.parse.urlsplit(link["href"]).query) for link in answer.json()["links"]}
+            for rel in {"self", "next"} & set(links):  # goes on in it
+                self.assertEqual(links[rel]["crs"], [lambert])
+
     def test_a_bare_submission_gives_a_job_that_is_found_by_its_links(self):
         path = "/v1/processes/triangulate/execution"
         answer = self.ask("POST", path, {"inputs": {"inputs": ["a.las"]}})

@@ -80,7 +80,8 @@ Reply<FeatureCollection> FakeBackend::collection(std::string_view id) {
                            .kind = "tiles",
                            .title = "block: tiles",
                            .description = "",
-                           .extent = {2, 48, 3, 49}};
+                           .extent = {2, 48, 3, 49},
+                           .storage_crs = "http://www.opengis.net/def/crs/EPSG/0/2154"};
 }
 
 Reply<std::array<double, 4>> FakeBackend::map_extent(std::string_view name) {

@@ -53,6 +53,36 @@ TEST_F(Tiles, AreToldWhileAJobRunsAndAfterwards) {
   EXPECT_FALSE(service->tiles(id, false).value().has_layout());
 }
 
+TEST_F(Tiles, ExchangeMailWhileAJobSplaysAndNoneAtItsEnd) {
+  make_cloud("a.npy", 400'000);
+  open();
+  const auto id = submit(in_tiles("a.npy", "block", 300));
+  proto::JobTiles seen;
+  wait(id, [&](const auto& now) {
+    const auto told = service->tiles(id, false);
+    if (told && told.value().has_mail()) seen = told.value();
+    return seen.has_mail() || now.progress() == 100;
+  });
+  ASSERT_EQ(ended(id).status(), "successful");
+  const auto stored = service->tiles(id, true).value();
+  EXPECT_FALSE(stored.has_mail());
+  const proto::TileMail& mail = seen.mail();
+  ASSERT_GT(mail.points_size(), 0) << "300 tiles that exchange points are asked how far they are at every event";
+  ASSERT_LE(mail.points_size(), 128);
+  ASSERT_EQ(mail.from_size(), mail.points_size());
+  ASSERT_EQ(mail.to_size(), mail.points_size());
+  for (int arc = 0; arc < mail.points_size(); ++arc) {
+    EXPECT_NE(mail.from(arc), mail.to(arc));
+    EXPECT_GT(mail.points(arc), 0U);
+    if (arc > 0) EXPECT_LE(mail.points(arc), mail.points(arc - 1));
+    for (const int part : {mail.from(arc), mail.to(arc)}) {
+      EXPECT_LT(part, stored.layout().axis_size());
+      EXPECT_GE(part, -300);
+    }
+  }
+  EXPECT_LT(mail.ByteSizeLong(), 4096U);
+}
+
 TEST_F(Tiles, OfOneTileAndOfARandomPartitionHaveNoPlanes) {
   make_cloud("a.xyz", 2000);
   open();

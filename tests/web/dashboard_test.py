@@ -129,6 +129,21 @@ class Dashboard(looking.LookingTest):
         b.until_text("No jobs yet")
         self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}")[0], 410)
 
+    def test_mail_between_tiles_is_seen_while_a_job_runs_and_not_at_its_end(self):
+        self.make_cloud(2_000_000)
+        self.serve()
+        self.enter()
+        b = self.browser
+        self.submit(inputs="cloud.npy", output="cloud", tiles="60", threads="1")
+        b.until("return document.querySelectorAll('.arcs .arc').length > 10")
+        said = b.until("return /Mail has lately gone \\d+ ways between tiles; most from tile \\d+ to tile \\d+: [\\d,]+ points\\./"
+                       ".exec(document.querySelector('.map canvas').getAttribute('aria-label'))?.[0]")
+        self.assertTrue(said)
+        b.picture("job-mail-real")
+        b.until_text("Done", ".status-line")
+        b.until("return [...document.querySelectorAll('.legend li')].at(-1).innerText.endsWith('60')")
+        b.until("return document.querySelectorAll('.arcs *').length === 0 && document.querySelector('.mail').innerText === ''")
+
     def test_a_daemon_that_goes_away_is_missed_and_found_again(self):
         self.forgive = ("ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_CONNECTION_RESET", "ERR_EMPTY_RESPONSE")
         daemon_ = self.serve()

@@ -55,6 +55,7 @@ class PlayedService:
                       for n in range(nodes)]
         self.layout = split_tree(tiles) if tiles else None
         self.stages = "w" * tiles
+        self.mail = None  # between tiles, as the service tells it
         self.streams = []  # of (Last-Event-ID, queue), one a connection
         self.changed = threading.Condition()
         self.released = threading.Event()  # lists of jobs are sent once it is set; they are made before
@@ -171,5 +172,7 @@ class PlayedService:
             return "2026-01-01T00:00:00.000Z accepted\n"
         if found[2] == "/tiles":
             told = {"jobID": one["jobID"], "stages": self.stages, "begunAgain": 3, "elapsed": 10, "busyThreads": [1, 2, 2], "busy": 9}
+            if self.mail:
+                told["mail"] = self.mail
             return told | ({"layout": self.layout} if query.get("layout") == "true" else {})
         return None

@@ -139,6 +139,8 @@ class Scale(unittest.TestCase):
                 return [...document.querySelectorAll('.legend .number')].map(e => e.innerText.replaceAll(',', '')).join() === wanted""",
                     ",".join(str(self.service.stages.count(letter)) for letter in order))
             self.assertLess(self.elements(), ELEMENTS_MAX)
+        # Mail between parts of the map: the layout cuts it into 128 after 7 cuts.
+        self.rows_have_arcs(now)
         # Every tile in the colour of its stage, though only those were drawn that changed: as pointing at it tells.
         wrong = b.script("""
             const canvas = document.querySelector('.map canvas'), pen = canvas.getContext('2d'), hint = document.querySelector('.hint');
@@ -163,6 +165,96 @@ class Scale(unittest.TestCase):
         self.stands_still()
         b.look(self, "job-many-tiles")
         self.assertEqual(sum("layout=true" in path for path in self.service.asked), 1)
+
+    def rows_have_arcs(self, now):
+        b = self.browser
+        layout = self.service.layout
+        parts = [0]
+        for _ in range(7):
+            parts = [child for row in parts for child in (layout["below"][row], layout["above"][row])]
+        self.service.mail = {"from": parts, "to": parts[1:] + parts[:1], "points": list(range(256, 128, -1))}
+        self.service.tell(50, "progress", jobID="000000000001", status=now | {"progress": 50})
+        b.until("return document.querySelectorAll('.arcs .arc').length === 128")
+        tiles = sum(1 for _ in self.tiles_below(parts[0])), sum(1 for _ in self.tiles_below(parts[1]))
+        self.assertEqual(b.text(".mail"), f"Mail has lately gone 128 ways between tiles; most from a part of {tiles[0]} tiles to a part of {tiles[1]} tiles: 256 points.")
+        self.assertLess(self.elements(), ELEMENTS_MAX)
+        b.picture("job-many-tiles-mail")
+        self.service.mail = None
+        self.service.tell(51, "progress", jobID="000000000001", status=now | {"progress": 51})
+        b.until("return document.querySelectorAll('.arcs *').length === 0")
+
+    def tiles_below(self, part):
+        if part < 0:
+            yield -1 - part
+        else:
+            yield from self.tiles_below(self.service.layout["below"][part])
+            yield from self.tiles_below(self.service.layout["above"][part])
+
+    def test_mail_between_tiles(self):
+        b = self.browser
+        now = played_service.job(1, "running", phase="splaying", progress=60)
+        self.play("#/jobs/000000000001", jobs=1, tiles=60, job=now)
+        b.until("return document.querySelector('.map canvas')?.getAttribute('aria-label').includes('60 waiting')")
+        self.assertEqual(self.arcs(), {})
+        self.told = 1
+
+        def tell(mail, stages="s" * 60, **status):
+            self.service.mail, self.service.stages = mail, stages
+            self.told += 1
+            self.service.tell(self.told, "progress", jobID="000000000001", status=now | {"progress": 60 + self.told} | status)
+            b.until("return document.querySelectorAll('.arcs .arc').length === arguments[0]", len(mail["points"]) if mail else 0)
+
+        # An arc each way, wider where there is more, from the middle of one tile to that of the other.
+        tell({"from": [-1, -2, -18], "to": [-2, -1, -60], "points": [4000, 1000, 10]})
+        arcs = self.arcs()
+        self.assertGreater(arcs[0]["width"], arcs[1]["width"])
+        self.assertGreater(arcs[1]["width"], arcs[2]["width"])
+        self.assertEqual([arc["ends"] for arc in arcs.values()], [["0", "1"], ["1", "0"], ["17", "59"]])
+        said = "Mail has lately gone 3 ways between tiles; most from tile 0 to tile 1: 4,000 points."
+        self.assertEqual(b.text(".mail"), said)
+        self.assertEqual(b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"), f"Map of the tiles: 60 splayed. {said}")
+        for motion, name in (("no-preference", "mail"), ("reduce", "none")):
+            b.theme("light", motion)
+            self.assertEqual(b.script("return getComputedStyle(document.querySelector('.arcs .arc')).animationName"), name)
+        # All neighbours at once, then half of them.
+        ways = [(a, c) for a in range(60) for c in (a + 1, a - 1, a ^ 2) if 0 <= c < 60][:128]
+        tell({"from": [-1 - a for a, _ in ways], "to": [-1 - c for _, c in ways], "points": [9000 // (1 + i) + 1 for i in range(len(ways))]},
+             "t" * 20 + "s" * 30 + "w" * 10)
+        self.assertLess(self.elements(), ELEMENTS_MAX)
+        self.stands_still()
+        b.look(self, "job-mail")
+        for theme in ("light", "dark"):
+            for width in (400, 1280):
+                b.theme(theme)
+                b.size(width)
+                b.script("document.querySelector('.map').scrollIntoView({behavior: 'instant'}); scrollBy(0, -80)")
+                b.script("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+                b.picture(f"map-mail-{theme}-{width}")
+        b.size(1280)
+        b.theme("light")
+        tell({"from": [-1], "to": [-2], "points": [7]}, "q" * 60)
+        self.assertEqual(b.text(".mail"), "Mail has lately gone one way between tiles; most from tile 0 to tile 1: 7 points.")
+        # What happens at the end, and when it is stopped: no arc is left of it.
+        tell(None, "q" * 60, phase="collecting")
+        self.assertEqual(b.text(".mail"), "")
+        tell({"from": [-1], "to": [-2], "points": [7]}, "q" * 60)
+        self.service.tell(99, "status", jobID="000000000001", status=now | {"status": "dismissed"})
+        b.until("return document.querySelectorAll('.arcs *').length === 0")
+        self.assertNotIn("Mail", b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"))
+
+    def arcs(self):
+        """Of each its width, and the numbers of the tiles at whose middle it ends: as pointing there tells."""
+        told = self.browser.script("""
+            const canvas = document.querySelector('.map canvas'), box = canvas.getBoundingClientRect(), hint = document.querySelector('.hint');
+            const tileAt = (x, y) => {
+              canvas.dispatchEvent(new PointerEvent('pointermove', {clientX: box.left + x * box.width / 1000, clientY: box.top + y * box.width / 1000}));
+              return /^Tile (\\d+):/.exec(hint.textContent)?.[1];
+            };
+            return [...document.querySelectorAll('.arcs .arc')].map(arc => {
+              const [x, y, , , x1, y1] = arc.getAttribute('d').match(/[\\d.-]+/g).map(Number);
+              return {width: parseFloat(getComputedStyle(arc).strokeWidth), ends: [tileAt(x, y), tileAt(x1, y1)]};
+            })""")
+        return dict(enumerate(told))
 
     def test_results_and_nodes_of_a_large_installation(self):
         b = self.browser

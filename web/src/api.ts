@@ -26,8 +26,11 @@ export interface JobList { jobs: Job[]; links: Link[]; numberMatched: number }
 export interface Layout {
   dimension: number; bounds: number[]; axis: number[]; place: number[]; below: number[]; above: number[];
 }
+// Points told, from parts of the map to others, the heaviest first; a part is a row of the layout, or -1-tile.
+export interface Mail { from: number[]; to: number[]; points: number[] }
 export interface Tiles {
   jobID: string; stages?: string; begunAgain: number; elapsed: number; busyThreads: number[]; busy: number; layout?: Layout;
+  mail?: Mail;
 }
 
 export interface Estimate {

@@ -51,7 +51,10 @@ export class JobGraphs {
     const charts = comes || job.status === "running" || this.times.length > 0;
     show(this.charts, charts);
     this.element.classList.toggle("alone", !charts);
-    if (!has) return;
+    if (!has) {
+      this.map.rest();
+      return;
+    }
     if (f && (this.times.length === 0 || f.elapsed > this.times[this.times.length - 1])) {
       this.times.push(f.elapsed);
       this.memories.push(f.memoryBytes);

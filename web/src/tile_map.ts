@@ -2,6 +2,7 @@
 import {Tiles} from "./api";
 import {h, say, show} from "./dom";
 import {count} from "./format";
+import {MailArcs} from "./mail_arcs";
 import {Plan, planOf} from "./tile_layout";
 
 const stages: [string, string, string][] = [  // letter, property of the style sheet, word
@@ -13,7 +14,9 @@ const pointing = "Point at a tile to see which it is.";
 export class TileMap {
   readonly element: HTMLElement;
   private readonly canvas = h("canvas", {role: "img", "aria-label": "Map of the tiles"});
-  private readonly frame = h("div", {class: "frame"}, this.canvas);
+  private readonly arcs = new MailArcs();
+  private readonly sheet = h("div", {class: "sheet"}, this.canvas, this.arcs.picture);
+  private readonly frame = h("div", {class: "frame"}, this.sheet);
   private readonly hint = h("p", {class: "sub hint"}, "The tiles are shown when the points are routed into them.");
   private readonly counts = new Map<string, HTMLElement>();
   private plan: Plan | null = null;
@@ -30,8 +33,8 @@ export class TileMap {
       this.counts.set(letter, number);
       return h("li", {}, h("span", {class: `swatch tile-${letter}`, "aria-hidden": "true"}), `${word} `, number);
     }));
-    this.element = h("div", {class: "map"}, legend, this.frame, this.hint);
-    show(this.canvas, false);
+    this.element = h("div", {class: "map"}, legend, this.frame, this.arcs.words, this.hint);
+    show(this.sheet, false);
     this.canvas.addEventListener("pointermove", event => this.point(event));
     this.canvas.addEventListener("pointerleave", () => this.plan && say(this.hint, pointing));
     this.resized.observe(this.frame);
@@ -57,11 +60,18 @@ export class TileMap {
       if (!tiles.layout) return;
       this.plan = planOf(tiles.layout, told.length);
       say(this.hint, pointing);
-      show(this.canvas, true);
+      show(this.sheet, true);
       this.redraw();
     } else {
       this.draw();
     }
+    this.arcs.draw(tiles.mail, this.plan);
+    this.tell();
+  }
+
+  // Nothing goes on any more.
+  rest(): void {
+    this.arcs.clear();
     this.tell();
   }
 
@@ -74,7 +84,7 @@ export class TileMap {
       say(this.counts.get(letter)!, count(number));
       if (number) words.push(`${count(number)} ${word}`);
     }
-    this.canvas.setAttribute("aria-label", `Map of the tiles: ${words.join(", ") || "none yet"}`);
+    this.canvas.setAttribute("aria-label", `Map of the tiles: ${words.join(", ") || "none yet"}${this.arcs.said && `. ${this.arcs.said}`}`);
   }
 
   private redraw(): void {
