@@ -66,7 +66,7 @@ Answer collection(const Call& call) {
 Answer with_links(const Call& call, QuestionAnswer found, ordered_json links) {
   Answer answer;
   answer.headers = {{"Content-Type", geojson},
-                    {"Content-Crs", "<" + call.request.target.parameter("crs").value_or(crs84_uri) + ">"},
+                    {"Content-Crs", "<" + std::string(call.request.target.parameter("crs").value_or(crs84_uri)) + ">"},
                     {"Tessera-Final", found.final ? "true" : "false"},
                     // Lines may be drawn anew.
                     {"Cache-Control", "private, no-cache"}};

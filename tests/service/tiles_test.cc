@@ -74,7 +74,9 @@ TEST_F(Tiles, ExchangeMailWhileAJobSplaysAndNoneAtItsEnd) {
   for (int arc = 0; arc < mail.points_size(); ++arc) {
     EXPECT_NE(mail.from(arc), mail.to(arc));
     EXPECT_GT(mail.points(arc), 0U);
-    if (arc > 0) EXPECT_LE(mail.points(arc), mail.points(arc - 1));
+    if (arc > 0) {
+      EXPECT_LE(mail.points(arc), mail.points(arc - 1));
+    }
     for (const int part : {mail.from(arc), mail.to(arc)}) {
       EXPECT_LT(part, stored.layout().axis_size());
       EXPECT_GE(part, -300);
