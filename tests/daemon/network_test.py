@@ -319,10 +319,14 @@ class FullDisks(ClusterTest):
         self.mount(self.folder / "shared", "1g")
         self.data = self.folder / "shared" / "data"
         self.first = self.coordinator()
-        self.node("b")
+        both = (self.first, self.node("b"))
         self.wait_for_members(2)
         job = self.running("full", "triangulating", "splaying")
+        for node in both:  # or the job may be over before the disk is full
+            node.process.send_signal(signal.SIGSTOP)
         filler = self.fill(self.folder / "shared")
+        for node in both:
+            node.process.send_signal(signal.SIGCONT)
         end = self.ended(job)
         self.assertEqual(end["status"], "failed", end)
         self.assertIn("No space left on device", json.dumps(end))
