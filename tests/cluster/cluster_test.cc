@@ -1,164 +1,22 @@
-// Engines of several processes as one cluster, over TLS on the loopback: the same files, whoever works on them.
-#include <arpa/inet.h>
+// Jobs of several engines as one cluster: the same files, whoever works on them.
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <condition_variable>
-#include <filesystem>
 #include <fstream>
-#include <map>
-#include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
-#include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
 #include "src/certs/certificates.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/generate/generate.h"
-#include "src/io/npy/array_source.h"
-#include "src/reference/clouds.h"
+#include "tests/cluster/cluster_testing.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t memory = std::uint64_t{256} << 20;
-
-std::uint16_t free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t length = sizeof address;
-  EXPECT_EQ(::bind(socket, reinterpret_cast<const sockaddr*>(&address), length), 0);
-  EXPECT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length), 0);
-  ::close(socket);
-  return ntohs(address.sin_port);
-}
-
-class Cluster : public ::testing::Test {
- protected:
-  Cluster() {
-    EXPECT_TRUE(make_authority(certs_));
-    EXPECT_TRUE(make_node(certs_, "all"));
-  }
-
-  ClusterOptions options(const std::string& name) {
-    ClusterOptions options;
-    options.node_name = name;
-    options.listen = {"127.0.0.1", free_port()};
-    options.coordinator = false;
-    options.join = {first_};
-    options.authority = authority_file(certs_);
-    options.certificate = node_certificate_file(certs_, "all");
-    options.key = node_key_file(certs_, "all");
-    options.scratch = folder_.path() / ("scratch-" + name);
-    std::filesystem::create_directories(options.scratch);
-    options.log = [this](const std::string& line) {
-      const std::lock_guard lock(mutex_);
-      said_.insert(line);
-      heard_.notify_all();
-    };
-    return options;
-  }
-
-  std::unique_ptr<Engine> coordinator(bool also_node = true) {
-    auto first = options("first");
-    first.coordinator = true;
-    first.node = also_node;
-    first_ = first.listen;
-    first.join.clear();
-    return start(std::move(first));
-  }
-
-  static std::unique_ptr<Engine> start(ClusterOptions options) {
-    auto engine = Engine::join(1, memory, std::make_unique<Seat>(std::move(options)));
-    EXPECT_TRUE(engine) << engine.error().where;
-    return std::move(engine).value();
-  }
-
-  // Until somebody has logged a line with all of this in it.
-  void wait_for(const std::string& a, const std::string& b) {
-    std::unique_lock lock(mutex_);
-    heard_.wait(lock, [&] {
-      for (const std::string& line : said_) {
-        if (line.find(a) != std::string::npos && line.find(b) != std::string::npos) return true;
-      }
-      return false;
-    });
-  }
-
-  RoutedRun routed(const std::string& name, std::size_t points = 20'000) {
-    const auto coordinates = coordinates_of(make_cloud("uniform", 3, points, 1), 3);
-    const auto out = folder_.path() / name;
-    std::filesystem::create_directory(out);
-    Progress progress;
-    const Cloud cloud = Cloud::open_source(array_source("cloud", coordinates, 3), {.dimension = 3}).value();
-    return route(cloud, run_folder(out), {.tiles = 12}, progress, {}).value();
-  }
-
-  // A file that all see, of more points than one stretch has.
-  std::string file() {
-    const auto path = folder_.path() / "cloud.npy";
-    EXPECT_TRUE(generate({.points = 600'000}, path));
-    return path.string();
-  }
-  Result<RoutedRun> routed_by(const Engine& engine, const std::string& file, const std::string& name,
-                              Progress& progress, const std::stop_token& stop = {}) {
-    const auto out = folder_.path() / name;
-    std::filesystem::create_directory(out);
-    BOOST_OUTCOME_TRY(cloud, Cloud::open({file}, {.dimension = 3}));
-    const auto router = engine.router(memory);
-    return route(cloud, run_folder(out), {.tiles = 12}, progress, stop, router.get());
-  }
-
-  // But for who has routed what.
-  static void expect_same(const RoutedRun& a, const RoutedRun& b) {
-    EXPECT_EQ(a.tile_bounds, b.tile_bounds);
-    EXPECT_EQ(a.seeds, b.seeds);
-    EXPECT_EQ(a.counts.read, b.counts.read);
-    for (std::uint32_t t = 0; t < a.partition.tiles(); ++t) {
-      const auto in_a = load_tile(a, TileId{t}), in_b = load_tile(b, TileId{t});
-      ASSERT_TRUE(in_a && in_b) << (in_a ? in_b : in_a).error().where;
-      EXPECT_EQ(in_a.value().points, in_b.value().points);
-      EXPECT_EQ(in_a.value().ids, in_b.value().ids);
-    }
-  }
-
-  static std::vector<std::uint64_t> run(Engine& engine, const RoutedRun& run) {
-    Progress progress;
-    const auto summary =
-        engine.run(run, run.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, progress, {});
-    EXPECT_TRUE(summary) << summary.error().where;
-    std::vector<std::uint64_t> sums;
-    if (!summary) return sums;
-    for (const TileEntry& tile : summary.value().tiles) sums.push_back(tile.xxh3);
-    return sums;
-  }
-
-  std::vector<std::uint64_t> alone() {
-    Engine engine(2, memory);
-    return run(engine, routed("alone"));
-  }
-
-  TemporaryFolder folder_ = TemporaryFolder::make().value();
-  const std::filesystem::path certs_ = folder_.path() / "certs";
-  HostPort first_;
-  std::mutex mutex_;
-  std::condition_variable heard_;
-  std::set<std::string> said_;
-};
-
-TEST_F(Cluster, RunsAJobOnAllNodes) {
+TEST_F(ClusterTest, RunsAJobOnAllNodes) {
   const auto expected = alone();
   for (const bool also_node : {true, false}) {
     const auto first = coordinator(also_node);
@@ -173,91 +31,7 @@ TEST_F(Cluster, RunsAJobOnAllNodes) {
   }
 }
 
-// Those that come while a job runs take part; one that goes is lost, and the others do its work.
-TEST_F(Cluster, GoesOnWhileNodesComeAndGo) {
-  const auto expected = alone();
-  const auto first = coordinator();
-  const RoutedRun cloud = routed("changing");
-  std::vector<std::uint64_t> got;
-  std::jthread job([&] { got = run(*first, cloud); });
-  for (int i = 0; i < 3; ++i) {
-    const std::string name = "guest-" + std::to_string(i);
-    auto guest = start(options(name));
-    wait_for("node " + name, "has joined");
-    guest.reset();
-    wait_for("node " + name, "is lost");
-  }
-  job.join();
-  EXPECT_EQ(got, expected);
-}
-
-// One node after the other leaves, and another process takes its place: what it had begun the others go on with.
-TEST_F(Cluster, NothingBeginsAgainWhenNodesAreDrainedOrDepart) {
-  const RoutedRun cloud = routed("rolling", 150'000);
-  Engine alone(2, memory);
-  const auto expected = run(alone, routed("still", 150'000));
-  const auto first = coordinator();
-  std::map<std::string, std::unique_ptr<Engine>> nodes;
-  for (const std::string name : {"second", "third"}) {
-    nodes[name] = start(options(name));
-    wait_for("node " + name, "has joined");
-  }
-  Progress progress;
-  std::uint64_t handed = 0;
-  progress.log = [&](const std::string& line) {
-    const std::string words = "others go on with ";
-    if (const auto at = line.find(words); at != std::string::npos) handed += std::stoul(line.substr(at + words.size()));
-  };
-  std::optional<Result<RunSummary>> summary;
-  std::jthread job([&] {
-    summary = first->run(cloud, cloud.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, progress, {});
-  });
-  while (progress.tiles_triangulated == 0) std::this_thread::yield();
-  for (const std::string name : {"second", "third"}) {
-    if (name == "second") {
-      EXPECT_TRUE(first->drain(name).value());
-    } else {
-      nodes[name]->depart();
-    }
-    wait_for("node " + name, "is drained");
-    nodes[name] = start(options(name + "-anew"));
-    wait_for("node " + name + "-anew", "has joined");
-  }
-  job.join();
-  ASSERT_TRUE(*summary) << summary->error().where;
-  const RunSummary& done = summary->value();
-  for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(done.tiles.at(i).xxh3, expected[i]);
-  EXPECT_EQ(done.exchange.tiles_again + done.exchange.nodes_lost, 0U);
-  EXPECT_GT(handed, 0U);
-}
-
-// The only one may, if it wants to itself; and whoever finds no coordinator, if it has nothing.
-TEST_F(Cluster, LetsANodeDepart) {
-  auto expelled = [this](const std::string& name) {
-    auto with = options(name);
-    with.expelled = [log = with.log, name](const std::string& why, bool again) {
-      log(name + (again ? " begins anew: it " : " ends: it ") + why);
-    };
-    return with;
-  };
-  const auto first = coordinator(false);
-  const auto only = start(expelled("only"));
-  wait_for("node only", "has joined");
-  EXPECT_FALSE(first->drain("only"));
-  EXPECT_FALSE(only->place().leaves);
-  only->depart();
-  wait_for("only ends", "is drained");
-  EXPECT_TRUE(only->place().leaves);
-  EXPECT_TRUE(first->nodes().empty());
-  EXPECT_EQ(first->nodes_lost(), 0U);
-  first_ = {"127.0.0.1", free_port()};
-  const auto lonely = start(expelled("lonely"));
-  wait_for("nobody of the cluster is reached", "127.0.0.1");
-  lonely->depart();
-  wait_for("lonely ends", "had nothing that others would go on with");
-}
-
-TEST_F(Cluster, RoutesAnInputOnAllNodes) {
+TEST_F(ClusterTest, RoutesAnInputOnAllNodes) {
   const auto input = file();
   Progress progress, other;
   const Engine alone(2, memory);
@@ -278,7 +52,7 @@ TEST_F(Cluster, RoutesAnInputOnAllNodes) {
   }
 }
 
-TEST_F(Cluster, RoutesWhileNodesComeAndGo) {
+TEST_F(ClusterTest, RoutesWhileNodesComeAndGo) {
   const auto input = file();
   Progress progress;
   const Engine alone(2, memory);
@@ -300,7 +74,7 @@ TEST_F(Cluster, RoutesWhileNodesComeAndGo) {
   }
 }
 
-TEST_F(Cluster, StopsRoutingAndTellsWhatIsWrongWithTheInput) {
+TEST_F(ClusterTest, StopsRoutingAndTellsWhatIsWrongWithTheInput) {
   const auto first = coordinator();
   const auto second = start(options("second"));
   wait_for("node second", "has joined");
@@ -322,7 +96,7 @@ TEST_F(Cluster, StopsRoutingAndTellsWhatIsWrongWithTheInput) {
   EXPECT_NE(refused.error().where.find("row 599999"), std::string::npos) << refused.error().where;
 }
 
-TEST_F(Cluster, WaitsForANodeAndIsInterruptedMeanwhile) {
+TEST_F(ClusterTest, WaitsForANodeAndIsInterruptedMeanwhile) {
   const auto first = coordinator(false);
   const RoutedRun cloud = routed("waiting");
   std::stop_source stop;
@@ -334,7 +108,7 @@ TEST_F(Cluster, WaitsForANodeAndIsInterruptedMeanwhile) {
   EXPECT_EQ(summary.error().code, Errc::interrupted);
 }
 
-TEST_F(Cluster, RefusesOthersWithASentence) {
+TEST_F(ClusterTest, RefusesOthersWithASentence) {
   const auto first = coordinator();
   auto other = options("other-cluster");
   other.name = "another";
@@ -347,7 +121,7 @@ TEST_F(Cluster, RefusesOthersWithASentence) {
   EXPECT_EQ(first->nodes().size(), 1U);
 }
 
-TEST_F(Cluster, IsFoundByNameAtWhicheverAddressItHas) {
+TEST_F(ClusterTest, IsFoundByNameAtWhicheverAddressItHas) {
   const auto first = coordinator();
   auto by_name = options("second");
   by_name.join = {{"localhost", first_.port}};
@@ -360,7 +134,7 @@ TEST_F(Cluster, IsFoundByNameAtWhicheverAddressItHas) {
 }
 
 // Whoever has a certificate of another authority is not spoken to.
-TEST_F(Cluster, DoesNotSpeakToStrangers) {
+TEST_F(ClusterTest, DoesNotSpeakToStrangers) {
   const auto first = coordinator();
   const auto foreign = folder_.path() / "foreign";
   ASSERT_TRUE(make_authority(foreign));

@@ -16,14 +16,12 @@ import unittest
 TESSERAD, TESSERA = os.environ["TESSERAD"], os.environ["TESSERA"]
 POINTS = os.environ.get("POINTS", "300k")
 SEED = int(os.environ.get("SEED", "1"))
-LEASE_S = 6
-CLUSTER_PORT, HTTP_PORT = 7601, 7070
+LEASE_S, CLUSTER_PORT, HTTP_PORT = 6, 7601, 7070
 ENVIRONMENT = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
 
 
 def run(*command, check=True, **more):
-    done = subprocess.run(list(map(str, command)), text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          env=ENVIRONMENT, **more)
+    done = subprocess.run(list(map(str, command)), text=True, capture_output=True, env=ENVIRONMENT, **more)
     if check and done.returncode != 0:
         raise AssertionError(f"{' '.join(map(str, command))}: {done.returncode}\n{done.stdout}{done.stderr}")
     return done
@@ -318,15 +316,13 @@ class FullDisks(ClusterTest):
     def test_the_shared_folder(self):
         self.mount(self.folder / "shared", "1g")
         self.data = self.folder / "shared" / "data"
-        self.first = self.coordinator()
-        both = (self.first, self.node("b"))
+        self.first, second = self.coordinator(), self.node("b")
         self.wait_for_members(2)
         job = self.running("full", "triangulating", "splaying")
-        for node in both:  # or the job may be over before the disk is full
-            node.process.send_signal(signal.SIGSTOP)
+        pids = self.first.process.pid, second.process.pid
+        run("kill", "-STOP", *pids)  # or the job may be over before the disk is full
         filler = self.fill(self.folder / "shared")
-        for node in both:
-            node.process.send_signal(signal.SIGCONT)
+        run("kill", "-CONT", *pids)
         end = self.ended(job)
         self.assertEqual(end["status"], "failed", end)
         self.assertIn("No space left on device", json.dumps(end))
