@@ -92,7 +92,8 @@ class Health(DaemonTest):
         self.wait_until(lambda: self.ask("b", "/readyz")[0] == 503, lambda: "still ready")
         self.assertEqual(self.ask("b", "/livez"), (200, "live\n"))
         self.coordinator = self.start_coordinator()
-        self.wait_until(lambda: self.ask("b", "/readyz")[0] == 200, lambda: "not ready again")
+        self.wait_until(lambda: all(self.ask(name, "/readyz")[0] == 200 for name in "bc"), lambda: "not ready again")
+        self.wait_until(lambda: self.coordinator.messages().count("has joined") == 3, lambda: "not joined again")
 
         # Begun anew in the same process, at the same address.
         nodes["c"].process.send_signal(signal.SIGSTOP)
