@@ -166,9 +166,6 @@ void Coordinator::opened(const PartOpened& message) {
 
 BeginPart Coordinator::beginning() const { return {part_handles(), table_, state_ == State::collecting}; }
 
-// REQUIRES: the part is open, and has not been told.
-void Coordinator::begin(NodeId node) { send(parts_.at(node.value).part, beginning()); }
-
 void Coordinator::take(const TileDone& done) {
   if (stored_.at(done.entry.tile.value)) return;  // by a node that was lost, too
   stored_[done.entry.tile.value] = true;

@@ -104,8 +104,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void take_over();
   void open_anew(std::vector<NodeHandle> nodes);
   void go_on();
-  void begin(NodeId node);
-  BeginPart beginning() const;
+  BeginPart beginning() const;  // for parts that are open, and have not been told
   void take(const TileDone& done);
   // `spec` as spec_bytes() has it: of many nodes it is made once.
   void prepare(NodeId node, const std::string& spec);

@@ -110,8 +110,9 @@ void Coordinator::go_on() {
   const std::vector<Host> there = hosts();
   if (there.empty()) released_ = tiles;  // all that are there are to leave
   change_table(there.empty() ? std::vector<Placement>() : again(tiles, there));
+  const caf::message message = for_parts(beginning());
   for (std::size_t n = 0; n < parts_.size(); ++n) {
-    if (!parts_[n].begun && parts_[n].part) begin(NodeId{static_cast<std::uint32_t>(n)});
+    if (!parts_[n].begun && parts_[n].part) tell(parts_[n], message);
   }
   if (settled.value()) tell_parts(Collect{});
 }
@@ -137,7 +138,7 @@ bool Coordinator::knows(const NodeHandle& node) const {
 
 // A part that has come later. It has no tiles yet, and so nothing to settle.
 void Coordinator::welcome(NodeId node) {
-  begin(node);
+  send(parts_.at(node.value).part, beginning());
   detector_.restart(nodes());
   parts_.at(node.value).settled = state_ == State::settling;
   waiting_.push_back(node);

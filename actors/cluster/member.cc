@@ -51,7 +51,6 @@ Member::behavior_type Member::make_behavior() {
       [this](const Renewed&) { answered_ = Clock::now(); },
       [this](const Expelled& expelled) { expel(expelled); },
       [this](const AskToLeave&) { leave(); },
-      [this](const Depart&) { leave(); },
       [this](const Leave&) { quit(); },
       [this](const AskPlace&) { return place(); },
       [this](caf::tick_atom) { renew(); },

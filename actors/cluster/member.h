@@ -9,7 +9,7 @@
 // any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
 // any      | another node is gone | Unreachable                                                            |
 // any      | AskPlace       | answers with its state
-// any      | Depart, AskToLeave | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
+// any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
 //          |                | when there is none, and nothing that others would go on with, the process ends
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once

@@ -56,7 +56,8 @@ struct Expelled {
 struct Unreachable {
   std::string from, to;
 };
-// coordinator -> node: it is to leave in order. Answered by Leaving, each time.
+// coordinator, or whoever ends the node's own process -> node: it is to leave in order. The coordinator is told by
+// Leaving, each time.
 struct AskToLeave {};
 // node -> coordinator: it is to leave, by its own wish or whoever asked it to, of this coordinator or the one before;
 // and is at work for so many jobs, of which the coordinator may not know yet.
@@ -86,14 +87,12 @@ struct MemberList {
 
 // whoever watches over a process -> its own node
 struct AskPlace {};
-// The same: the process is to end, so leave in order.
-struct Depart {};
 
-using MemberHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
-                                      caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
-                                      caf::reacts_to<AskToLeave>, caf::reacts_to<Depart>, caf::reacts_to<Leave>,
-                                      caf::replies_to<AskPlace>::with<NodePlace>, caf::reacts_to<caf::tick_atom>,
-                                      caf::reacts_to<caf::connect_atom>>;
+using MemberHandle =
+    caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<CoordinatorIs>, caf::reacts_to<Welcome>,
+                     caf::reacts_to<Refused>, caf::reacts_to<Renewed>, caf::reacts_to<Expelled>,
+                     caf::reacts_to<AskToLeave>, caf::reacts_to<Leave>, caf::replies_to<AskPlace>::with<NodePlace>,
+                     caf::reacts_to<caf::tick_atom>, caf::reacts_to<caf::connect_atom>>;
 using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<Hello>, caf::reacts_to<ReachedAll>,
                                         caf::reacts_to<Renew>, caf::reacts_to<Unreachable>, caf::reacts_to<Leaving>,
                                         caf::reacts_to<Follow>, caf::replies_to<Drain>::with<Drained>,
@@ -113,7 +112,6 @@ TESSERA_MESSAGE(Expelled, x.why, x.again)
 TESSERA_MESSAGE(Unreachable, x.from, x.to)
 TESSERA_MESSAGE(AskToLeave)
 TESSERA_MESSAGE(Leaving, x.uuid, x.jobs)
-TESSERA_MESSAGE(Depart)
 TESSERA_MESSAGE(Follow, x.follower)
 TESSERA_MESSAGE(Drain, x.node)
 TESSERA_MESSAGE(Drained, x.found, x.refused)
@@ -130,7 +128,6 @@ CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskMembers))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskPlace))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::AskToLeave))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::CoordinatorIs))
-CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Depart))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drain))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Drained))
 CAF_ADD_TYPE_ID(tessera_cluster, (tessera::Expelled))

@@ -87,7 +87,7 @@ NodePlace Seat::place() const {
   return place;
 }
 
-void Seat::depart() const { caf::anon_send(member_, Depart{}); }
+void Seat::depart() const { caf::anon_send(member_, AskToLeave{}); }
 
 std::vector<NodeState> Seat::members() const {
   auto members = list().members;

@@ -67,8 +67,10 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
-  const bool again = storage_.take_begun() > 1 || (outcome_.ended && outcome_.ended->tiles_again > 0);
-  if (options_.faults.orderly() && !options_.memory_faults && outcome_.failure.empty() && again)
+  // Without memory for its image a tile begins again.
+  const bool begun = storage_.take_begun() > 1 && !options_.memory_faults;
+  const bool again = begun || (outcome_.ended && outcome_.ended->tiles_again > 0);
+  if (options_.faults.orderly() && outcome_.failure.empty() && again)
     outcome_.failure = "a tile began again where nodes left in order";
   const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
   if (settled && !losses.any() && storage_.take_reads() > 1) {
