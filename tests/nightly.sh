@@ -18,12 +18,14 @@ scratch=$(mktemp -d "${TMPDIR:-/tmp}/tessera-nightly-XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 figures=() failed=0
 
+figures_of() { { grep '^figures:' "$1" || grep -E '^(Ran|[0-9,]+ seeds)' "$1"; } | tail -n 1; }
+
 # NAME COMMAND...: its output is shown when it fails.
 part() {
   local name=$1 begin=$SECONDS log=$scratch/$1.log outcome=passed
   shift
   "$@" > "$log" 2>&1 || { outcome=FAILED; failed=1; tail -n 50 "$log"; }
-  figures+=("$(printf '%-32s %-7s %6d s  %s' "$name" "$outcome" $((SECONDS - begin)) "$(grep -E '^(Ran|[0-9,]+ seeds|figures:)' "$log" | tail -n 1)")")
+  figures+=("$(printf '%-32s %-7s %6d s  %s' "$name" "$outcome" $((SECONDS - begin)) "$(figures_of "$log")")")
   echo "${figures[-1]}"
 }
 daemon_test() { (cd "$source/tests/daemon" && /usr/bin/python3 -m unittest -v "$1"); }
@@ -67,8 +69,8 @@ large() {
 for name in $parts; do
   case $name in
     kills)
-      part kills-of-nodes daemon_test losses_test.Cluster.test_nodes_are_killed_while_a_job_runs
-      part kills-of-the-coordinator daemon_test losses_test.Cluster.test_the_coordinator_is_killed_while_a_job_runs
+      POINTS=$points TILES=64 MEMORY=3G A_JOB=4 part kills-of-nodes daemon_test kills_test.Kills.test_nodes
+      POINTS=$points TILES=64 MEMORY=3G A_JOB=3 part kills-of-the-coordinator daemon_test kills_test.Kills.test_the_coordinator
       ;;
     network) part network daemon_test network_test ;;
     slow) POINTS=4M MEMORY=1G TILES=64 SLOW_FIGURES=1 part slow-node daemon_test slow_node_test ;;
