@@ -36,7 +36,7 @@ constexpr Entry entries[] = {
     {"/ui/", "alternate", "text/html", "The dashboard"}};
 
 Answer landing(const Call& call) {
-  if (prefers_html(call.request)) {
+  if (prefers(call.request, "text/html")) {
     Answer answer;
     answer.headers = {{"Content-Type", "text/html; charset=utf-8"}, {"Vary", "Accept"}};
     answer.body = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Tessera</title><h1>Tessera</h1><ul>";

@@ -173,7 +173,7 @@ std::optional<Answer> Guard::exchange(const Request& request) {
   if (session.empty()) return refuse(request, true);
   Answer answer;
   answer.status = 303;
-  answer.headers = {{"Location", prefers_html(request) ? "ui/" : "./"},
+  answer.headers = {{"Location", prefers(request, "text/html") ? "ui/" : "./"},
                     {"Cache-Control", "no-store"},
                     {"Set-Cookie", cookie_name(request) + "=" + session + "; Path=/; HttpOnly; SameSite=Strict" +
                                        (request.tls ? "; Secure" : "")}};

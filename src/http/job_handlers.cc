@@ -21,7 +21,7 @@ Answer unknown_process(const std::string& name) {
 
 std::optional<Answer> wrong_type(const Request& request) {
   const std::string type = media_type(request.header("content-type"));
-  if (type == json || type == "application/x-protobuf") return std::nullopt;
+  if (type == json || type == protobuf_type) return std::nullopt;
   return problem(415, "the body must be application/json or application/x-protobuf, and Content-Type say which");
 }
 

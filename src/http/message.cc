@@ -8,8 +8,6 @@
 namespace tessera::http {
 namespace {
 
-constexpr std::string_view protobuf_type = "application/x-protobuf";
-
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
   if (begin == std::string_view::npos) return {};
@@ -118,14 +116,9 @@ std::string media_type(std::string_view content_type) {
   return type;
 }
 
-bool prefers_protobuf(const Request& request) {
+bool prefers(const Request& request, std::string_view type, std::string_view usual) {
   const std::string_view accept = request.header("accept");
-  return !accept.empty() && quality(accept, protobuf_type) > quality(accept, "application/json");
-}
-
-bool prefers_html(const Request& request) {
-  const std::string_view accept = request.header("accept");
-  return !accept.empty() && quality(accept, "text/html") > quality(accept, "application/json");
+  return !accept.empty() && quality(accept, type) > quality(accept, usual);
 }
 
 Answer problem(int status, std::string detail, int cause, std::string type) {
@@ -160,7 +153,7 @@ Answer json_answer(int status, std::string text) {
 
 Answer message_answer(const Request& request, int status, const google::protobuf::Message& message) {
   Answer answer = json_answer(status, {});
-  if (prefers_protobuf(request)) {
+  if (prefers(request, protobuf_type)) {
     answer.headers.back().second = protobuf_type;
     answer.body = message.SerializeAsString();
   } else {

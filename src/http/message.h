@@ -70,7 +70,7 @@ void write_problem(const Request& request, Answer& answer);
 
 // The media type without its parameters, in lower case.
 std::string media_type(std::string_view content_type);
-bool prefers_protobuf(const Request& request);
-bool prefers_html(const Request& request);
+// Whether the caller wants `type` rather than `usual`, which is sent unless Accept says so.
+bool prefers(const Request& request, std::string_view type, std::string_view usual = "application/json");
 
 }  // namespace tessera::http

@@ -36,9 +36,14 @@ ordered_json parameters_of(const Route& route) {
   return parameters;
 }
 
-bool is_message(const ordered_json& schemas, const std::string& name) { return schemas.contains(name); }
+// What is not JSON; of a message, its name.
+ordered_json bytes_of(const std::string& type, const std::string& schema = {}) {
+  ordered_json told{{"type", "string"}, {"format", "binary"}};
+  if (type == protobuf_type && is_message(schema)) told["description"] = "The message tessera.proto." + schema;
+  return {{"schema", std::move(told)}};
+}
 
-ordered_json operation_of(const Route& route, const ordered_json& messages) {
+ordered_json operation_of(const Route& route) {
   ordered_json operation{{"operationId", route.name},
                          {"summary", route.summary},
                          {"x-role", word_of(route.role)},
@@ -47,12 +52,12 @@ ordered_json operation_of(const Route& route, const ordered_json& messages) {
   if (!route.body.empty()) {
     ordered_json content;
     if (route.body == "bytes") {
-      content["application/octet-stream"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+      content["application/octet-stream"] = bytes_of("application/octet-stream");
     } else {
       content["application/json"] = {{"schema", reference(route.body)}};
-      const std::vector<std::string> protobuf{"application/x-protobuf"};
+      const std::vector<std::string> protobuf{protobuf_type};
       for (const std::string& type : route.body_types.empty() ? protobuf : route.body_types)
-        content[type] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+        content[type] = bytes_of(type, route.body);
     }
     operation["requestBody"] = {{"required", true}, {"content", std::move(content)}};
   }
@@ -63,8 +68,7 @@ ordered_json operation_of(const Route& route, const ordered_json& messages) {
     ordered_json& content = told["content"];
     content[response.type] = {
         {"schema", response.schema.empty() ? ordered_json{{"type", "string"}} : reference(response.schema)}};
-    if (is_message(messages, response.schema))
-      content["application/x-protobuf"] = {{"schema", {{"type", "string"}, {"format", "binary"}}}};
+    if (is_message(response.schema)) content[protobuf_type] = bytes_of(protobuf_type, response.schema);
   }
   operation["responses"]["default"] = {{"$ref", "#/components/responses/Problem"}};
   if (route.role == Role::none) operation["security"] = ordered_json::array();
@@ -89,7 +93,7 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
   for (const Route& route : routes) {
     std::string method = route.method;
     std::transform(method.begin(), method.end(), method.begin(), [](unsigned char c) { return std::tolower(c); });
-    document["paths"][documented_path(route.path)][method] = operation_of(route, schemas);
+    document["paths"][documented_path(route.path)][method] = operation_of(route);
   }
   add_documents(schemas);
   ordered_json problem{{"description", "A problem document (RFC 9457)"}};

@@ -148,7 +148,7 @@ ordered_json process_description(const Process& process, const Links& links, con
 Result<proto::Inputs> read_inputs(const Process& process, const Request& request) {
   const std::string type = media_type(request.header("content-type"));
   proto::Execute execute;
-  if (type == "application/x-protobuf") {
+  if (type == protobuf_type) {
     if (!execute.ParseFromString(request.body)) return error(Errc::usage, "the body is no Execute message");
     if (!execute.inputs().GetReflection()->HasField(execute.inputs(), &member_of(process)))
       return error(Errc::usage, std::string("inputs: must be those of ") + process.name);

@@ -20,12 +20,19 @@ constexpr const char* gltf = "model/gltf-binary";
 constexpr const char* bytes = "application/octet-stream";
 constexpr const char* tiff = "image/tiff; application=geotiff; profile=cloud-optimized";
 
-// Of the answer to a GET: of this result and question.
-std::string tag_of(const std::string& identity, const Request& request) {
-  std::string text = identity;
+// Of the answer to a GET: of this result, question and form.
+std::string tag_of(const std::string& identity, const Request& request, bool as_message) {
+  std::string text = identity + (as_message ? protobuf_type : "");
   for (const std::string& segment : request.target.segments) text += '\n' + segment;
   for (const auto& [key, value] : request.target.query) text += '\n' + key + '\n' + value;
   return "\"answer-" + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\"";
+}
+
+// Whether the answer is to be a message; `type`: of the body, as which answers go back. What `f` says counts for more.
+bool wants_message(const Request& request, About about, const std::string& type) {
+  if (!has_message(about) || request.target.parameter("f")) return false;
+  if (type == protobuf_type) return !prefers(request, json, protobuf_type);
+  return prefers(request, protobuf_type, about == About::profile ? csv : type.empty() ? json : type);
 }
 
 Answer answer_of(QuestionAnswer found) {
@@ -41,8 +48,12 @@ Answer answer_of(QuestionAnswer found) {
   return answer;
 }
 
-Question question_of(const Call& call, About about) {
-  Question question{.about = about, .triangulation = call.arguments[0], .stop = call.request.stop};
+Question question_of(const Call& call, About about, const std::string& type = {}) {
+  Question question{.about = about,
+                    .triangulation = call.arguments[0],
+                    .type = type,
+                    .as_message = wants_message(call.request, about, type),
+                    .stop = call.request.stop};
   if (call.arguments.size() > 1) question.vertex = call.arguments[1];
   for (const auto& [key, value] : call.request.target.query) question.options.emplace(key, value);
   return question;
@@ -52,16 +63,18 @@ Handler asks(About about) {
   return [about](const Call& call) {
     const Reply<std::string> identity = call.context.backend->identity(call.arguments[0]);
     if (!identity) return problem(identity.error());
-    const std::string tag = tag_of(identity.value(), call.request);
+    const Question question = question_of(call, about);
+    const std::string tag = tag_of(identity.value(), call.request, question.as_message);
     Answer answer;
     if (names_tag(call.request.header("if-none-match"), tag, true)) {
       answer.status = 304;
     } else {
-      Reply<QuestionAnswer> found = call.context.backend->ask(question_of(call, about));
+      Reply<QuestionAnswer> found = call.context.backend->ask(question);
       if (!found) return problem(found.error());
       answer = answer_of(std::move(found).value());
     }
     answer.headers.emplace_back("ETag", tag);
+    if (has_message(about)) answer.headers.emplace_back("Vary", "Accept");
     // Another result may have the name one day.
     answer.headers.emplace_back("Cache-Control", "private, no-cache");
     return answer;
@@ -71,8 +84,7 @@ Handler asks(About about) {
 // `types`: of a body; parameters of a type do not count.
 Handler asks_with_body(About about, std::vector<std::string> types) {
   return [about, types = std::move(types)](const Call& call) {
-    Question question = question_of(call, about);
-    question.type = media_type(call.request.header("content-type"));
+    Question question = question_of(call, about, media_type(call.request.header("content-type")));
     if (std::find(types.begin(), types.end(), question.type) == types.end()) {
       std::string list;
       for (const std::string& type : types) list += (list.empty() ? "" : ", ") + type;
@@ -80,7 +92,10 @@ Handler asks_with_body(About about, std::vector<std::string> types) {
     }
     question.body = call.request.body;
     Reply<QuestionAnswer> found = call.context.backend->ask(question);
-    return found ? answer_of(std::move(found).value()) : problem(found.error());
+    if (!found) return problem(found.error());
+    Answer answer = answer_of(std::move(found).value());
+    if (has_message(about)) answer.headers.emplace_back("Vary", "Accept");
+    return answer;
   };
 }
 
@@ -105,7 +120,7 @@ void add_question_routes(std::vector<Route>& routes) {
   const Parameter bbox{"bbox", "string", "xmin,ymin,xmax,ymax; in 3D also xmin,ymin,zmin,xmax,ymax,zmax"};
   const Parameter cell_format{"f", "string", "A format of the process export; geojson in 2D, ply in 3D"};
   const Parameter limit{"limit", "integer", "The most cells that are wanted: an area with more is refused"};
-  const Parameter answer_format{"f", "string", "json, csv or npy; as the points came"};
+  const Parameter answer_format{"f", "string", "json, csv or npy; as the points came, or as Accept says"};
   const std::vector<Response> many{{200, json, "Answers", "One for each point, in their order"},
                                    {200, csv, "", "One for each point, in their order"},
                                    {200, npy, "", "One for each point, in their order"}};
@@ -119,9 +134,9 @@ void add_question_routes(std::vector<Route>& routes) {
                          {{"point", "string", "x,y or x,y,z"},
                           {"cell", "string", "Instead of a point: TILE,CELL, as answers name cells"}}));
   Route locate = route("POST", "locate", "locatePoints", "The cells that have points", many,
-                       asks_with_body(About::locate, {json, csv, npy, bytes}), {answer_format});
+                       asks_with_body(About::locate, {json, csv, npy, protobuf_type, bytes}), {answer_format});
   locate.body = "Points";
-  locate.body_types = {csv, npy};
+  locate.body_types = {csv, npy, protobuf_type};
   routes.push_back(std::move(locate));
   routes.push_back(route("GET", "vertices/{vertex}/star", "getStar", "What is around a vertex",
                          {{200, json, "Star", "Its cells, neighbours and Voronoi volume"}}, asks(About::star),
@@ -134,13 +149,13 @@ void add_question_routes(std::vector<Route>& routes) {
   cells.body_types = {geojson};
   routes.push_back(std::move(cells));
   Route interpolate = route("POST", "interpolate", "interpolate", "Values at points", many,
-                            asks_with_body(About::interpolate, {json, csv, npy, bytes}),
+                            asks_with_body(About::interpolate, {json, csv, npy, protobuf_type, bytes}),
                             {{"value", "string", "An attribute of the vertices; z, the heights, in 2D"},
                              {"method", "string", "linear or natural"},
                              {"weights", "boolean", "Also of which vertices a value is made, and how much of each"},
                              answer_format});
   interpolate.body = "Points";
-  interpolate.body_types = {csv, npy};
+  interpolate.body_types = {csv, npy, protobuf_type};
   routes.push_back(std::move(interpolate));
   routes.push_back(route("GET", "dem", "getDem", "The surface of a 2D result as a raster",
                          {{200, tiff, "", "The raster"}}, asks(About::dem),
@@ -164,7 +179,7 @@ void add_question_routes(std::vector<Route>& routes) {
   const std::vector<Response> heights{{200, csv, "", "A line for each place where the profile bends"},
                                       {200, json, "Profile", "The same"},
                                       {200, geojson, "", "Lines with the value as third coordinate"}};
-  const Parameter profile_format{"f", "string", "csv, json or geojson; csv"};
+  const Parameter profile_format{"f", "string", "csv, json or geojson; csv, or as Accept says"};
   routes.push_back(route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights,
                          asks(About::profile), {{"line", "string", "x,y x,y ..."}, max_edge, value, profile_format}));
   Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "query.pb.h"
 #include "service.pb.h"
 
 namespace tessera::http {
@@ -109,6 +110,11 @@ ordered_json message_schemas() {
   for (int at = 0; at < file.message_type_count(); ++at)
     schemas[file.message_type(at)->name()] = message_schema(*file.message_type(at));
   return schemas;
+}
+
+bool is_message(const std::string& schema) {
+  return proto::Problem::descriptor()->file()->FindMessageTypeByName(schema) ||
+         proto::Points::descriptor()->file()->FindMessageTypeByName(schema);
 }
 
 }  // namespace tessera::http

@@ -18,5 +18,7 @@ nlohmann::ordered_json field_schema(const google::protobuf::FieldDescriptor& fie
 const std::map<std::string, std::vector<std::string>>& required_fields();
 // Of every message of the file, under its name.
 nlohmann::ordered_json message_schemas();
+// Whether what this schema says may also be a message: one of that name, in proto/service.proto or proto/query.proto.
+bool is_message(const std::string& schema);
 
 }  // namespace tessera::http

@@ -11,6 +11,7 @@
 #include "src/files/names.h"
 #include "src/job/arguments.h"
 #include "src/query/answer_text.h"
+#include "src/service/answer_messages.h"
 #include "src/service/beneath.h"
 #include "src/service/json.h"
 
@@ -89,11 +90,18 @@ Result<QuestionAnswer> Answering::locate() const {
     BOOST_OUTCOME_TRY(found, reader_.stored.details(cells[0]));
     details = std::move(found);
   }
-  const auto told = is_part() ? std::optional(cells[0].final) : std::nullopt;
-  QuestionAnswer answer{.text = json_of(p, dimension_, details, told), .type = json_type, .final = cells[0].final};
-  if (details)
-    for (const auto& neighbor : details->neighbors) answer.final = answer.final && neighbor.final;
-  return answer;
+  return location(p, details, cells[0].final);
+}
+
+QuestionAnswer Answering::in_bytes(std::string message, bool final) {
+  return {.text = std::move(message), .type = protobuf_type, .final = final};
+}
+
+QuestionAnswer Answering::location(const Point& p, const std::optional<query::CellDetails>& details, bool final) const {
+  const auto told = is_part() ? std::optional(final) : std::nullopt;
+  final = final && (!details || all_final(details->neighbors));
+  if (question_.as_message) return in_bytes(message_of(p, dimension_, details, told).SerializeAsString(), final);
+  return {.text = json_of(p, dimension_, details, told), .type = json_type, .final = final};
 }
 
 Result<QuestionAnswer> Answering::locate_many() const {
@@ -101,8 +109,10 @@ Result<QuestionAnswer> Answering::locate_many() const {
   BOOST_OUTCOME_TRY(answers, TextAnswers::make(options));
   BOOST_OUTCOME_TRY(points, points());
   BOOST_OUTCOME_TRY(cells, reader_.stored.locate(points, ask_));
+  const bool final = all_final(cells);
+  if (question_.as_message) return in_bytes(answers_message(points, cells, options), final);
   BOOST_OUTCOME_TRYV(answers->add_cells(points, cells));
-  return finished(*answers, options.format, all_final(cells));
+  return finished(*answers, options.format, final);
 }
 
 Result<QuestionAnswer> Answering::star() const {
@@ -115,6 +125,8 @@ Result<QuestionAnswer> Answering::star() const {
   }
   const PointId asked{static_cast<std::uint64_t>(id.value())};
   BOOST_OUTCOME_TRY(star, reader_.stored.star(asked, owner, ask_));
+  if (question_.as_message)
+    return in_bytes(message_of(asked, dimension_, star, is_part()).SerializeAsString(), star.final);
   return QuestionAnswer{.text = json_of(asked, dimension_, star, is_part()), .type = json_type, .final = star.final};
 }
 
@@ -171,13 +183,17 @@ Result<QuestionAnswer> Answering::interpolate() const {
   BOOST_OUTCOME_TRY(answers, TextAnswers::make(options));
   BOOST_OUTCOME_TRY(points, points());
   BOOST_OUTCOME_TRY(values, reader_.stored.interpolate(points, what, ask_));
+  const bool final = all_final(values);
+  if (question_.as_message) return in_bytes(answers_message(points, values, options), final);
   BOOST_OUTCOME_TRYV(answers->add_values(points, values));
-  return finished(*answers, options.format, all_final(values));
+  return finished(*answers, options.format, final);
 }
 
 Result<AnswerOptions> Answering::many() const {
   const std::string& type = question_.type;
-  const std::string came = type == json_type ? "json" : type == "text/csv" ? "csv" : "npy";
+  // Messages take what JSON takes.
+  const bool json = question_.as_message || type == json_type || type == protobuf_type;
+  const std::string came = json ? "json" : type == "text/csv" ? "csv" : "npy";
   BOOST_OUTCOME_TRY(
       format, read("f", [&](const std::string& text) { return answer_format(text.empty() ? came : text, {}, false); }));
   return AnswerOptions{.format = format, .dimension = dimension_, .final = is_part()};

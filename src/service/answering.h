@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ class Answering {
   Result<QuestionAnswer> star() const;
   Result<QuestionAnswer> cells() const;
   Result<QuestionAnswer> interpolate() const;
+  static QuestionAnswer in_bytes(std::string message, bool final);
+  // Of a point and its cell, if there is one.
+  QuestionAnswer location(const Point& p, const std::optional<query::CellDetails>& details, bool final) const;
   // answering_terrain.cc
   Result<QuestionAnswer> dem() const;
   Result<QuestionAnswer> contours() const;

@@ -1,5 +1,4 @@
 // Questions about cells: one by its name, and parts of a 3D result for viewers.
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -7,7 +6,6 @@
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/job/arguments.h"
-#include "src/query/answer_text.h"
 #include "src/service/answering.h"
 #include "src/tileset/shapes.h"
 
@@ -42,13 +40,7 @@ Result<QuestionAnswer> Answering::locate_named() const {
     for (const auto& corner : corners) mean[axis] += (corner.at[axis] - first) / static_cast<double>(corners.size());
     mean[axis] += first;
   }
-  const bool final = std::all_of(details.neighbors.begin(), details.neighbors.end(),
-                                 [](const query::Cell& neighbor) { return neighbor.final; });
-  const auto told = is_part() ? std::optional(cell.final) : std::nullopt;
-  return QuestionAnswer{
-      .text = json_of(without_negative_zero(mean), dimension_, std::optional(std::move(details)), told),
-      .type = "application/json",
-      .final = final && cell.final};
+  return location(without_negative_zero(mean), std::optional(std::move(details)), cell.final);
 }
 
 Result<QuestionAnswer> Answering::shown(const tileset::Shape& shape, const query::CellSet& cells) const {

@@ -6,6 +6,7 @@
 #include "src/files/whole_file.h"
 #include "src/io/cloud/cloud.h"
 #include "src/report/human.h"
+#include "src/service/answer_messages.h"
 #include "src/service/answering.h"
 #include "src/service/json.h"
 
@@ -13,6 +14,7 @@ namespace tessera {
 
 Result<std::vector<Point>> Answering::points() const {
   if (question_.type == "application/json") return points_in_json();
+  if (question_.type == protobuf_type) return points_of(*question_.body, dimension_);
   if (question_.type == "text/csv") return points_in_file(".csv");
   return points_in_file(".npy");
 }

@@ -9,6 +9,7 @@
 #include "src/query/answers.h"
 #include "src/query/geojson.h"
 #include "src/report/human.h"
+#include "src/service/answer_messages.h"
 #include "src/service/answering.h"
 #include "src/service/beneath.h"
 #include "src/service/json.h"
@@ -133,6 +134,7 @@ Result<QuestionAnswer> Answering::profile() const {
   BOOST_OUTCOME_TRY(points, tessera::profile(reader_.stored, path_of(reader_.held.folder), line, options));
   Bounds box;
   for (const Point& p : line) box.add(p);
+  if (question_.as_message) return in_bytes(message_of(points).SerializeAsString(), reader_.stored.knows(box));
   QuestionAnswer answer{.type = "text/csv", .final = reader_.stored.knows(box)};
   if (format == "csv") answer.text = to_csv(points, options.value);
   if (format == "json") answer.text = json_of(points, options.value);

@@ -85,8 +85,17 @@ struct Question {
   std::map<std::string, std::string> options = {};  // point, cell, tile, bbox, f, limit, value, method, weights, ...
   std::optional<std::string> body = {};  // locate, interpolate: many points; cells: a polygon; profile: a line
   std::string type = {};                 // of the body: a media type
-  std::stop_token stop = {};             // the caller has gone
+  // The answer as a message of proto/query.proto. REQUIRES: has_message(about), and no f.
+  bool as_message = false;
+  std::stop_token stop = {};  // the caller has gone
 };
+
+// Whether there is a message for the answers; the others are files, pictures and GeoJSON.
+constexpr bool has_message(Question::About about) {
+  using About = Question::About;
+  return about == About::locate || about == About::star || about == About::interpolate || about == About::profile;
+}
+inline constexpr const char* protobuf_type = "application/x-protobuf";
 
 struct QuestionAnswer {
   std::string text = {};                // of this type, or

@@ -1,6 +1,7 @@
 // What the made-up service answers to questions.
 #include <mutex>
 
+#include "query.pb.h"
 #include "tests/http/fake_backend.h"
 
 namespace tessera {
@@ -13,10 +14,34 @@ proto::Problem missing(const char* detail) {
   return problem;
 }
 
+// As empty as a message may be.
+QuestionAnswer in_message(const Question& question) {
+  using About = Question::About;
+  const auto told = [](const auto& message) {
+    return QuestionAnswer{.text = message.SerializeAsString(), .type = protobuf_type};
+  };
+  if (question.about == About::profile) return told(proto::Profile());
+  if (question.body) {
+    proto::Answers answers;
+    answers.add_answers()->set_value(3);
+    return told(answers);
+  }
+  if (question.about == About::locate) {
+    proto::Location location;
+    location.add_point(1);
+    location.add_point(2);
+    return told(location);
+  }
+  proto::Star star;
+  star.set_asked(1);
+  return told(star);
+}
+
 }  // namespace
 
 Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
   using About = Question::About;
+  if (question.as_message) return in_message(question);
   const auto type = [&]() -> std::string {
     switch (question.about) {
       case About::cells:

@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 
+#include "query.pb.h"
 #include "tests/http/fake_backend.h"
 
 namespace tessera::http {
@@ -29,10 +30,9 @@ class FrontOf : public testing::Test {
   Answer ask(const std::string& method, const std::string& target, const std::string& body = {}, Headers more = {}) {
     Request request;
     request.method = method;
-    request.headers = {{"host", "localhost"},
-                       {"authorization", "Bearer " + front_.tokens().first(Role::admin)},
-                       {"content-type", "application/json"}};
+    request.headers = {{"host", "localhost"}, {"authorization", "Bearer " + front_.tokens().first(Role::admin)}};
     for (auto& header : more) request.headers.push_back(std::move(header));
+    if (request.header("content-type").empty()) request.headers.emplace_back("content-type", "application/json");
     Admitted admitted = front_.admit(request, target, Place::api);
     request.body = body;
     Answer answer = admitted.answer ? std::move(*admitted.answer) : front_.answer(request, admitted);
@@ -82,6 +82,104 @@ TEST_F(FrontOf, AWatcherHearsOfTheEndOfAJobThatEndsWhileItIsBeginningToWatch) {
   EXPECT_NE(text.find("accepted"), std::string::npos) << text;
   EXPECT_NE(text.find("successful"), std::string::npos) << text;
   EXPECT_TRUE(over);
+}
+
+std::string value_of(const Answer& answer, const std::string& name) {
+  for (const auto& [key, value] : answer.headers)
+    if (key == name) return value;
+  return {};
+}
+
+TEST_F(FrontOf, AMessageIsAnotherAnswerWithAnotherTag) {
+  const std::string block = "/v1/triangulations/block/";
+  const Headers wanted{{"accept", "application/x-protobuf"}};
+  for (const char* path : {"locate?point=1,2", "vertices/1/star", "profile?line=0,0%201,1"}) {
+    const Answer text = ask("GET", block + path), message = ask("GET", block + path, {}, wanted);
+    EXPECT_EQ(value_of(text, "Content-Type"), "application/json") << path;
+    EXPECT_EQ(value_of(message, "Content-Type"), "application/x-protobuf") << path;
+    const std::string tag = value_of(message, "ETag");
+    EXPECT_NE(tag, value_of(text, "ETag")) << path;
+    for (const Answer* answer : {&text, &message}) EXPECT_EQ(value_of(*answer, "Vary"), "Accept") << path;
+    Headers known{{"accept", "application/x-protobuf"}, {"if-none-match", tag}};
+    const Answer same = ask("GET", block + path, {}, known);
+    EXPECT_EQ(same.status, 304) << path;
+    EXPECT_EQ(value_of(same, "Vary"), "Accept") << path;
+    known[0].second = "application/json";
+    EXPECT_EQ(ask("GET", block + path, {}, known).status, 200) << path << ": the tag is of the message";
+  }
+  proto::Location location;
+  ASSERT_TRUE(location.ParseFromString(ask("GET", block + "locate?point=1,2", {}, wanted).body));
+  EXPECT_EQ(location.point_size(), 2);
+  for (const char* path : {"cells?bbox=0,0,1,1", "contours?interval=1", "shapes/hull"}) {
+    const Answer file = ask("GET", block + path, {}, wanted);
+    EXPECT_EQ(file.status, 200) << path;
+    EXPECT_NE(value_of(file, "Content-Type"), "application/x-protobuf") << path;
+    EXPECT_EQ(value_of(file, "Vary"), "") << path;
+    EXPECT_EQ(value_of(file, "ETag"), value_of(ask("GET", block + path), "ETag")) << path;
+  }
+  const Answer wrong = ask("GET", "/v1/triangulations/none/locate?point=1,2", {}, wanted);
+  EXPECT_EQ(wrong.status, 404);
+  EXPECT_EQ(value_of(wrong, "Content-Type"), "application/problem+json");
+}
+
+TEST_F(FrontOf, AnswersAreMessagesAsAcceptTheBodyAndFSay) {
+  struct Case {
+    std::string path, type, accept;
+    bool message;
+  };
+  const std::string json = "application/json", csv = "text/csv", pb = "application/x-protobuf";
+  for (const auto& [path, type, accept, message] :
+       std::vector<Case>{{"locate", json, "", false},
+                         {"locate", json, pb, true},
+                         {"locate", json, "*/*", false},
+                         {"locate", json, json + ", " + pb + ";q=0.5", false},
+                         {"locate", csv, csv + ", " + pb + ";q=0.5", false},
+                         {"locate", csv, pb, true},
+                         {"locate", csv, json, false},
+                         {"locate?f=csv", csv, pb, false},
+                         {"locate?f=json", pb, pb, false},
+                         {"locate", pb, "", true},
+                         {"locate", pb, "*/*", true},
+                         {"locate", pb, json, false},
+                         {"locate", pb + "; messageType=\"tessera.proto.Points\"", "", true},
+                         {"interpolate", "application/x-npy", pb, true},
+                         {"interpolate", pb, "", true},
+                         {"profile", "application/geo+json", "", false},
+                         {"profile", "application/geo+json", pb, true},
+                         {"profile?f=geojson", "application/geo+json", pb, false},
+                         {"profile", "application/geo+json", csv + ", " + pb + ";q=0.5", false},
+                         {"cells", "application/geo+json", pb, false}}) {
+    Headers headers{{"content-type", type}};
+    if (!accept.empty()) headers.emplace_back("accept", accept);
+    const Answer answer = ask("POST", "/v1/triangulations/block/" + path, "{}", headers);
+    EXPECT_EQ(answer.status, 200) << path;
+    EXPECT_EQ(value_of(answer, "Content-Type") == pb, message) << path << " " << type << " " << accept;
+    EXPECT_EQ(value_of(answer, "Vary"), path == "cells" ? "" : "Accept") << path;
+  }
+  for (const char* path : {"cells", "profile"})
+    EXPECT_EQ(ask("POST", std::string("/v1/triangulations/block/") + path, "", {{"content-type", pb}}).status, 415);
+}
+
+TEST_F(FrontOf, TheDocumentTellsOfMessages) {
+  const auto document = nlohmann::json::parse(ask("GET", "/v1/api").body);
+  const auto told = [&](const std::string& path, const std::string& method, const std::string& what) {
+    const auto& operation = document["paths"]["/v1/triangulations/{triangulation}/" + path][method];
+    const auto& content =
+        what == "body" ? operation["requestBody"]["content"] : operation["responses"]["200"]["content"];
+    return content.contains(protobuf_type) ? content[protobuf_type]["schema"]["description"].get<std::string>() : "";
+  };
+  const std::string message = "The message tessera.proto.";
+  EXPECT_EQ(told("locate", "get", "answer"), message + "Location");
+  EXPECT_EQ(told("vertices/{vertex}/star", "get", "answer"), message + "Star");
+  for (const char* path : {"locate", "interpolate"}) {
+    EXPECT_EQ(told(path, "post", "answer"), message + "Answers");
+    EXPECT_EQ(told(path, "post", "body"), message + "Points");
+  }
+  for (const char* method : {"get", "post"}) {
+    EXPECT_EQ(told("profile", method, "answer"), message + "Profile");
+    EXPECT_EQ(told("cells", method, "answer"), "");
+  }
+  EXPECT_EQ(told("profile", "post", "body"), "");
 }
 
 TEST_F(FrontOf, OptionsAndWrongMethodsSayWhatIsAllowed) {

@@ -1,6 +1,7 @@
 // What the fuzz targets of the service do with a stranger's bytes, and the replay test with those of earlier runs.
 #pragma once
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/parser.hpp>
@@ -14,6 +15,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/point.h"
 #include "src/files/temporary.h"
 #include "src/http/front.h"
 #include "src/http/head.h"
@@ -21,6 +23,7 @@
 #include "src/http/ranges.h"
 #include "src/http/target.h"
 #include "src/http/tokens.h"
+#include "src/service/answer_messages.h"
 #include "src/service/convert.h"
 #include "src/service/json.h"
 #include "tests/http/fake_backend.h"
@@ -124,8 +127,12 @@ inline void ask_stranger(StrangersFront& strangers, std::string_view bytes) {
   }
 }
 
-// The bytes as what each process is asked, down to the engine's options.
+// The bytes as what each process is asked, down to the engine's options, and as points.
 inline void take_inputs(std::string_view bytes) {
+  for (const int dimension : {2, 3}) {
+    const auto points = points_of(bytes, dimension);
+    must(points ? std::all_of(points.value().begin(), points.value().end(), is_finite) : !points.error().where.empty());
+  }
   const Share share{2, std::uint64_t{1} << 30};
   for (const auto& process : http::processes()) {
     for (const char* type : {"application/json", "application/x-protobuf"}) {

@@ -1,0 +1,35 @@
+// Questions and answers as messages (proto/query.proto): the same as in JSON (src/query/answer_text.h, answers.h).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "query.pb.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/query/answers.h"
+#include "src/query/stored_triangulation.h"
+#include "src/terrain/profile.h"
+
+namespace tessera {
+
+// Of a proto::Points. In 2D their z is 0. Errors, all bad_input, call it the body: no such message; no points; lists of
+// different lengths; a number that is not finite.
+Result<std::vector<Point>> points_of(std::string_view message, int dimension);
+
+proto::Location message_of(const Point& p, int dimension, const std::optional<query::CellDetails>& details,
+                           std::optional<bool> final = {});
+proto::Star message_of(PointId asked, int dimension, const query::Star& star, bool part = false);
+proto::Profile message_of(std::span<const ProfilePoint> points);
+
+// The bytes of a proto::Answers, which is never held as a whole: it would take several times as much. Of the options
+// dimension, weights and final count.
+std::string answers_message(std::span<const Point> points, std::span<const query::Cell> cells,
+                            const AnswerOptions& options);
+std::string answers_message(std::span<const Point> points, std::span<const query::Interpolated> values,
+                            const AnswerOptions& options);
+
+}  // namespace tessera
