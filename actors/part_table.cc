@@ -113,9 +113,10 @@ void PartActor::take(const TileLeft&) {
 }
 
 // Those that nobody has begun need nothing: others begin them. Whatever comes from now on, a tile that is handed over
-// does not hear any more, and is told again where it goes on.
+// does not hear any more, and is told again where it goes on. A part may be settling: when another node was lost
+// meanwhile the job exchanges again, but there is no new table before somebody is there who takes those tiles.
 void PartActor::hand_over() {
-  if (failure_ || !opened_ || schedule_.stage() != Schedule::Stage::exchanging) return;
+  if (failure_ || !opened_ || schedule_.stage() > Schedule::Stage::settling) return;
   office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
   schedule_.enter(Schedule::Stage::handing);
 }

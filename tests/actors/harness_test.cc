@@ -130,6 +130,18 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Leaving,
                                            Case{"uniform", 3, 40, 9, PartitionKind::kdtree, 102}),
                          name_of_case);
 
+// Of two nodes one is lost while they settle, and the other one is to leave: nobody takes the tiles of the first before
+// a third has come, so that the second hands over without having heard of another table.
+TEST(Harness, ANodeThatSettlesLeavesWhileAnotherIsLost) {
+  HarnessOptions options = options_of({"planes", 2, 36, 7, PartitionKind::kdtree, 1, 261178602});
+  options.nodes = 4;
+  options.faults = {
+      .kill = true, .pause = true, .join = true, .coordinator = true, .leave = true, .last = true, .all = true};
+  const HarnessReport report = run_harness(options);
+  EXPECT_FALSE(report.failed_seed) << report.failure;
+  EXPECT_EQ(report.seeds, 1u);
+}
+
 class WithoutNodes : public ::testing::TestWithParam<Case> {};
 
 // For a while no node is left: the job waits for one that comes, or is on its way, and for one that can open its part.
