@@ -128,9 +128,9 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.dimension = options.dimension;
   common_.kernel = options.kernel;
   common_.reduce = options.reduce;
-  common_.boxes = assignment.boxes;
-  if (common_.boxes.empty()) common_.boxes.assign(tiles, Box{{1, 1, 1}, {-1, -1, -1}});
-  common_.around = Surroundings(bounds, std::move(neighbours), std::move(seeds));
+  common_.boxes = std::make_shared<const std::vector<Box>>(
+      assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
+  common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
   common_.mail_points_max = options.mail_points_max;
   Table first{0, {}, std::vector<std::uint32_t>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});
