@@ -91,7 +91,7 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
-      spawn<PartActor>(wanted.node, std::move(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
+      spawn<PartActor>(wanted.node, RunOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
                        wanted.term, options_.hooks, options_.progress_interval, options_.meter);
   opened.part = caf::actor_cast<caf::actor>(handle);
   known.part = opened.part.address();

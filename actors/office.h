@@ -3,12 +3,14 @@
 // everything first.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "actors/protocol.h"
@@ -31,9 +33,16 @@ struct Hooks {
 // Where whoever is asked for can be reached, in one epoch.
 struct Routes {
   std::shared_ptr<const Table> table;
-  std::shared_ptr<const Rebirths> rebirths;  // up to this table, since the oldest that a tile here may go by
-  std::vector<TileHandle> tiles;             // by tile; null where there is none here
-  std::vector<PartHandle> parts;             // by node; null where there is none
+  std::shared_ptr<const Rebirths> rebirths;          // up to this table, since the oldest that a tile here may go by
+  std::vector<std::pair<TileId, TileHandle>> tiles;  // ascending; those here
+  std::vector<PartHandle> parts;                     // by node; null where there is none
+
+  // Null: it is not here.
+  TileHandle tile(TileId id) const {
+    const auto found =
+        std::lower_bound(tiles.begin(), tiles.end(), id, [](const auto& entry, TileId t) { return entry.first < t; });
+    return found != tiles.end() && found->first == id ? found->second : TileHandle();
+  }
 
   // Of a node of an earlier epoch, too, which this one may not number any more: null.
   PartHandle part_of(NodeId node) const { return node.value < parts.size() ? parts[node.value] : PartHandle(); }
@@ -60,7 +69,7 @@ class Office {
   template <class Self>
   void post(Self* sender, Update update) const {
     const auto known = routes();
-    const TileHandle& to = known->tiles[update.to.tile.value];
+    const TileHandle to = known->tile(update.to.tile);
     if (!to) {
       sender->send(part, Outgoing{std::move(update)});
     } else if (hooks.network) {

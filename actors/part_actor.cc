@@ -14,7 +14,7 @@ constexpr std::size_t spans_max = 1000;
 
 }  // namespace
 
-PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
+PartActor::PartActor(caf::actor_config& config, NodeId self, RunOptions options, std::shared_ptr<const Part> part,
                      CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
                      std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
@@ -23,12 +23,12 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std:
       office_(std::make_shared<Office>()),
       coordinator_(std::move(coordinator)),
       term_(term),
-      schedule_(part_->schedule, part_->points),
+      schedule_(part_->schedule, points_by(*part_->context.table)),
+      table_(part_->context.table),
       progress_interval_(progress_interval),
       meter_(std::move(meter)) {
   office_->self = self;
-  table_ = std::make_shared<const Table>(std::move(spec.table));
-  office_->options = std::move(spec);
+  office_->options = std::move(options);
   office_->hooks = std::move(hooks);
   live_at(office_->hooks.home);
   sum_.node = progress_.node = self;
@@ -45,7 +45,7 @@ void PartActor::on_exit() {
   if (!office_) return;
   meter_->end(id());
   stop_work();
-  for (Hosted& hosted : hosted_) hosted.leave.say(hosted.handle);
+  for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
   if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
   last_word_.message() = std::move(sum_);
   if (!left_) last_word_.say(coordinator_);
@@ -70,7 +70,7 @@ PartActor::behavior_type PartActor::make_behavior() {
     dispatch();
   });
   return {
-      [this](BeginPart& begin) {
+      [this](const BeginPart& begin) {
         if (!obeyed()) return;
         open(begin);
         dispatch();
@@ -165,8 +165,8 @@ PartActor::behavior_type PartActor::make_behavior() {
   };
 }
 
-void PartActor::note(TileId tile, Totals totals) {
-  Totals& before = tiles_[tile.value].totals;
+void PartActor::note(Hosted& tile, Totals totals) {
+  Totals& before = tile.totals;
   totals_.sent += totals.sent - before.sent;
   totals_.processed += totals.processed - before.processed;
   before = totals;
@@ -179,8 +179,10 @@ void PartActor::take(TileReport& report) {
            ": sent " + std::to_string(report.sent) + ", processed " + std::to_string(report.processed) +
            ", updates waiting " + std::to_string(report.waiting.updates);
   });
-  Figures& tile = tiles_[span.tile.value];
-  note(span.tile, {report.sent, report.processed});
+  const auto found = hosted_.find(span.tile);
+  if (found == hosted_.end()) return;
+  Hosted& tile = found->second;
+  note(tile, {report.sent, report.processed});
   sum_.updates += report.updates - tile.updates;
   tile.updates = report.updates;
   sum_.points += report.points;
@@ -200,7 +202,7 @@ void PartActor::take(TileReport& report) {
   if (span.work == Work::hand_over) ++(report.kept ? sum_.handed : sum_.not_handed);
   if (span.work == Work::begin) {
     ++progress_.tiles_begun;
-    progress_.points_begun += part_->tile_points[span.tile.value];
+    progress_.points_begun += tile_points()[span.tile.value];
   }
 }
 
@@ -209,7 +211,7 @@ void PartActor::take(TileStored& stored) {
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
   ++progress_.tiles_stored;
-  tell_stored({stored.entry, tiles_[stored.tile.value].microseconds});
+  tell_stored({stored.entry, hosted_.at(stored.tile).microseconds});
 }
 
 void PartActor::abandon(TileId tile, Failure failure) {
@@ -238,7 +240,7 @@ void PartActor::stop_work() noexcept {
 void PartActor::dispatch() {
   if (ended_) return;
   while (const auto grant = opened_ ? schedule_.next() : std::nullopt) {
-    send(office_->routes()->tiles[grant->tile.value], Grant{grant->work});
+    send(hosted_.at(grant->tile).handle, Grant{grant->work});
   }
   tell_progress(false);
   if (!schedule_.idle() || rejoining_ > 0) {

@@ -53,7 +53,7 @@ inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator, and the meter, hear of progress.
-  PartActor(caf::actor_config& config, NodeId self, PartSpec spec, std::shared_ptr<const Part> part,
+  PartActor(caf::actor_config& config, NodeId self, RunOptions options, std::shared_ptr<const Part> part,
             CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks, std::chrono::milliseconds progress_interval,
             std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
@@ -61,14 +61,16 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
 
  private:
   struct Hosted {
-    TileId tile;
     TileHandle handle;
     Prepared<Leave> leave;
+    Totals totals;
+    ExchangeCounts points;
+    std::uint64_t updates = 0, microseconds = 0;
+    std::uint64_t epoch = 0;  // that it has last said it goes by
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
-  void open(BeginPart& begin);
-  void schedule_by(const Table& table);
+  void open(const BeginPart& begin);
   void change_table(ChangeTable& change);
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
@@ -104,17 +106,11 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void dispatch();
   void end();
   void tell_progress(bool now);
-  void note(TileId tile, Totals totals);
-  bool hosts(TileId tile) const { return tiles_[tile.value].epoch != not_here; }
+  void note(Hosted& tile, Totals totals);
+  std::vector<std::uint64_t> points_by(const Table& table) const;
+  bool hosts(TileId tile) const { return hosted_.contains(tile); }
+  const std::vector<std::uint64_t>& tile_points() const { return *part_->tile_points; }
   bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
-
-  static constexpr std::uint64_t not_here = ~std::uint64_t{0};
-  struct Figures {  // of one tile
-    Totals totals;
-    ExchangeCounts points;
-    std::uint64_t updates = 0, microseconds = 0;
-    std::uint64_t epoch = not_here;  // that it has last said it goes by
-  };
 
   // What another node has sent, and does not know to be taken.
   struct Owed {
@@ -127,8 +123,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   CoordinatorHandle coordinator_;
   std::uint64_t term_ = 0;  // the coordinator's
   Schedule schedule_;
-  std::vector<Figures> tiles_;
-  std::vector<Hosted> hosted_;
+  std::map<TileId, Hosted> hosted_;
   std::uint32_t leaving_ = 0;       // tiles given up that are still there
   std::vector<TileId> given_up_;    // and what the coordinator has not been told of
   std::uint32_t releases_ = 0;      // that it waits for

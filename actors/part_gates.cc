@@ -58,17 +58,18 @@ void PartActor::deliver(NodeId from, Update update) {
   const auto routes = office_->routes();
   if (!routes || update.epoch > table_->epoch) return early_.push_back({from, std::move(update)});
   const TileId to = update.to.tile;
-  const std::size_t tiles = part_->tile_points.size();
+  const std::size_t tiles = tile_points().size();
   const bool sound = to.value < tiles && update.from.tile.value < tiles;
   // Sent by an older table; or the tile was given up, and is told again where it begins.
-  const bool gone = sound && (!table_->alive(update.to) || (routes->tiles[to.value] && !hosts(to)));
+  const TileHandle handle = routes->tile(to);
+  const bool gone = sound && (!table_->alive(update.to) || (handle && !hosts(to)));
   if (gone) return give_credit(from, Gate::bytes_of(update));
-  if (!sound || !routes->tiles[to.value]) {
+  if (!sound || !handle) {
     stop(failure_of(error(Errc::internal, name_of(self_) + " got mail for tile " + std::to_string(to.value) +
                                               ", which it does not have")));
     return dispatch();
   }
-  send(routes->tiles[to.value], Delivery{from, std::move(update)});
+  send(handle, Delivery{from, std::move(update)});
 }
 
 // Not for each parcel: what is owed is always so little that the other one can go on.

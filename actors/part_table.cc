@@ -8,27 +8,26 @@
 
 namespace tessera {
 
-void PartActor::open(BeginPart& begin) {
+// Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
+// take over. Mostly it is the same, which is in memory once.
+void PartActor::open(const BeginPart& begin) {
   office_->part = caf::actor_cast<PartHandle>(this);
-  const std::size_t tiles = part_->tile_points.size();
-  tiles_.resize(tiles);
-  if (!begin.table.nodes.empty()) table_ = std::make_shared<const Table>(std::move(begin.table));
-  schedule_by(*table_);
+  if (!begin.table.nodes.empty() && begin.table != *table_) table_ = std::make_shared<const Table>(begin.table);
+  schedule_ = Schedule(part_->schedule, points_by(*table_));
+  for (const TileEntry& entry : part_->stored) schedule_.set_stored(entry.tile);
   go_by(table_, begin.parts);
   opened_ = true;
   if (begin.settled) enter_collecting();
   deliver_early();
 }
 
-// Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
-// take over.
-void PartActor::schedule_by(const Table& table) {
-  std::vector<std::uint64_t> points = part_->tile_points;
+// Of its own tiles, and of others 0.
+std::vector<std::uint64_t> PartActor::points_by(const Table& table) const {
+  std::vector<std::uint64_t> points = tile_points();
   for (std::uint32_t t = 0; t < points.size(); ++t) {
     if (table.node_of(TileId{t}) != self_) points[t] = 0;
   }
-  schedule_ = Schedule(part_->schedule, points);
-  for (const TileEntry& entry : part_->stored) schedule_.set_stored(entry.tile);
+  return points;
 }
 
 // Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
@@ -36,18 +35,15 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
   auto routes = std::make_shared<Routes>();
   routes->table = table;
   routes->rebirths = rebirths_;
-  routes->tiles.resize(part_->tile_points.size());
   for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<PartHandle>(part));
-  for (const Hosted& hosted : hosted_) routes->tiles[hosted.tile.value] = hosted.handle;
-  for (std::uint32_t t = 0; t < part_->tile_points.size(); ++t) {
-    if (part_->tile_points[t] == 0 || table->node_of(TileId{t}) != self_ || routes->tiles[t]) continue;
-    hosted_.push_back({TileId{t}, {}, {}});  // first: what is there must be told to leave
-    hosted_.back().handle =
-        spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
-    routes->tiles[t] = hosted_.back().handle;
-    tiles_[t].epoch = 0;
-    if (opened_) schedule_.add(TileId{t}, part_->tile_points[t]);
+  for (std::uint32_t t = 0; t < tile_points().size(); ++t) {
+    if (tile_points()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
+    Hosted& hosted = hosted_[TileId{t}];  // first: what is there must be told to leave
+    hosted.handle = spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
+    if (opened_) schedule_.add(TileId{t}, tile_points()[t]);
   }
+  routes->tiles.reserve(hosted_.size());
+  for (const auto& [tile, hosted] : hosted_) routes->tiles.emplace_back(tile, hosted.handle);
   office_->set_routes(std::move(routes));
   table_ = std::move(table);
 }
@@ -55,7 +51,8 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
 void PartActor::change_table(ChangeTable& change) {
   if (failure_ || !opened_ || change.table.epoch <= table_->epoch) return;
   office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
-  const bool sound = change.table.nodes.size() == tiles_.size() && change.table.incarnations.size() == tiles_.size() &&
+  const std::size_t tiles = tile_points().size();
+  const bool sound = change.table.nodes.size() == tiles && change.table.incarnations.size() == tiles &&
                      std::all_of(change.table.nodes.begin(), change.table.nodes.end(),
                                  [&](NodeId node) { return node.value < change.parts.size(); });
   if (!sound) return stop(failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job")));
@@ -67,20 +64,23 @@ void PartActor::change_table(ChangeTable& change) {
   told_idle_ = told_settled_ = told_collected_ = false;
   const bool rejoins = schedule_.stage() == Schedule::Stage::exchanging;
   if (rejoins) rebirths_ = rebirths_between(*table_, change.table, std::move(rebirths_));
-  const std::size_t before = hosted_.size();
+  std::vector<TileHandle> before;
+  for (const auto& [tile, hosted] : hosted_) before.push_back(hosted.handle);
   go_by(std::make_shared<const Table>(std::move(change.table)), change.parts);
   close_gates();
   if (rejoins) {
-    rejoining_ = static_cast<std::uint32_t>(before);
-    if (before == 0) rebirths_ = nullptr;
-    for (std::size_t i = 0; i < before; ++i) send(hosted_[i].handle, Rejoin{});
+    rejoining_ = static_cast<std::uint32_t>(before.size());
+    if (before.empty()) rebirths_ = nullptr;
+    for (const TileHandle& tile : before) send(tile, Rejoin{});
   }
   deliver_early();
 }
 
 void PartActor::take(const TileRejoined& rejoined) {
-  Figures& tile = tiles_[rejoined.tile.value];
-  note(rejoined.tile, {rejoined.sent, rejoined.processed});
+  const auto found = hosted_.find(rejoined.tile);
+  if (found == hosted_.end()) return;  // given up since it first said so
+  Hosted& tile = found->second;
+  note(tile, {rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
   schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
   // Of two tables that follow each other a tile may say twice that it goes by the second.
@@ -95,11 +95,10 @@ void PartActor::release(const Release& wanted) {
                    schedule_.stage() != Schedule::Stage::handing;
   if (can) released = schedule_.release(wanted.points);
   for (const TileId tile : released) {
-    const auto hosted = std::find_if(hosted_.begin(), hosted_.end(), [&](const Hosted& h) { return h.tile == tile; });
-    send(hosted->handle, Leave{true});
+    const auto hosted = hosted_.find(tile);
+    send(hosted->second.handle, Leave{true});
+    note(hosted->second, {});
     hosted_.erase(hosted);
-    tiles_[tile.value].epoch = not_here;
-    note(tile, {});
     given_up_.push_back(tile);
     ++leaving_;
   }
@@ -136,8 +135,8 @@ void PartActor::answer_if_left() {
   answer.table = *table_;
   answer.threads = part_->schedule.threads;
   answer.name = finder_->name;
-  for (std::uint32_t t = 0; opened_ && t < part_->tile_points.size(); ++t) {
-    if (table_->node_of(TileId{t}) == self_ && part_->tile_points[t] > 0 && !hosts(TileId{t})) {
+  for (std::uint32_t t = 0; opened_ && t < tile_points().size(); ++t) {
+    if (table_->node_of(TileId{t}) == self_ && tile_points()[t] > 0 && !hosts(TileId{t})) {
       answer.released.push_back(TileId{t});
     }
   }

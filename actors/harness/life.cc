@@ -86,7 +86,7 @@ void Life::add_node(NodeId home, std::uint64_t memory_bytes) {
   node.progress_interval = std::chrono::hours(24);
   node.hooks = {options_.trace, network_, home};
   nodes_[home] =
-      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, truth_, home));
+      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, &truth_, home));
 }
 
 CoordinatorOptions Life::coordinator_options() {

@@ -46,6 +46,12 @@ CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition) {
   return out;
 }
 
+std::shared_ptr<const std::vector<std::uint64_t>> points_of(const std::vector<std::vector<LocalPoint>>& tiles) {
+  std::vector<std::uint64_t> points;
+  for (const auto& tile : tiles) points.push_back(tile.size());
+  return std::make_shared<const std::vector<std::uint64_t>>(std::move(points));
+}
+
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng) {
   Setting s;
   const int d = options.dimension;
@@ -56,7 +62,9 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     sample.push_back(p.at);
     bounds.add(p.at);
   }
-  const Partition partition = Partition::build_tiles(options.partition, d, sample, bounds, options.tiles);
+  const auto cells =
+      std::make_shared<const Partition>(Partition::build_tiles(options.partition, d, sample, bounds, options.tiles));
+  const Partition& partition = *cells;
   auto [own, tile_bounds, known] = cut(s.cloud, partition);
   s.tiles = std::move(own);
   switch (rng() % 4) {
@@ -71,10 +79,10 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   }
   s.context.dimension = d;
   s.context.reduce = rng() % 2 == 0;
-  s.context.boxes = final_boxes(partition);
+  s.context.boxes = final_boxes(cells);
   auto neighbours = touching_tiles(partition, tile_bounds);
   if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule
-  s.context.around = Surroundings(tile_bounds, std::move(neighbours), std::move(known));
+  s.context.around = std::make_shared<const Surroundings>(std::move(tile_bounds), neighbours, std::move(known));
   constexpr std::uint64_t mail_bounds[] = {0, 3, 20, ~std::uint64_t{0}};
   s.context.mail_points_max = options.mail_points_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);
@@ -89,6 +97,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     s.spec.table.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
     s.spec.table.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
+  s.tile_points = points_of(s.tiles);
   s.context.table = std::make_shared<const Table>(s.spec.table);
   s.context.many_nodes = s.schedule.settle_asleep = s.nodes > 1 || options.faults.nodes();
   // Some networks are so slow that whole waves pass while an update is on its way.
@@ -104,19 +113,17 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
   auto part = std::make_unique<Part>();
   TileStorage& storage = storage_.at(home_);
   part->context = setting_.context;
-  part->context.table = std::make_shared<const Table>(spec.table);
+  if (spec.table != *setting_.context.table) part->context.table = std::make_shared<const Table>(spec.table);
   part->context.storage = &storage;
   part->context.stop = part->stopping.get_token();
-  part->context.watch = &watch_;
+  part->context.watch = watch_;
   part->schedule = setting_.schedule;
   part->gates = setting_.gates;
   BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
   part->settled = storage_.settled;
+  part->tile_points = setting_.tile_points;
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
-    const bool here = spec.table.node_of(TileId{t}) == self;
-    part->tile_points.push_back(setting_.tiles[t].size());
-    part->points.push_back(here ? setting_.tiles[t].size() : 0);
-    if (part->points.back() == 0) continue;
+    if (setting_.tiles[t].empty() || spec.table.node_of(TileId{t}) != self) continue;
     if (storage_.meshes().contains(TileId{t})) {
       part->stored.emplace_back().tile = TileId{t};
     } else {

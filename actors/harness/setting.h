@@ -16,9 +16,10 @@ namespace tessera {
 struct Setting {
   std::vector<LocalPoint> cloud;
   std::vector<std::vector<LocalPoint>> tiles;
+  std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // how many these are
   PartSpec spec;
   std::uint32_t nodes = 1;
-  TileContext context;  // without storage and watch
+  TileContext context;  // without storage and watch; the table of the spec
   ScheduleOptions schedule;
   std::uint32_t patience = 0;  // of the network
   GateOptions gates;
@@ -33,20 +34,22 @@ struct CutCloud {
 };
 CutCloud cut(const std::vector<LocalPoint>& cloud, const Partition& partition);
 
+std::shared_ptr<const std::vector<std::uint64_t>> points_of(const std::vector<std::vector<LocalPoint>>& tiles);
+
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng);
 
 // Parts whose points and scratch are in memory.
 class MemoryParts final : public PartSource {
  public:
-  // `home`: whose scratch it is, whatever number the node has in the job. All outlive this.
-  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch& watch, NodeId home)
+  // `home`: whose scratch it is, whatever number the node has in the job. `watch`: may be null. All outlive this.
+  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch* watch, NodeId home)
       : setting_(setting), storage_(storage), watch_(watch), home_(home) {}
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 
  private:
   const Setting& setting_;
   MemoryStorage& storage_;
-  ExchangeWatch& watch_;
+  ExchangeWatch* watch_;
   NodeId home_;
 };
 

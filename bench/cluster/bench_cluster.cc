@@ -1,6 +1,9 @@
 // What a coordinator costs: the actors of many nodes in one process and one thread, a message at a time, each timed by
 // the kind of actor that it was for. No network, no disk; tiles of few points, so that there is little beside control.
 //   bench_cluster [nodes=4,16,64,256,1000] [tiles=10000] [points a tile=12] [seed=7] [ms between words of progress=100]
+#include <sys/resource.h>
+#include <time.h>
+
 #include <caf/all.hpp>
 #include <caf/scheduler/test_coordinator.hpp>
 #include <chrono>
@@ -18,7 +21,6 @@
 #include "actors/coordinator.h"
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
-#include "actors/harness/truth.h"
 #include "actors/node_actor.h"
 #include "src/run/assignment.h"
 #include "src/run/touching.h"
@@ -27,7 +29,12 @@
 namespace tessera {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+// Of this thread's processor: others may use it, too.
+std::chrono::nanoseconds processor_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
 
 // First come, first served.
 class TimedScheduler final : public caf::scheduler::test_coordinator {
@@ -38,19 +45,18 @@ class TimedScheduler final : public caf::scheduler::test_coordinator {
 
   void run_all() {
     Worker worker(*this);
+    auto before = processor_time();
     while (!ready_.empty()) {
       caf::resumable* const job = ready_.front();
       ready_.pop_front();
-      const bool coordinator = dynamic_cast<Coordinator*>(job) != nullptr;
-      const auto begin = Clock::now();
+      auto* const coordinator = dynamic_cast<Coordinator*>(job);
+      if (coordinator) note(*coordinator);
       const auto state = job->resume(&worker, 1);
-      const auto taken = Clock::now() - begin;
+      const auto now = processor_time();
+      const auto taken = now - std::exchange(before, now);
       all += taken;
       ++messages;
-      if (coordinator) {
-        of_coordinator += taken;
-        ++to_coordinator;
-      }
+      if (coordinator) of_coordinator += taken;
       if (state == caf::resumable::resume_later) {
         enqueue(job);
       } else if (state != caf::resumable::shutdown_execution_unit) {
@@ -59,10 +65,26 @@ class TimedScheduler final : public caf::scheduler::test_coordinator {
     }
   }
 
-  Clock::duration all{}, of_coordinator{};
-  std::uint64_t messages = 0, to_coordinator = 0;
+  void forget() {
+    all = of_coordinator = {};
+    messages = of_waves = others = progress = 0;
+  }
+
+  std::chrono::nanoseconds all{}, of_coordinator{};
+  std::uint64_t messages = 0;
+  // Of these, to the coordinator; beside them one of each stored tile.
+  std::uint64_t of_waves = 0, others = 0, progress = 0;
 
  private:
+  // What it is about to hear.
+  void note(Coordinator& coordinator) {
+    caf::mailbox_element* const next = coordinator.mailbox().peek();
+    if (!next || next->content().match_elements<TileDone>()) return;
+    const caf::type_erased_tuple& message = next->content();
+    const bool wave = message.match_elements<PartIdle>() || message.match_elements<PartTally>();
+    ++(wave ? of_waves : message.match_elements<PartProgress>() ? progress : others);
+  }
+
   class Worker final : public caf::execution_unit {
    public:
     explicit Worker(TimedScheduler& scheduler) : execution_unit(&scheduler.system()), scheduler_(scheduler) {}
@@ -105,13 +127,15 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
     sample.push_back(s.cloud.back().at);
     bounds.add(sample.back());
   }
-  const Partition partition = Partition::build_tiles(PartitionKind::kdtree, 2, sample, bounds, tiles);
-  CutCloud own = cut(s.cloud, partition);
+  const auto partition =
+      std::make_shared<const Partition>(Partition::build_tiles(PartitionKind::kdtree, 2, sample, bounds, tiles));
+  CutCloud own = cut(s.cloud, *partition);
   s.tiles = std::move(own.tiles);
+  s.tile_points = points_of(s.tiles);
   s.context.dimension = 2;
   s.context.boxes = final_boxes(partition);
-  auto neighbours = touching_tiles(partition, own.bounds);
-  s.context.around = Surroundings(std::move(own.bounds), std::move(neighbours), std::move(own.seeds));
+  const auto neighbours = touching_tiles(*partition, own.bounds);
+  s.context.around = std::make_shared<const Surroundings>(std::move(own.bounds), neighbours, std::move(own.seeds));
   s.context.many_nodes = s.schedule.settle_asleep = true;
   s.schedule.memory_bytes = std::uint64_t{1} << 40;
   std::vector<std::uint64_t> place(s.tiles.size());
@@ -119,29 +143,36 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
   for (std::uint32_t t = 0; t < s.tiles.size(); ++t) {
     if (s.tiles[t].empty()) continue;
     order.push_back(TileId{t});
-    const Bounds& b = s.context.around.bounds(TileId{t});
+    const Bounds& b = s.context.around->bounds(TileId{t});
     place[t] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, 0});
   }
   std::stable_sort(order.begin(), order.end(), [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
   return s;
 }
 
-double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+// The most that the process has had in memory, so far.
+long peak_mebibytes() {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  return used.ru_maxrss / 1024;
+}
+
+double seconds(std::chrono::nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned seed,
         std::chrono::milliseconds progress) {
   CoordinatorOptions job;
   Setting setting = uniform_setting(tiles, points, seed, job.order);
-  for (const auto& tile : setting.tiles) job.points.push_back(tile.size());
+  job.points = *setting.tile_points;
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < nodes; ++n) hosts.push_back({NodeId{n}, 1});
   setting.spec.table = {0, std::vector<NodeId>(setting.tiles.size()), std::vector<std::uint32_t>(setting.tiles.size())};
   const auto homes = share_out(job.order, job.points, hosts);
   for (std::size_t i = 0; i < homes.size(); ++i) setting.spec.table.nodes[job.order[i].value] = homes[i];
+  setting.context.table = std::make_shared<const Table>(setting.spec.table);
   job.spec = setting.spec;
   job.mark_settled = [](bool) { return success(); };
   MemoryStorage storage(2, setting.tiles);
-  Truth truth(nullptr);
   Owner owner;
   Config config;
   caf::actor_system system(config);
@@ -152,28 +183,31 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
     node.memory_bytes = ~std::uint64_t{0};
     node.progress_interval = progress;
     handles.push_back(
-        system.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting, storage, truth, NodeId{n})));
+        system.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting, storage, nullptr, NodeId{n})));
   }
   scheduler.run_all();
-  scheduler.all = scheduler.of_coordinator = {};
-  scheduler.messages = scheduler.to_coordinator = 0;
+  scheduler.forget();
   system.spawn<Coordinator>(std::move(job), owner, handles);
   scheduler.run_all();
   for (const NodeHandle& node : handles) caf::anon_send_exit(node, caf::exit_reason::kill);
   handles.clear();
   const double all = seconds(scheduler.all), coordinator = seconds(scheduler.of_coordinator);
-  const std::uint64_t messages = scheduler.messages, control = scheduler.to_coordinator;
+  const std::uint64_t messages = scheduler.messages;
+  const auto a_node = [&](std::uint64_t told) { return static_cast<double>(told) / nodes; };
+  const double of_waves = a_node(scheduler.of_waves), others = a_node(scheduler.others),
+               progress_told = a_node(scheduler.progress);
   scheduler.run_all();
   if (!owner.end || owner.end->failure || owner.tiles != homes.size()) {
     std::fprintf(stderr, "%u nodes: %s\n", nodes, owner.end ? owner.end->failure.text.c_str() : "no end");
     return 1;
   }
-  const auto beside_tiles = static_cast<double>(control - owner.tiles);
   std::printf(
-      "%5u nodes %6llu tiles %9llu messages %7.2f s   coordinator %8.4f s %6.2f %%   %4llu waves %6.1f messages a node "
-      "to it\n",
+      "%5u nodes %6llu tiles %9llu messages %7.2f s   coordinator %8.4f s %5.2f %%   %llu waves   a node tells it: "
+      "%.2f a "
+      "wave, %.2f beside, %.1f of progress   %ld MiB\n",
       nodes, static_cast<unsigned long long>(owner.tiles), static_cast<unsigned long long>(messages), all, coordinator,
-      100 * coordinator / all, static_cast<unsigned long long>(owner.end->waves), beside_tiles / nodes);
+      100 * coordinator / all, static_cast<unsigned long long>(owner.end->waves),
+      of_waves / static_cast<double>(owner.end->waves), others, progress_told, peak_mebibytes());
   return 0;
 }
 

@@ -68,8 +68,9 @@ Result<std::vector<LocalPoint>> cloud_of(const Options& o) {
 
 class Exchange {
  public:
-  Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const Partition& partition)
-      : o_(o), points_(partition.tiles()), bounds_(partition.tiles()) {
+  Exchange(const Options& o, const std::vector<LocalPoint>& cloud, const std::shared_ptr<const Partition>& cells)
+      : o_(o), points_(cells->tiles()), bounds_(cells->tiles()) {
+    const Partition& partition = *cells;
     SpanFinder span(o.dimension);
     SeedFinder finder(o.dimension);
     for (const LocalPoint& p : cloud) {
@@ -86,8 +87,8 @@ class Exchange {
     auto neighbours = touching_tiles(partition, bounds_);
     if (!o.announce) neighbours.assign(partition.tiles(), {});
     context_.dimension = o.dimension;
-    context_.boxes = final_boxes(partition);
-    context_.around = Surroundings(bounds_, std::move(neighbours), std::move(seeds));
+    context_.boxes = final_boxes(cells);
+    context_.around = std::make_shared<const Surroundings>(bounds_, neighbours, std::move(seeds));
   }
 
   Status run() {
@@ -184,7 +185,8 @@ Status run(const Options& o) {
     sample.push_back(p.at);
     bounds.add(p.at);
   }
-  const auto partition = Partition::build_tiles(kind, o.dimension, sample, bounds, static_cast<std::uint32_t>(o.tiles));
+  const auto partition = std::make_shared<const Partition>(
+      Partition::build_tiles(kind, o.dimension, sample, bounds, static_cast<std::uint32_t>(o.tiles)));
   return Exchange(o, cloud, partition).run();
 }
 

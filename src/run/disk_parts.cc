@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <numeric>
 #include <set>
 #include <system_error>
@@ -45,14 +46,21 @@ struct DiskPart final : Part {
   MemoryPoolShare pool;
 };
 
+// Something of the run, which lives as long.
+template <class Of>
+std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedRun>& run, const Of& of) {
+  return {run, &of};
+}
+
 // Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
-Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage) {
+Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage,
+                     const std::function<bool(TileId)>& here) {
   std::error_code ignored;
   if (!std::filesystem::exists(settled_marker(run.folder), ignored)) return false;
   std::set<TileId> stored;
   for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
-  for (std::uint32_t t = 0; t < part.points.size(); ++t) {
-    if (part.points[t] == 0 || stored.contains(TileId{t})) continue;
+  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
+    if (!here(TileId{t}) || stored.contains(TileId{t})) continue;
     BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, part.context.many_nodes));
     if (!alone) return false;
   }
@@ -136,23 +144,22 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.kernel = spec.kernel;
   context.reduce = reduce;
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
-  context.boxes = final_boxes(run->partition);
-  context.around = Surroundings(run->tile_bounds, touching_tiles(run->partition, run->tile_bounds), run->seeds);
+  context.boxes = final_boxes(shared(run, run->partition));
+  context.around = std::make_shared<const Surroundings>(
+      shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
   context.table = std::make_shared<const Table>(spec.table);
   context.storage = &part->storage;
   context.stop = part->stopping.get_token();
   context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
   part->mail = std::make_unique<MailCounts>(
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
-  part->tile_points = run->tile_points;
-  part->points = std::move(points);
+  part->tile_points = shared(run, run->tile_points);
   // Mail of an earlier process was for tiles that are no more.
   BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
-  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder, [&](TileId tile) {
-                      return tile.value < part->points.size() && part->points[tile.value] > 0;
-                    }));
+  const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
+  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder, here));
   part->stored = std::move(stored);
-  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, part->storage));
+  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, part->storage, here));
   part->settled = all_settled;
   return std::unique_ptr<Part>(std::move(part));
 }

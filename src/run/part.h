@@ -49,14 +49,14 @@ struct PartSpec : RunOptions {
 std::string to_bytes(const PartSpec& spec);
 Result<PartSpec> spec_from_bytes(const std::string& bytes);
 
-// What a part is made of. Owned by the part's actor, which outlives its tiles.
+// What a part is made of. Owned by the part's actor, which outlives its tiles. What there is for each tile of the whole
+// run, its plan has in memory, too, or all parts of a process share: a part may have few of very many tiles.
 struct Part {
   virtual ~Part() = default;
   TileContext context;
   ScheduleOptions schedule;
-  std::vector<std::uint64_t> tile_points;  // by tile, of the whole run
-  std::vector<std::uint64_t> points;       // the same of those here: 0 where there is none, or another node's
-  std::vector<TileEntry> stored;           // of these tiles, those that an earlier process has stored
+  std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // by tile, of the whole run
+  std::vector<TileEntry> stored;  // of those here, the tiles that an earlier process has stored
   GateOptions gates;
   std::filesystem::path scratch;  // of this part alone; none: what waits for other nodes is held in memory
   HeapTrim heap_trim;

@@ -16,19 +16,17 @@ constexpr TileId nobody{~std::uint32_t{0}};
 
 }  // namespace
 
-Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points)
-    : options_(options), tiles_(points.size()) {
-  for (std::size_t t = 0; t < points.size(); ++t) {
-    if (points[t] == 0) continue;
-    tiles_[t].points = points[t];
-    tiles_[t].place = Place::fresh;
-    ++fresh_;
+Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points) : options_(options) {
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (points[t] > 0) add(TileId{t}, points[t]);
   }
 }
 
 void Schedule::set_stored(TileId tile) {
+  const auto found = tiles_.find(tile);
+  if (found == tiles_.end()) return;
   unlink(tile);
-  tiles_[tile.value].is_stored = true;
+  found->second.is_stored = true;
   link(tile);
 }
 
@@ -37,35 +35,35 @@ void Schedule::enter(Stage stage) {
   check(stage >= stage_ || again, "stages follow one another");
   stage_ = stage;
   pending_.clear();
-  for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
-    if (again) tiles_[t].settled = false;
-    link(TileId{t});
+  for (auto& [id, tile] : tiles_) {
+    if (again) tile.settled = false;
+    link(id);
   }
 }
 
 void Schedule::add(TileId id, std::uint64_t points) {
-  Tile& tile = tiles_[id.value];
-  check(tile.place == Place::none || tile.place == Place::gone, "a tile is here once");
+  Tile& tile = tiles_[id];
+  check(tile.place == Place::gone, "a tile is here once");
   check(stage_ != Stage::settling, "what has to begin is not settled");
   tile = {};
   tile.points = points;
   tile.place = Place::fresh;
   ++fresh_;
-  next_fresh_ = std::min(next_fresh_, id.value);
+  next_fresh_ = std::min(next_fresh_, id);
   link(id);
 }
 
 std::vector<TileId> Schedule::release(std::uint64_t points) {
   std::vector<TileId> released;
-  for (std::uint32_t t = static_cast<std::uint32_t>(tiles_.size()); t-- > 0 && points > 0;) {
-    Tile& tile = tiles_[t];
+  for (auto next = tiles_.end(); next != tiles_.begin() && points > 0;) {
+    auto& [id, tile] = *--next;
     if (tile.place != Place::fresh || tile.working || tile.is_stored) continue;
     points -= std::min(points, tile.points);
-    unlink(TileId{t});
+    unlink(id);
     set_memory(tile, 0);
-    tile.place = Place::none;
     --fresh_;
-    released.push_back(TileId{t});
+    released.push_back(id);
+    next = tiles_.erase(next);
   }
   return released;
 }
@@ -86,7 +84,7 @@ bool Schedule::pending(const Tile& tile) const {
 }
 
 void Schedule::unlink(TileId t) {
-  const Tile& tile = tiles_[t.value];
+  const Tile& tile = tiles_.at(t);
   if (tile.working) return;
   if (tile.place == Place::awake && tile.mail.updates > 0) {
     ready_.erase(place(t, tile));
@@ -98,7 +96,7 @@ void Schedule::unlink(TileId t) {
 }
 
 void Schedule::link(TileId t) {
-  const Tile& tile = tiles_[t.value];
+  const Tile& tile = tiles_.at(t);
   if (tile.working) return;
   if (tile.place == Place::awake && tile.mail.updates > 0) {
     ready_.insert(place(t, tile));
@@ -115,8 +113,10 @@ void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
 }
 
 void Schedule::mail(TileId id, const Waiting& waiting) {
-  Tile& tile = tiles_[id.value];
-  if (tile.working || tile.place == Place::none || tile.place == Place::gone) return;
+  const auto found = tiles_.find(id);
+  if (found == tiles_.end()) return;
+  Tile& tile = found->second;
+  if (tile.working || tile.place == Place::gone) return;
   unlink(id);
   set_memory(tile, tile.memory - tile.mail.bytes + waiting.bytes);
   tile.mail = waiting;
@@ -124,7 +124,7 @@ void Schedule::mail(TileId id, const Waiting& waiting) {
 }
 
 void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
-  Tile& tile = tiles_[id.value];
+  Tile& tile = tiles_.at(id);
   check(tile.working, "only granted work is done");
   if (work == Work::sleep) freeing_ -= tile.memory;
   tile.working = false;
@@ -167,7 +167,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
 }
 
 void Schedule::stored(TileId id) {
-  Tile& tile = tiles_[id.value];
+  Tile& tile = tiles_.at(id);
   check(tile.place == Place::storing, "only what was collected is stored");
   set_memory(tile, tile.memory - tile.storing);
   storing_bytes_ -= std::exchange(tile.storing, 0);
@@ -177,7 +177,9 @@ void Schedule::stored(TileId id) {
 }
 
 void Schedule::abandon(TileId id) {
-  Tile& tile = tiles_[id.value];
+  const auto found = tiles_.find(id);
+  if (found == tiles_.end()) return;
+  Tile& tile = found->second;
   unlink(id);
   if (tile.working) --working_;
   if (tile.place == Place::storing) {
@@ -212,7 +214,7 @@ std::optional<Schedule::Grant> Schedule::next() {
   if (stage_ == Stage::suspending) {
     if (ahead()) return std::nullopt;
     while (const auto t = to_sleep(nobody)) {
-      const std::uint64_t held = tiles_[t->value].held;
+      const std::uint64_t held = tiles_.at(*t).held;
       if (suspended_bytes_ + held > options_.suspend_bytes) {
         abandon(*t);
         continue;
@@ -226,7 +228,7 @@ std::optional<Schedule::Grant> Schedule::next() {
   if (stage_ == Stage::settling) {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
-    const Tile& tile = tiles_[t.value];
+    const Tile& tile = tiles_.at(t);
     if (tile.place == Place::awake) return grant(t, Work::settle, tile.memory);
     return grant_in_room(t, Work::settle, tile.memory + budget::waking_bytes(tile.held, options_.kernel));
   }
@@ -235,19 +237,19 @@ std::optional<Schedule::Grant> Schedule::next() {
     const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
     if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
-    const Tile& tile = tiles_[t.value];
+    const Tile& tile = tiles_.at(t);
     if (tile.is_stored) return grant(t, Work::drop, tile.memory);
     const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.points
                                  : tile.place == Place::asleep ? tile.held
                                                                : 0;
     return grant_in_room(t, Work::collect, tile.memory + before + options_.collect_bytes * tile.points);
   }
-  while (next_fresh_ < tiles_.size() && (tiles_[next_fresh_].place != Place::fresh || tiles_[next_fresh_].working)) {
-    ++next_fresh_;
-  }
-  if (next_fresh_ < tiles_.size()) {
-    const TileId t{next_fresh_};
-    const std::uint64_t needed = tiles_[t.value].memory + options_.begin_bytes * tiles_[t.value].points;
+  auto fresh = tiles_.lower_bound(next_fresh_);
+  while (fresh != tiles_.end() && (fresh->second.place != Place::fresh || fresh->second.working)) ++fresh;
+  next_fresh_ = fresh == tiles_.end() ? nobody : fresh->first;
+  if (fresh != tiles_.end()) {
+    const auto& [t, tile] = *fresh;
+    const std::uint64_t needed = tile.memory + options_.begin_bytes * tile.points;
     if (!fits(t, needed) && !ready_.empty()) return splay_awake();
     sweep_ = t;
     return grant_in_room(t, Work::begin, needed);
@@ -259,7 +261,7 @@ std::optional<Schedule::Grant> Schedule::next() {
 std::optional<Schedule::Grant> Schedule::hand_next() {
   if (ahead() || pending_.empty()) return std::nullopt;
   const TileId t = pending_.begin()->second;
-  const Tile& tile = tiles_[t.value];
+  const Tile& tile = tiles_.at(t);
   const std::uint64_t needed = tile.memory + budget::sleeping_bytes(tile.held, options_.kernel);
   if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
   return grant(t, Work::hand_over, needed);
@@ -268,7 +270,7 @@ std::optional<Schedule::Grant> Schedule::hand_next() {
 // REQUIRES: there is one with mail.
 std::optional<Schedule::Grant> Schedule::splay_awake() {
   const TileId t = std::get<2>(*ready_.begin());
-  const Tile& tile = tiles_[t.value];
+  const Tile& tile = tiles_.at(t);
   return grant_in_room(t, Work::splay, tile.memory + options_.mail_bytes * tile.mail.points);
 }
 
@@ -276,7 +278,7 @@ std::optional<Schedule::Grant> Schedule::wake_next() {
   const auto t = next_of_sweep();
   if (!t) return std::nullopt;
   sweep_ = *t;
-  const Tile& tile = tiles_[t->value];
+  const Tile& tile = tiles_.at(*t);
   return grant_in_room(
       *t, Work::splay,
       tile.memory + budget::waking_bytes(tile.held, options_.kernel) + options_.mail_bytes * tile.mail.points);
@@ -310,7 +312,7 @@ std::optional<TileId> Schedule::to_sleep(TileId but) const {
 }
 
 bool Schedule::fits(TileId t, std::uint64_t needed, std::uint64_t freed) const {
-  return memory_ - freed - tiles_[t.value].memory + needed <= options_.memory_bytes;
+  return memory_ - freed - tiles_.at(t).memory + needed <= options_.memory_bytes;
 }
 
 // Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
@@ -326,13 +328,13 @@ std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std:
 }
 
 std::optional<Schedule::Grant> Schedule::put_to_sleep(TileId t) {
-  const Tile& tile = tiles_[t.value];
+  const Tile& tile = tiles_.at(t);
   return grant(t, Work::sleep, tile.memory + budget::sleeping_bytes(tile.held, options_.kernel));
 }
 
 std::optional<Schedule::Grant> Schedule::grant(TileId t, Work work, std::uint64_t needed) {
   unlink(t);
-  Tile& tile = tiles_[t.value];
+  Tile& tile = tiles_.at(t);
   set_memory(tile, needed);
   tile.working = true;
   ++working_;

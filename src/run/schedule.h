@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -50,10 +51,10 @@ class Schedule {
     Work work;
   };
 
-  // `points` by tile: 0 where there is no tile, or where it is another node's.
+  // `points` by tile: 0 where there is no tile, or where it is another node's. Those are not kept.
   Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points);
 
-  // A tile whose result is in the store already: it takes part in the exchange, and is not collected.
+  // A tile whose result is in the store already, if it is here: it takes part in the exchange, and is not collected.
   void set_stored(TileId tile);
   // A tile that has come here: fresh. REQUIRES: there is none of its number here, and more are granted.
   void add(TileId tile, std::uint64_t points);
@@ -75,7 +76,7 @@ class Schedule {
   // The work granted is done. `bytes`: what the tile holds beside its mail. `storing`: what it has given to the store.
   void done(TileId tile, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing = 0);
   void stored(TileId tile);
-  // Nothing more is to be expected of a tile.
+  // Nothing more is to be expected of a tile, if it is here.
   void abandon(TileId tile);
 
   // What to grant now, if anything: the tile counts as working until done().
@@ -84,21 +85,27 @@ class Schedule {
   bool all_begun() const { return fresh_ == 0; }
   // Nothing is under way and nothing waits that this stage would grant.
   bool idle() const;
-  bool working(TileId tile) const { return tiles_[tile.value].working; }
-  bool storing(TileId tile) const { return tiles_[tile.value].place == Place::storing; }
+  bool working(TileId tile) const {
+    const auto found = tiles_.find(tile);
+    return found != tiles_.end() && found->second.working;
+  }
+  bool storing(TileId tile) const {
+    const auto found = tiles_.find(tile);
+    return found != tiles_.end() && found->second.place == Place::storing;
+  }
   std::uint64_t memory() const { return memory_; }
   std::uint32_t asleep() const { return asleep_; }
   std::uint64_t sleeps() const { return sleeps_; }
 
  private:
-  enum class Place : std::uint8_t { none, fresh, awake, asleep, storing, gone };
+  enum class Place : std::uint8_t { fresh, awake, asleep, storing, gone };
   struct Tile {
     std::uint64_t points = 0;
     Waiting mail;
     std::uint64_t memory = 0;  // reserved while it works, reported after; its mail and what is being stored included
     std::uint64_t storing = 0;
     std::uint64_t held = 0;  // beside mail, when it was last awake
-    Place place = Place::none;
+    Place place = Place::gone;
     bool working = false, is_stored = false, settled = false;
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
@@ -123,7 +130,7 @@ class Schedule {
   std::optional<Grant> grant_in_room(TileId tile, Work work, std::uint64_t needed);
 
   ScheduleOptions options_;
-  std::vector<Tile> tiles_;
+  std::map<TileId, Tile> tiles_;  // here: there may be very many elsewhere
   Stage stage_ = Stage::exchanging;
   std::set<Ready, std::greater<>> ready_;      // in memory, idle, with mail
   std::set<TileId> called_;                    // asleep, with mail
@@ -132,7 +139,7 @@ class Schedule {
   std::set<std::pair<bool, TileId>> pending_;  // idle, to be settled, collected or handed over; false: in memory
   TileId sweep_{0};                            // where the sweep is
   bool sweeping_back_ = true;                  // at the end of the tiles' order the first one begins
-  std::uint32_t next_fresh_ = 0;               // no idle fresh tile comes before
+  TileId next_fresh_{0};                       // no idle fresh tile comes before
   std::uint32_t fresh_ = 0;                    // not begun, or just beginning
   std::uint32_t working_ = 0, storing_ = 0, asleep_ = 0;
   std::uint64_t memory_ = 0;  // over all tiles

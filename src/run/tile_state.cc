@@ -44,7 +44,7 @@ Status TileState::build(bool announce) {
         context_.storage->write(self_.tile, ScratchKind::duplicates, std::as_bytes(std::span(loaded.duplicates))));
     std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
   }
-  const Box& box = context_.boxes[self_.tile.value];
+  const Box& box = (*context_.boxes)[self_.tile.value];
   // A tile that is collected at once is not worth reducing.
   const bool reduce = context_.reduce && announce;
   triangulation_ = std::make_unique<TileTriangulation>(options());

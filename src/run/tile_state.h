@@ -41,8 +41,9 @@ struct TileContext {
   KernelKind kernel = KernelKind::flat;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
-  std::vector<Box> boxes;  // by tile; a tile with the empty box has no final cells, and announces nothing
-  Surroundings around;
+  // By tile; a tile with the empty box has no final cells, and announces nothing.
+  std::shared_ptr<const std::vector<Box>> boxes;
+  std::shared_ptr<const Surroundings> around;
   std::shared_ptr<const Table> table = std::make_shared<const Table>();  // that the part was opened with
   bool many_nodes = false;                            // images are no use to those who come after: everybody settles
   std::uint64_t mail_points_max = ~std::uint64_t{0};  // that a tile keeps in memory
@@ -113,7 +114,8 @@ class TileState {
   bool dead(const Update& update) const { return update.to != self_ || table_->dead(update.from); }
   Update outgoing(Peer to, std::vector<SharedPoint> points);
   TileOptions options() const {
-    return {self_.tile, context_.dimension, context_.kernel, ExchangeRule::introduce, &context_.around, context_.stop};
+    return {self_.tile,   context_.dimension, context_.kernel, ExchangeRule::introduce, context_.around.get(),
+            context_.stop};
   }
 
   Peer self_;

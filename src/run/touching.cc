@@ -5,9 +5,9 @@
 
 namespace tessera {
 
-std::vector<Box> final_boxes(const Partition& partition) {
-  if (partition.kind() != PartitionKind::random || partition.tiles() == 1) return partition.boxes();
-  return std::vector<Box>(partition.tiles(), Box{{1, 1, 1}, {-1, -1, -1}});
+std::shared_ptr<const std::vector<Box>> final_boxes(const std::shared_ptr<const Partition>& partition) {
+  if (partition->kind() != PartitionKind::random || partition->tiles() == 1) return {partition, &partition->boxes()};
+  return std::make_shared<const std::vector<Box>>(partition->tiles(), Box{{1, 1, 1}, {-1, -1, -1}});
 }
 
 // A sweep along x: boxes by their lower side, each against those that begin before it ends.

@@ -1,6 +1,7 @@
 // Which tiles have to do with each other from the start.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "src/base/point.h"
@@ -10,7 +11,7 @@ namespace tessera {
 
 // Where cells can be final: the boxes of the partition; of tiles that lie in one another, as random ones do, the empty
 // box.
-std::vector<Box> final_boxes(const Partition& partition);
+std::shared_ptr<const std::vector<Box>> final_boxes(const std::shared_ptr<const Partition>& partition);
 
 // By tile, ascending: those with points whose boxes touch its own; of a random partition, the next 32 in number.
 // `bounds`: of the tiles' points.

@@ -23,15 +23,30 @@ double squared_gap(const Bounds& a, const Bounds& b) {
 
 }  // namespace
 
-Surroundings::Surroundings(std::vector<Bounds> bounds, std::vector<std::vector<TileId>> neighbours,
+Surroundings::Surroundings(std::vector<Bounds> bounds, const std::vector<std::vector<TileId>>& neighbours,
                            std::vector<Seed> seeds)
-    : bounds_(std::move(bounds)), neighbours_(std::move(neighbours)), seeds_(std::move(seeds)) {
-  const std::size_t leaves = std::bit_ceil((seeds_.size() + block_seeds - 1) / block_seeds);
+    : Surroundings(std::make_shared<const std::vector<Bounds>>(std::move(bounds)), neighbours,
+                   std::make_shared<const std::vector<Seed>>(std::move(seeds))) {}
+
+Surroundings::Surroundings(std::shared_ptr<const std::vector<Bounds>> bounds,
+                           const std::vector<std::vector<TileId>>& neighbours,
+                           std::shared_ptr<const std::vector<Seed>> seeds)
+    : bounds_(std::move(bounds)), seeds_(std::move(seeds)) {
+  std::size_t all = 0;
+  for (const auto& list : neighbours) all += list.size();
+  neighbours_.reserve(all);
+  neighbours_end_.reserve(neighbours.size());
+  for (const auto& list : neighbours) {
+    neighbours_.insert(neighbours_.end(), list.begin(), list.end());
+    neighbours_end_.push_back(static_cast<std::uint32_t>(neighbours_.size()));
+  }
+  const std::size_t leaves = std::bit_ceil((seeds_->size() + block_seeds - 1) / block_seeds);
   blocks_.resize(2 * leaves);
-  for (std::size_t i = 0; i < seeds_.size(); ++i) {
+  for (std::size_t i = 0; i < seeds_->size(); ++i) {
+    const Seed& seed = (*seeds_)[i];
     Block& block = blocks_[leaves + i / block_seeds];
-    block.bounds.add(seeds_[i].point.at);
-    block.reach = std::max(block.reach, seeds_[i].reach);
+    block.bounds.add(seed.point.at);
+    block.reach = std::max(block.reach, seed.reach);
   }
   for (std::size_t b = leaves - 1; b > 0; --b) {
     blocks_[b] = blocks_[2 * b];
@@ -42,7 +57,7 @@ Surroundings::Surroundings(std::vector<Bounds> bounds, std::vector<std::vector<T
 
 std::uint32_t Surroundings::bit(TileId owner, TileId neighbour) const {
   constexpr std::size_t bits = 32;
-  const auto& list = neighbours_[owner.value];
+  const auto list = neighbours(owner);
   const auto end = list.begin() + static_cast<std::ptrdiff_t>(std::min(bits, list.size()));
   const auto found = std::find(list.begin(), end, neighbour);
   return found == end ? 0 : std::uint32_t{1} << (found - list.begin());
@@ -55,23 +70,23 @@ bool Surroundings::reaches(const Seed& seed, const Bounds& bounds) {
 
 std::vector<Seed> Surroundings::seeds_of(TileId tile) const {
   std::vector<Seed> out;
-  if (!seeds_.empty()) collect(1, tile, out);
+  if (!seeds_->empty()) collect(1, tile, out);
   return out;
 }
 
 // A block is passed over when none of its seeds can reach: its gap is no larger than theirs, and rounding keeps that.
 void Surroundings::collect(std::size_t block, TileId tile, std::vector<Seed>& out) const {
   const Block& b = blocks_[block];
-  if (b.bounds.empty() || squared_gap(b.bounds, bounds_[tile.value]) > b.reach * b.reach) return;
+  if (b.bounds.empty() || squared_gap(b.bounds, bounds(tile)) > b.reach * b.reach) return;
   const std::size_t leaves = blocks_.size() / 2;
   if (block < leaves) {
     collect(2 * block, tile, out);
     collect(2 * block + 1, tile, out);
     return;
   }
-  const std::size_t begin = (block - leaves) * block_seeds, end = std::min(seeds_.size(), begin + block_seeds);
+  const std::size_t begin = (block - leaves) * block_seeds, end = std::min(seeds_->size(), begin + block_seeds);
   for (std::size_t i = begin; i < end; ++i) {
-    if (has(tile, seeds_[i])) out.push_back(seeds_[i]);
+    if (has(tile, (*seeds_)[i])) out.push_back((*seeds_)[i]);
   }
 }
 

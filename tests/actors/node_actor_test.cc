@@ -20,8 +20,7 @@ class NoPoints final : public PartSource, public TileStorage {
   explicit NoPoints(std::size_t tiles) : tiles_(tiles) {}
   Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override {
     auto part = std::make_unique<Part>();
-    part->points.resize(tiles_, 1);
-    part->tile_points = part->points;
+    part->tile_points = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
     part->schedule.threads = static_cast<std::uint32_t>(tiles_);
     part->context.storage = this;
     return part;

@@ -63,14 +63,18 @@ std::size_t heap_bytes() {
   return now.uordblks + now.hblkhd;
 }
 
-// What the process has taken for a job of so many small tiles, when all are quiet and asleep, but for one.
-std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
+RoutedRun routed(int dimension, std::uint32_t tiles, const std::filesystem::path& folder) {
   const auto coordinates = coordinates_of(make_cloud("uniform", dimension, 20 * tiles, 1), dimension);
-  const TemporaryFolder folder = TemporaryFolder::make().value();
   Progress progress;
   const Cloud cloud =
       Cloud::open_source(array_source("cloud", coordinates, dimension), {.dimension = dimension}).value();
-  const RoutedRun run = route(cloud, run_folder(folder.path()), {.tiles = tiles}, progress, {}).value();
+  return route(cloud, run_folder(folder), {.tiles = tiles}, progress, {}).value();
+}
+
+// What the process has taken for a job of so many small tiles, when all are quiet and asleep, but for one.
+std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
+  const TemporaryFolder folder = TemporaryFolder::make().value();
+  const RoutedRun run = routed(dimension, tiles, folder.path());
   CoordinatorOptions job;
   job.spec.run_folder = run.folder.string();
   job.spec.out_folder = folder.path().string();
@@ -89,6 +93,54 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   caf::anon_send(node, Leave{});
   EXPECT_GT(quiet, before);
   return quiet - before;
+}
+
+// What the process takes for a part that has ten of so many tiles, beside the plan, when they are quiet and asleep.
+std::size_t bytes_of_part(std::uint32_t tiles) {
+  constexpr int dimension = 3;
+  const TemporaryFolder folder = TemporaryFolder::make().value();
+  const RoutedRun run = routed(dimension, tiles, folder.path());
+  PartSpec spec;
+  spec.run_folder = run.folder.string();
+  spec.out_folder = folder.path().string();
+  spec.table = {0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}),
+                std::vector<std::uint32_t>(run.tile_points.size())};
+  std::fill_n(spec.table.nodes.begin(), 10, NodeId{0});
+  Config config;
+  caf::actor_system system(config);
+  caf::scoped_actor self(system);
+  const std::size_t before = heap_bytes();
+  const NodeHandle node = system.spawn<NodeActor>(NodeOptions{.memory_bytes = spec.memory_bytes, .hooks = {}},
+                                                  std::make_shared<NarrowParts>(run));
+  self->send(node, OpenPart{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr())});
+  PartHandle part;
+  self->receive([&](const PartOpened& opened) {
+    EXPECT_EQ(opened.failure.text, "");
+    part = caf::actor_cast<PartHandle>(opened.part);
+    self->send(part, BeginPart{{opened.part, {}}, std::move(spec.table), false});
+  });
+  bool idle = false;
+  self->receive_while([&] { return !idle; })([](const PartBegun&) {}, [](const PartProgress&) {},
+                                             [&](const PartIdle&) { idle = true; });
+  const std::size_t after = heap_bytes();
+  EXPECT_GT(after, before);
+  self->monitor(part);
+  self->send(part, Abort{});
+  bool gone = false;
+  self->receive_while([&] { return !gone; })([](const PartProgress&) {}, [](const PartEnded&) {},
+                                             [&](const caf::down_msg&) { gone = true; });
+  caf::anon_send(node, Leave{});
+  return after - before;
+}
+
+// The table, whom tiles tell first, the tree over the seeds: nothing for each of other nodes' tiles but what any of its
+// own may ask for.
+TEST(TileMemory, IsLessThan100BytesForATileOfAnotherNode) {
+  constexpr std::uint32_t few = 500, many = 5500;
+  const auto least = [](std::uint32_t tiles) { return std::min({bytes_of_part(tiles), bytes_of_part(tiles)}); };
+  const std::size_t bytes = (least(many) - least(few)) / (many - few);
+  std::printf("%zu bytes a tile of another node\n", bytes);
+  EXPECT_LT(bytes, 100u);
 }
 
 // Actors, counters, schedule, and what tiles know of each other and the seeds: 100,000 tiles take 0.4 GB at most.

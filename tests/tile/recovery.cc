@@ -2,48 +2,15 @@
 
 #include <algorithm>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <random>
 #include <utility>
 
 #include "src/run/tile_state.h"
+#include "tests/tile/scratch.h"
 
 namespace tessera::testing {
 namespace {
-
-// What one life of a tile has on disk.
-class Scratch final : public TileStorage {
- public:
-  Scratch(std::vector<LocalPoint> points, int dimension) : points_(std::move(points)), dimension_(dimension) {}
-  Result<LoadedTile> load_points(TileId) override { return order_points(points_, dimension_); }
-  Status write(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
-    pieces_[what] = {{bytes.begin(), bytes.end()}};
-    return success();
-  }
-  Status append(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
-    pieces_[what].emplace_back(bytes.begin(), bytes.end());
-    return success();
-  }
-  Result<Pieces> read(TileId, ScratchKind what) override { return pieces_[what]; }
-  Result<bool> has(TileId, ScratchKind what) override { return !pieces_[what].empty(); }
-  Status remove(TileId, ScratchKind what) override {
-    pieces_.erase(what);
-    return success();
-  }
-  Status clear(ScratchKind what) override { return remove({}, what); }
-  void store(TileId, TileMesh, Stored) override { check(false, "nothing is stored here"); }
-  // As an earlier process leaves it: but for mail.
-  void inherit(const Scratch& other) {
-    pieces_ = other.pieces_;
-    pieces_.erase(ScratchKind::mail);
-  }
-
- private:
-  std::vector<LocalPoint> points_;
-  int dimension_;
-  std::map<ScratchKind, Pieces> pieces_;
-};
 
 struct Life {
   Life(Peer self, const TileContext& common, std::shared_ptr<const Table> table, std::vector<LocalPoint> points)
@@ -128,9 +95,9 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.dimension = options.dimension;
   common_.kernel = options.kernel;
   common_.reduce = options.reduce;
-  common_.boxes = assignment.boxes;
-  if (common_.boxes.empty()) common_.boxes.assign(tiles, Box{{1, 1, 1}, {-1, -1, -1}});
-  common_.around = Surroundings(bounds, std::move(neighbours), std::move(seeds));
+  common_.boxes = std::make_shared<const std::vector<Box>>(
+      assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
+  common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
   common_.mail_points_max = options.mail_points_max;
   Table first{0, {}, std::vector<std::uint32_t>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});

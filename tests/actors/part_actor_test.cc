@@ -1,0 +1,224 @@
+// One part among messages in orders that a network can make, and the harness hardly or never: its coordinator tells all
+// parts at once. The test is the coordinator, and the other node.
+#include "actors/part_actor.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <caf/all.hpp>
+#include <caf/scheduler/test_coordinator.hpp>
+#include <map>
+#include <memory>
+#include <optional>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "actors/harness/memory_storage.h"
+#include "actors/harness/setting.h"
+#include "actors/node_actor.h"
+
+namespace tessera {
+namespace {
+
+class Config : public caf::actor_system_config {
+ public:
+  Config() {
+    add_message_types<caf::id_block::tessera>();
+    set("scheduler.policy", caf::atom("testing"));
+  }
+};
+
+class Processed final : public ExchangeWatch {
+ public:
+  void sent(Peer, Peer, Totals) override {}
+  void processed(Peer from, Peer, Totals) override { ++from_[from]; }
+  void rejoined(Peer, Totals) override {}
+  std::uint64_t from(Peer peer) { return from_[peer]; }
+
+ private:
+  std::map<Peer, std::uint64_t> from_;
+};
+
+constexpr NodeId here{0}, there{1};
+constexpr std::uint32_t tiles = 6;
+constexpr TileId foreign{5};  // the others are here
+
+Setting setting() {
+  HarnessOptions how;
+  how.dimension = 2;
+  how.points = 60;
+  how.tiles = tiles;
+  how.nodes = 2;
+  std::mt19937_64 random(7);
+  Setting made = make_setting(how, 7, random);
+  made.late_stores = false;
+  made.gates = {};
+  made.schedule.threads = 1;
+  made.schedule.memory_bytes = std::uint64_t{1} << 40;
+  Table table{0, std::vector<NodeId>(tiles, here), std::vector<std::uint32_t>(tiles)};
+  table.nodes[foreign.value] = there;
+  made.context.table = std::make_shared<const Table>(table);
+  made.spec.table = std::move(table);
+  return made;
+}
+
+class OnePart : public ::testing::Test {
+ protected:
+  // What the test has heard since it listened last.
+  struct Heard {
+    std::vector<PartTally> tallies;
+    std::vector<PartReleased> released;
+    std::vector<PartFound> found;
+    int idle = 0;
+  };
+
+  OnePart() {
+    NodeOptions node;
+    node.memory_bytes = ~std::uint64_t{0};
+    node_ = system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, &watch_, here));
+    self_->send(node_, OpenPart{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_)});
+    run();
+    self_->receive([&](const PartOpened& opened) { part_ = caf::actor_cast<PartHandle>(opened.part); });
+  }
+  ~OnePart() override {
+    caf::anon_send_exit(part_, caf::exit_reason::kill);
+    caf::anon_send_exit(node_, caf::exit_reason::kill);
+    run();
+  }
+
+  static caf::actor handle_of(const caf::scoped_actor& actor) { return caf::actor_cast<caf::actor>(actor.ptr()); }
+  std::vector<caf::actor> parts() const { return {caf::actor_cast<caf::actor>(part_), handle_of(self_)}; }
+
+  template <class Message>
+  void tell(Message message) {
+    self_->send(part_, std::move(message));
+  }
+  void begin() { tell(BeginPart{parts(), {}, false}); }
+  // The other node's tile was reborn, so often.
+  void change_table(std::uint32_t incarnation) {
+    Table table = *setting_.context.table;
+    table.epoch = incarnation;
+    table.incarnations[foreign.value] = incarnation;
+    tell(ChangeTable{std::move(table), parts(), false});
+  }
+  void mail(Peer from, std::uint64_t epoch) {
+    tell(Parcel{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, 0}, epoch, 1, {}}}});
+  }
+
+  // Each actor in its turn, a message at a time, until all is done.
+  void run() { scheduler_.run(); }
+  void run_part() {
+    auto* const part = dynamic_cast<caf::resumable*>(caf::actor_cast<caf::abstract_actor*>(part_));
+    scheduler_.run_jobs_filtered([&](caf::resumable* job) { return job == part; });
+  }
+  // One message of an actor that is ready.
+  void step(caf::resumable* actor) {
+    auto& jobs = scheduler_.jobs;
+    const auto found = std::find(jobs.begin(), jobs.end(), actor);
+    ASSERT_NE(found, jobs.end());
+    std::rotate(jobs.begin(), found, found + 1);
+    scheduler_.run_once();
+  }
+
+  Heard listen(const caf::scoped_actor& ear) {
+    Heard heard;
+    bool more = true;
+    ear->receive_while([&] { return more; })([&](const PartTally& tally) { heard.tallies.push_back(tally); },
+                                             [&](const PartReleased& released) { heard.released.push_back(released); },
+                                             [&](const PartFound& found) { heard.found.push_back(found); },
+                                             [&](const PartIdle&) { ++heard.idle; }, [](const PartBegun&) {},
+                                             [](const PartProgress&) {}, [](const Parcel&) {}, [](const Credit&) {},
+                                             caf::after(std::chrono::seconds(0)) >> [&] { more = false; });
+    return heard;
+  }
+  Heard listen() { return listen(self_); }
+
+  const Setting setting_ = setting();
+  MemoryStorage storage_{2, setting_.tiles};
+  Processed watch_;
+  Config config_;
+  caf::actor_system system_{config_};
+  caf::scheduler::test_coordinator& scheduler_ = dynamic_cast<caf::scheduler::test_coordinator&>(system_.scheduler());
+  caf::scoped_actor self_{system_};
+  NodeHandle node_;
+  PartHandle part_;
+};
+
+TEST_F(OnePart, KeepsMailThatComesBeforeItIsToldToBegin) {
+  mail({foreign, 0}, 0);
+  run();
+  EXPECT_EQ(watch_.from({foreign, 0}), 0u);
+  begin();
+  run();
+  EXPECT_EQ(watch_.from({foreign, 0}), 1u);
+}
+
+TEST_F(OnePart, KeepsMailOfAnEpochWhoseTableIsStillToCome) {
+  begin();
+  run();
+  mail({foreign, 1}, 1);
+  run();
+  EXPECT_EQ(watch_.from({foreign, 1}), 0u);
+  change_table(1);
+  run();
+  EXPECT_EQ(watch_.from({foreign, 1}), 1u);
+}
+
+TEST_F(OnePart, IsBusyUntilAllItsTilesGoByTheTable) {
+  begin();
+  run();
+  EXPECT_EQ(listen().idle, 1);
+  tell(Probe{1});
+  run();
+  ASSERT_TRUE(listen().tallies.at(0).idle);
+  change_table(1);
+  tell(Probe{2});  // heard before any tile hears of the table
+  run();
+  const Heard heard = listen();
+  ASSERT_EQ(heard.tallies.size(), 1u);
+  EXPECT_EQ(heard.tallies[0].epoch, 1u);
+  EXPECT_FALSE(heard.tallies[0].idle);
+  EXPECT_EQ(heard.idle, 1);
+  tell(Probe{3});
+  run();
+  EXPECT_TRUE(listen().tallies.at(0).idle);
+}
+
+// Of two tables it says twice that it goes by the second; meanwhile it may have been given up.
+TEST_F(OnePart, DoesNotWaitForATileThatItHasGivenUp) {
+  begin();
+  run_part();  // tiles 0 and 1 are to begin
+  change_table(1);
+  change_table(2);
+  run_part();
+  const std::vector<caf::resumable*> actors(scheduler_.jobs.begin(), scheduler_.jobs.end());
+  ASSERT_EQ(actors.size(), tiles - 1);
+  for (const std::size_t t : {4, 3, 2, 1, 0}) step(actors[t]);
+  for (const std::size_t t : {1, 0}) step(actors[t]);  // these had to begin first
+  tell(Release{1});
+  run_part();
+  run();
+  const Heard heard = listen();
+  ASSERT_EQ(heard.released.size(), 1u);
+  EXPECT_EQ(heard.released[0].tiles, std::vector<TileId>{TileId{4}});
+  EXPECT_EQ(heard.idle, 1);
+}
+
+// The one before it may not have heard, or not written down, that these are nobody's.
+TEST_F(OnePart, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
+  begin();
+  run_part();
+  tell(Release{1});
+  run();
+  ASSERT_EQ(listen().released.size(), 1u);
+  const caf::scoped_actor next(system_);
+  next->send(node_, FindPart{JobId{1}, 1, caf::actor_cast<caf::actor>(node_), handle_of(next)});
+  run();
+  const Heard heard = listen(next);
+  ASSERT_EQ(heard.found.size(), 1u);
+  EXPECT_EQ(heard.found[0].released, std::vector<TileId>{TileId{4}});
+}
+
+}  // namespace
+}  // namespace tessera

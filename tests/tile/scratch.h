@@ -1,0 +1,46 @@
+// What one life of a tile has on disk, in memory.
+#pragma once
+
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "src/base/check.h"
+#include "src/run/tile_storage.h"
+
+namespace tessera::testing {
+
+class Scratch final : public TileStorage {
+ public:
+  Scratch(std::vector<LocalPoint> points, int dimension) : points_(std::move(points)), dimension_(dimension) {}
+  Result<LoadedTile> load_points(TileId) override { return order_points(points_, dimension_); }
+  Status write(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
+    pieces_[what] = {{bytes.begin(), bytes.end()}};
+    return success();
+  }
+  Status append(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
+    pieces_[what].emplace_back(bytes.begin(), bytes.end());
+    return success();
+  }
+  Result<Pieces> read(TileId, ScratchKind what) override { return pieces_[what]; }
+  Result<bool> has(TileId, ScratchKind what) override { return !pieces_[what].empty(); }
+  Status remove(TileId, ScratchKind what) override {
+    pieces_.erase(what);
+    return success();
+  }
+  Status clear(ScratchKind what) override { return remove({}, what); }
+  void store(TileId, TileMesh, Stored) override { check(false, "nothing is stored here"); }
+  // As an earlier process leaves it: but for mail.
+  void inherit(const Scratch& other) {
+    pieces_ = other.pieces_;
+    pieces_.erase(ScratchKind::mail);
+  }
+
+ private:
+  std::vector<LocalPoint> points_;
+  int dimension_;
+  std::map<ScratchKind, Pieces> pieces_;
+};
+
+}  // namespace tessera::testing
