@@ -126,7 +126,7 @@ LoadedTile load(const std::filesystem::path& path, int dimension) {
   std::vector<LocalPoint> points(std::filesystem::file_size(path) / sizeof(LocalPoint));
   std::ifstream(path, std::ios::binary)
       .read(reinterpret_cast<char*>(points.data()), static_cast<std::streamsize>(points.size() * sizeof(LocalPoint)));
-  return order_points(std::move(points), dimension);
+  return order_points(points, dimension);
 }
 
 class Bench {
@@ -158,7 +158,7 @@ class Bench {
     around_ = Surroundings({bounds, beside_}, {{TileId{1}}, {TileId{0}}}, {});
     // HDF5 is loaded when it is first used: fixed costs, not this tile's.
     std::vector<LocalPoint> few(points.begin(), points.begin() + 100);
-    const LoadedTile tile = order_points(std::move(few), o.dimension);
+    const LoadedTile tile = order_points(few, o.dimension);
     TileTriangulation t(options_);
     t.triangulate(tile.points, tile.ids);
     const TileMesh mesh = t.collect(tile.points, tile.ids, {});

@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   };
   std::printf("%s, %llu points, seed %llu, %dD, one thread\n", kind.c_str(), static_cast<unsigned long long>(n),
               static_cast<unsigned long long>(seed), dimension);
-  LoadedTile tile = order_points(std::move(points), dimension);
+  LoadedTile tile = order_points(points, dimension);
   lap("order", tile.points.size() * 32);
   const Bounds beside{{bounds.hi.x, bounds.lo.y, bounds.lo.z},
                       {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}};

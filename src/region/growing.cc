@@ -12,7 +12,8 @@ namespace tessera {
 GrowingTriangulation::GrowingTriangulation(int dimension) : dimension_(dimension), kernel_(make_kernel(dimension)) {}
 
 void GrowingTriangulation::build(std::vector<LocalPoint> points, const std::stop_token& stop) {
-  LoadedTile ordered = order_points(std::move(points), dimension_);
+  LoadedTile ordered = order_points(points, dimension_);
+  std::vector<LocalPoint>().swap(points);
   kernel_->build(ordered.points, KeepPoints::copied, stop);
   ids_ = std::move(ordered.ids);
 }
@@ -24,7 +25,8 @@ void GrowingTriangulation::add(std::vector<LocalPoint> points, const std::stop_t
     for (Vertex v = 1; v <= ids_.size(); ++v) points.push_back({point(v), id(v)});
     return build(std::move(points), stop);
   }
-  const LoadedTile ordered = order_points(std::move(points), dimension_);
+  const LoadedTile ordered = order_points(points, dimension_);
+  std::vector<LocalPoint>().swap(points);
   StopCheck check(stop, 4096);
   std::vector<Vertex> around;
   for_each_in_brio_order(ordered.points.size(), [&](std::size_t i) {

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/big_vector.h"
 #include "src/tiling/hilbert.h"
 #include "src/tiling/routed_run.h"
 
@@ -13,9 +14,9 @@ namespace tessera {
 namespace {
 
 struct Entry {
-  std::uint64_t key = 0;
-  std::uint64_t index = 0;
+  std::uint64_t key, index;
 };
+using Entries = BigVector<Entry>;
 
 constexpr int digit_bits = 11;  // 2048 counters: the scatter's targets stay in the second-level cache
 constexpr int digits = 6;       // 66 >= 63 bits
@@ -23,7 +24,7 @@ constexpr int digits = 6;       // 66 >= 63 bits
 // Least significant digit first, all histograms in one pass; a digit that is the same everywhere costs nothing. In
 // the plane the lowest digits seldom matter: enough are taken for 32 cells of the curve a point, and the few entries
 // that are equal then are sorted by comparison.
-void sort_by_key(std::vector<Entry>& entries, int dimension) {
+void sort_by_key(Entries& entries, int dimension) {
   constexpr std::size_t few = 512;  // not worth clearing the counters
   if (entries.size() < few) {
     return std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
@@ -36,7 +37,7 @@ void sort_by_key(std::vector<Entry>& entries, int dimension) {
   constexpr int planar_bits = 62;
   const int needed = static_cast<int>(std::bit_width(entries.size())) + 5;
   const int first = dimension == 2 ? std::max(planar_bits - needed, 0) / digit_bits : 0;
-  std::vector<Entry> other(entries.size());
+  Entries other(entries.size());
   for (int d = first; d < digits; ++d) {
     auto& count = counts[d];
     const int shift = d * digit_bits;
@@ -58,10 +59,10 @@ void sort_by_key(std::vector<Entry>& entries, int dimension) {
 
 class Sorter {
  public:
-  Sorter(const std::vector<LocalPoint>& points, int dimension) : points_(points), dimension_(dimension) {}
+  Sorter(std::span<const LocalPoint> points, int dimension) : points_(points), dimension_(dimension) {}
 
   // By Hilbert key within the bounds of these points; equal keys by sort_run.
-  void sort(std::vector<Entry>& entries) const {
+  void sort(Entries& entries) const {
     Bounds bounds;
     for (const Entry& e : entries) bounds.add(points_[e.index].at);
     const HilbertKey key(bounds, dimension_);
@@ -90,20 +91,20 @@ class Sorter {
       });
       return;
     }
-    std::vector<Entry> entries(run.begin(), run.end());
+    Entries entries(run.begin(), run.end());
     sort(entries);
     std::copy(entries.begin(), entries.end(), run.begin());
   }
 
-  const std::vector<LocalPoint>& points_;
+  std::span<const LocalPoint> points_;
   int dimension_;
 };
 
 }  // namespace
 
-LoadedTile order_points(std::vector<LocalPoint> points, int dimension) {
-  std::vector<Entry> entries(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) entries[i].index = i;
+LoadedTile order_points(std::span<const LocalPoint> points, int dimension) {
+  Entries entries(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) entries[i] = {0, i};
   Sorter(points, dimension).sort(entries);
 
   LoadedTile tile;

@@ -97,7 +97,7 @@ struct LoadedTile {
 // Error corrupt when the file is not the one that was written.
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
 // The same from memory (tests, harness). REQUIRES: finite coordinates without -0.
-LoadedTile order_points(std::vector<LocalPoint> points, int dimension);
+LoadedTile order_points(std::span<const LocalPoint> points, int dimension);
 
 // The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing, or
 // if the tile's files are not those that were written, which the first call for a tile finds out. Safe to call from

@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "src/base/big_vector.h"
 #include "src/files/mapped_file.h"
 #include "src/files/names.h"
 #include "src/tiling/routed_run.h"
@@ -50,7 +51,7 @@ LocalPoint record(std::span<const std::byte> records, std::size_t i) {
 
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
-  std::vector<LocalPoint> points(run.tile_points[tile.value]);
+  BigVector<LocalPoint> points(run.tile_points[tile.value]);
   const Box& box = run.partition.boxes()[tile.value];
   std::size_t begin = 0;
   for (const Segment& segment : run.segments_of(tile)) {
@@ -68,7 +69,7 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
     begin += part.size();
   }
   if (run.checked) (*run.checked)[tile.value].points = true;
-  return order_points(std::move(points), run.dimension);
+  return order_points(points, run.dimension);
 }
 
 Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids) {

@@ -31,7 +31,7 @@ std::vector<Point> read(const fs::path& path, std::size_t most) {
     if (is_finite(p)) list.push_back({without_negative_zero(p), list.size()});
   }
   if (list.empty()) return {};
-  return order_points(std::move(list), 2).points;
+  return order_points(list, 2).points;
 }
 
 // Each triangle from its least vertex on, so that orientation counts.

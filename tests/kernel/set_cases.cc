@@ -44,7 +44,7 @@ std::vector<Point> ordered(const std::vector<Point>& points, std::size_t most) {
     if (is_finite(p) && list.size() < most) list.push_back({without_negative_zero(p), list.size()});
   }
   if (list.empty()) return {};
-  return order_points(std::move(list), 3).points;
+  return order_points(list, 3).points;
 }
 
 // The lower half along x is local, the others come in random order.
