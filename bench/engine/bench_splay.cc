@@ -143,7 +143,7 @@ class Exchange {
       digest += digest_of(mesh);
       sum += tiles_[t]->counts();
       chain = std::max<std::uint64_t>(chain, tiles_[t]->hops());
-      seeds += context_.around.seeds_of(TileId{t}).size();
+      seeds += context_.around->seeds_of(TileId{t}).size();
       received.push_back(tiles_[t]->counts().received);
     }
     std::sort(received.begin(), received.end());
