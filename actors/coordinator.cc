@@ -70,7 +70,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
     attempt([&] { fail(lost("a message of the coordinator", reason)); });
   });
-  const std::string spec = spec_bytes();
+  const SharedBytes spec = spec_bytes();
   for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)}, spec);
   return {
       [this](const PartOpened& message) { attempt([&] { opened(message); }); },
@@ -131,13 +131,13 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   };
 }
 
-std::string Coordinator::spec_bytes() const {
+SharedBytes Coordinator::spec_bytes() const {
   PartSpec spec = options_.spec;
   spec.table = table_;
   return to_bytes(spec);
 }
 
-void Coordinator::prepare(NodeId node, const std::string& spec) {
+void Coordinator::prepare(NodeId node, const SharedBytes& spec) {
   PartOf& p = parts_[node.value];
   monitor(p.node);
   p.open.message() = {options_.job, node, spec, caf::actor_cast<caf::actor>(this), options_.term};

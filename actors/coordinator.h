@@ -107,8 +107,8 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   BeginPart beginning() const;  // for parts that are open, and have not been told
   void take(const TileDone& done);
   // `spec` as spec_bytes() has it: of many nodes it is made once.
-  void prepare(NodeId node, const std::string& spec);
-  std::string spec_bytes() const;
+  void prepare(NodeId node, const SharedBytes& spec);
+  SharedBytes spec_bytes() const;
   void join(const NodeHandle& node);
   void leave(const NodeLeaves& leaves);
   bool leaves(const NodeHandle& node) const;

@@ -74,7 +74,7 @@ void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
             std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
   const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
   for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
-  const std::string spec = spec_bytes();
+  const SharedBytes spec = spec_bytes();
   for (const Host& host : hosts) prepare(host.node, spec);
   for (PartOf& p : parts_) p.open.say(p.node);
 }

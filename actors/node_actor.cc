@@ -66,7 +66,7 @@ PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
 }
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
-  BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec));
+  BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec.get()));
   if (is_replaced(wanted.job, wanted.term)) return error(Errc::interrupted, "another coordinator has taken over");
   if (spec.shares > 0) {
     spec.threads = std::max(1U, options_.threads / spec.shares);

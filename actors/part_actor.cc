@@ -11,6 +11,8 @@ namespace {
 
 // Of many small tiles there are many in a moment: they are told before they take more memory than the tiles.
 constexpr std::size_t spans_max = 1000;
+// That speak as often as they may: of more, each waits longer, and whoever hears all of them has no more to do.
+constexpr std::size_t nodes_at_once = 50;
 
 }  // namespace
 
@@ -297,7 +299,8 @@ void PartActor::end() {
 
 void PartActor::tell_progress(bool now) {
   const auto time = std::chrono::steady_clock::now();
-  const bool due = now || progress_.spans.size() >= spans_max || time - progress_told_ >= progress_interval_;
+  const bool due = now || progress_.spans.size() >= spans_max ||
+                   time - progress_told_ >= progress_interval_ * std::max<std::size_t>(1, nodes_ / nodes_at_once);
   if (!due) return;
   progress_told_ = time;
   progress_.tiles_asleep = schedule_.asleep();

@@ -52,7 +52,7 @@ inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 
 class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
-  // `progress_interval`: how often at most the coordinator, and the meter, hear of progress.
+  // `progress_interval`: how often at most the coordinator, and the meter, hear of progress, where nodes are few.
   PartActor(caf::actor_config& config, NodeId self, RunOptions options, std::shared_ptr<const Part> part,
             CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks, std::chrono::milliseconds progress_interval,
             std::shared_ptr<NodeMeter> meter);
@@ -140,6 +140,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   Prepared<PartEnded> last_word_;
   PartProgress progress_;
   std::chrono::milliseconds progress_interval_;
+  std::size_t nodes_ = 1;
   std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
   std::optional<Failure> failure_;

@@ -33,6 +33,7 @@ std::vector<std::uint64_t> PartActor::points_by(const Table& table) const {
 // Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
 void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts) {
   auto routes = std::make_shared<Routes>();
+  nodes_ = parts.size();
   routes->table = table;
   routes->rebirths = rebirths_;
   for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<PartHandle>(part));

@@ -1,9 +1,11 @@
-// What actors say to each other. Nothing here refers to memory, and nothing holds a double: CAF's codec for them is not
-// exact (-0, denormals) and does not end on infinity; coordinates travel as raw bytes, times as whole microseconds.
+// What actors say to each other. Nothing here refers to memory that another process would not get, and nothing holds a
+// double: CAF's codec for them is not exact (-0, denormals) and does not end on infinity; coordinates travel as raw
+// bytes, times as whole microseconds.
 #pragma once
 
 #include <caf/all.hpp>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -117,11 +119,21 @@ struct TileLeft {
   TileId tile;
 };
 
-// coordinator -> node: host these tiles. `spec`: a PartSpec as bytes.
+// What many messages say: on the wire in each, in a process once.
+class SharedBytes {
+ public:
+  SharedBytes(std::string bytes = {}) : bytes_(std::make_shared<const std::string>(std::move(bytes))) {}
+  const std::string& get() const { return *bytes_; }
+
+ private:
+  std::shared_ptr<const std::string> bytes_;
+};
+
+// coordinator -> node: host these tiles. `spec`: a PartSpec as bytes, which are as many as there are tiles.
 struct OpenPart {
   JobId job;
   NodeId node;  // the number that the node has in this job
-  std::string spec;
+  SharedBytes spec;
   caf::actor coordinator;
   std::uint64_t term = 0;
 };

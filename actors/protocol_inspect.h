@@ -14,6 +14,16 @@ typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
   return f(x.value);
 }
 
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, SharedBytes& x) {
+  std::string bytes = x.get();
+  const auto load = [&]() -> caf::error {
+    x = SharedBytes(std::move(bytes));
+    return caf::none;
+  };
+  return f(bytes, caf::meta::load_callback(load));
+}
+
 TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(Grant, x.work)
