@@ -95,7 +95,9 @@ std::vector<NodeState> Seat::members() const {
   return members;
 }
 
-std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop) const {
+bool Seat::gathering() const { return registry_ && std::chrono::steady_clock::now() - taken_ < options_.lease; }
+
+std::vector<NodeHandle> Seat::nodes(bool all, const std::stop_token& stop) const {
   std::mutex mutex;
   std::condition_variable_any stopped;
   std::unique_lock lock(mutex);
@@ -103,11 +105,10 @@ std::vector<NodeHandle> Seat::nodes(bool gathering, const std::stop_token& stop)
     std::vector<NodeHandle> nodes;
     const MemberList now = list();
     for (std::size_t i = 0; i < now.members.size(); ++i) {
-      const bool may_have_parts = gathering && now.members[i].leaves;
+      const bool may_have_parts = all && now.members[i].leaves;
       if (now.members[i].free || may_have_parts) nodes.push_back(caf::actor_cast<NodeHandle>(now.nodes[i]));
     }
-    const bool in_time = gathering && std::chrono::steady_clock::now() - taken_ < options_.lease;
-    if (!nodes.empty() && !in_time) return nodes;
+    if (!nodes.empty() && !(all && gathering())) return nodes;
     stopped.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
   }
   return {};

@@ -26,7 +26,8 @@ class Seat final : public Membership {
   void depart() const override;
   std::vector<NodeState> members() const override;
   std::uint64_t lost() const override { return list().lost; }
-  std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const override;
+  bool gathering() const override;
+  std::vector<NodeHandle> nodes(bool all, const std::stop_token& stop) const override;
   void follow(const FollowerHandle& job) const override;
   Result<bool> drain(const std::string& node) const override;
 

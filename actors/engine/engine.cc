@@ -206,6 +206,8 @@ NodePlace Engine::place() const { return impl_->seat->place(); }
 
 void Engine::depart() const { impl_->seat->depart(); }
 
+bool Engine::gathering() const { return impl_->seat && impl_->seat->gathering(); }
+
 std::vector<NodeState> Engine::nodes() const { return impl_->seat->members(); }
 
 std::uint64_t Engine::nodes_lost() const { return impl_->seat->lost(); }

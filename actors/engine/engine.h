@@ -57,6 +57,9 @@ class Engine {
   // they can, or there is nobody to ask and nothing to go on with, `expelled` of its options is called.
   void depart() const;
 
+  // Whether nodes that worked for the coordinator before this one may still be on their way: what it began goes on
+  // when they have had the time. False without a cluster.
+  bool gathering() const;
   // REQUIRES of the rest: the coordinator of a cluster.
   std::vector<NodeState> nodes() const;  // in order of coming
   std::uint64_t nodes_lost() const;      // since the coordinator began; not those drained

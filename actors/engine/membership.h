@@ -40,9 +40,11 @@ class Membership {
   // REQUIRES of the rest: it is the coordinator.
   virtual std::vector<NodeState> members() const = 0;  // in order of coming
   virtual std::uint64_t lost() const = 0;              // ever
-  // Nodes free for work; waits until there is one. None: `stop` was requested. `gathering`: a job goes on that others
-  // may still be working on, so give all of them the time to come back; also those that are to leave.
-  virtual std::vector<NodeHandle> nodes(bool gathering, const std::stop_token& stop) const = 0;
+  // Whether nodes of the coordinator before this one may still be on their way to it.
+  virtual bool gathering() const = 0;
+  // Nodes free for work; waits until there is one. None: `stop` was requested. `all`: a job goes on that others may
+  // still be working on, so give all of them the time to come back; also those that are to leave.
+  virtual std::vector<NodeHandle> nodes(bool all, const std::stop_token& stop) const = 0;
   // It hears of nodes from now on, and first of those there are.
   virtual void follow(const FollowerHandle& job) const = 0;
   // As Engine::drain().

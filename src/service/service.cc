@@ -141,6 +141,7 @@ void Service::Impl::tick() {
     ticked = steady_clock::now();
     lock.unlock();
     tell_progress();
+    forgive_deaths();
     write_again();
     if (options.retention_s > 0 && steady_clock::now() >= retention) {
       forget_old();

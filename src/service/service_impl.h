@@ -78,6 +78,7 @@ struct Service::Impl {
   std::shared_ptr<Job> next() const;
   bool start(const std::shared_ptr<Job>& job, const std::shared_ptr<Running>& running);
   void end(const std::shared_ptr<Job>& job, Reply<JobDone> done);
+  void forgive_deaths();
   Reply<JobDone> finish(const proto::JobRecord& job, Reply<JobDone> done, std::filesystem::path& replaced);
   // service.cc
   void tick();

@@ -1,7 +1,11 @@
 // The threads that work on jobs: which is next, and how it ends.
+#include <chrono>
 #include <exception>
 #include <new>
+#include <utility>
+#include <vector>
 
+#include "src/service/deaths.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -44,7 +48,13 @@ std::shared_ptr<Job> Service::Impl::take() {
   std::unique_lock lock(mutex);
   while (true) {
     if (ending) return nullptr;
-    if (auto job = next()) {
+    auto job = next();
+    // Its nodes go on meanwhile. It waits as one that is not begun: to die now is no death of it.
+    if (job && job->record.starts() > 0 && engine->gathering()) {
+      waiting_changed.wait_for(lock, std::chrono::milliseconds(100));
+      continue;
+    }
+    if (job) {
       job->running = std::make_shared<Running>();
       waiting.erase(job->record.place());
       ++held;
@@ -94,6 +104,29 @@ bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr
   });
   static_cast<void>(changed);  // Need::done: it is written later if it could not be now
   return true;
+}
+
+// What nodes have triangulated outlives the coordinator's process; without them only what is stored does.
+void Service::Impl::forgive_deaths() {
+  const std::lock_guard changes(changing);
+  std::vector<std::pair<std::shared_ptr<Job>, std::uint64_t>> got_on;
+  {
+    const std::lock_guard lock(mutex);
+    for (const auto& id : active) {
+      const auto& job = jobs.at(id);
+      if (!job->running || !job->is(job_state::running)) continue;
+      const Progress& progress = job->running->progress;
+      const std::uint64_t done = progress.tiles_stored + (options.cluster ? progress.tiles_triangulated.load() : 0);
+      if (gets_on(job->record, done, progress.tiles_total)) got_on.emplace_back(job, done);
+    }
+  }
+  for (const auto& [job, done] : got_on) {
+    const auto changed = change(*job, Need::done, [done = done](proto::JobRecord& record) {
+      record.set_deaths(0);
+      record.set_reached(done);
+    });
+    static_cast<void>(changed);  // as in start()
+  }
 }
 
 // What the job has made gets its name. `replaced`: for Results::discard().

@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "src/files/names.h"
+#include "src/service/deaths.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -86,6 +87,22 @@ TEST_F(Faults, AJobDuringWhichTheProcessDiesThriceHasFailedAndCanBeResumed) {
   ASSERT_TRUE(service->resume(deadly, alice));
   EXPECT_EQ(ended(deadly).status(), "successful");
   EXPECT_EQ(service->triangulation("deadly").value().vertices(), 400'000);
+}
+
+TEST(Deaths, AreForgivenToAJobThatGetsOnInSteps) {
+  proto::JobRecord job;
+  EXPECT_FALSE(gets_on(job, 500, 1000));  // it has never died
+  job.set_deaths(2);
+  EXPECT_FALSE(gets_on(job, 9, 1000));
+  EXPECT_TRUE(gets_on(job, 10, 1000));
+  job.set_deaths(0);
+  job.set_reached(10);
+  EXPECT_FALSE(gets_on(job, 19, 1000));
+  EXPECT_TRUE(gets_on(job, 20, 1000));  // so the next attempt must get beyond that
+  job.set_deaths(1);
+  EXPECT_FALSE(gets_on(job, 10, 1000));
+  EXPECT_FALSE(gets_on(job, 0, 0));
+  EXPECT_TRUE(gets_on(job, 11, 7));
 }
 
 TEST_F(Faults, RestartsThatTheServiceSurvivesAreNoDeaths) {
