@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <mutex>
@@ -24,6 +25,13 @@ bool is_small(const Mapping& mapping) { return mapping.reserved <= small_bytes; 
 
 std::size_t rounded(std::size_t bytes) { return (bytes + page - 1) / page * page; }
 
+// Address space for so many, which costs nothing: tiles are of nearly equal sizes, and what is a little larger than the
+// last one's array fits into it, too.
+std::size_t with_room(std::size_t bytes) {
+  const std::size_t step = std::max(page, std::bit_floor(bytes) / 4);
+  return (bytes + step - 1) / step * step;
+}
+
 // What has been given back, the oldest first. Taking it back needs no memory: it is given back when there is none.
 class Pool {
  public:
@@ -33,7 +41,9 @@ class Pool {
     for (std::size_t i = 0; i < count_; ++i) {
       // Not one far too large: a small array would hold the pages of a large one.
       if (kept_[i].reserved < bytes || kept_[i].touched / 4 > bytes) continue;
-      if (best == count_ || kept_[i].reserved < kept_[best].reserved) best = i;
+      const bool better = best == count_ || kept_[i].reserved < kept_[best].reserved ||
+                          (kept_[i].reserved == kept_[best].reserved && kept_[i].touched > kept_[best].touched);
+      if (better) best = i;
     }
     if (best == count_) return false;
     out = remove(best);
@@ -126,9 +136,10 @@ Mapping map_memory(std::size_t bytes) {
   }
   bytes = rounded(bytes);
   if (pool().take(bytes, mapping)) return mapping;
-  void* at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  const std::size_t reserved = with_room(bytes);
+  void* at = mmap(nullptr, reserved, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();
-  mapping = {static_cast<std::byte*>(at), bytes, 0};
+  mapping = {static_cast<std::byte*>(at), reserved, 0};
   return mapping;
 }
 
@@ -140,11 +151,12 @@ void grow_mapping(Mapping& mapping, std::size_t bytes) {
     mapping = larger;
     return;
   }
-  bytes = rounded(bytes);
-  void* at = mremap(mapping.at, mapping.reserved, bytes, MREMAP_MAYMOVE);
+  if (bytes <= mapping.reserved) return;
+  const std::size_t reserved = with_room(rounded(bytes));
+  void* at = mremap(mapping.at, mapping.reserved, reserved, MREMAP_MAYMOVE);
   if (at == MAP_FAILED) throw std::bad_alloc();
   mapping.at = static_cast<std::byte*>(at);
-  mapping.reserved = bytes;
+  mapping.reserved = reserved;
 }
 
 void unmap_memory(Mapping& mapping, std::size_t used) noexcept {
