@@ -3,8 +3,8 @@
 #
 #   tests/nightly.sh [BUILD] [FUZZ_BUILD]       default: build/release, build/fuzz; fuzzing is left out where there is no such build
 #
-# Some four hours on two processors of 2.5 GHz, by the rates of short runs: two of fuzzing (12 targets), one of the seeds (5 ms each), half an
-# hour of kills (10 s each); and the models, which were never timed. It prints how long each part took. A part alone: PARTS="kills seeds".
+# Some five hours on two processors of 2.5 GHz: two of fuzzing (12 targets), one and a half of the seeds (5 to 10 ms each), three quarters of an
+# hour of kills (22 s each); and the models. It prints how long each part took. A part alone: PARTS="kills seeds".
 # Shorter, to try it: KILLS=2 COORDINATOR_KILLS=1 SEEDS=1400 FUZZ_SECONDS=5 POINTS_LARGE=200k.
 # shellcheck disable=SC2317  # functions are called by part
 set -uo pipefail
