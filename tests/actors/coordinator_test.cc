@@ -13,17 +13,10 @@
 #include <vector>
 
 #include "actors/run_owner.h"
+#include "tests/actors/stepped_config.h"
 
 namespace tessera {
 namespace {
-
-class Config : public caf::actor_system_config {
- public:
-  Config() {
-    add_message_types<caf::id_block::tessera>();
-    set("scheduler.policy", caf::atom("testing"));
-  }
-};
 
 class Owner final : public RunOwner {
  public:
@@ -123,7 +116,7 @@ class Nodes : public ::testing::Test {
   }
 
   Owner owner_;
-  Config config_;
+  SteppedConfig config_;
   caf::actor_system system_{config_};
   caf::scheduler::test_coordinator& scheduler_ = dynamic_cast<caf::scheduler::test_coordinator&>(system_.scheduler());
   caf::scoped_actor a_{system_}, b_{system_}, c_{system_};

@@ -17,17 +17,10 @@
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
 #include "actors/node_actor.h"
+#include "tests/actors/stepped_config.h"
 
 namespace tessera {
 namespace {
-
-class Config : public caf::actor_system_config {
- public:
-  Config() {
-    add_message_types<caf::id_block::tessera>();
-    set("scheduler.policy", caf::atom("testing"));
-  }
-};
 
 class Processed final : public ExchangeWatch {
  public:
@@ -137,7 +130,7 @@ class OnePart : public ::testing::Test {
   const Setting setting_ = setting();
   MemoryStorage storage_{2, setting_.tiles};
   Processed watch_;
-  Config config_;
+  SteppedConfig config_;
   caf::actor_system system_{config_};
   caf::scheduler::test_coordinator& scheduler_ = dynamic_cast<caf::scheduler::test_coordinator&>(system_.scheduler());
   caf::scoped_actor self_{system_};
