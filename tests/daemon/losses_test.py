@@ -13,7 +13,7 @@ import tempfile
 import time
 import unittest
 
-from daemon import TESSERA, TESSERAD, Daemon, DaemonTest
+from daemon import TESSERA, TESSERAD, DaemonTest
 
 POINTS = os.environ.get("POINTS", "150k")
 USUAL = {"--memory": "512M", "--threads": "1", "--metrics": "none"}  # of a node

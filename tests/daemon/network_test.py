@@ -8,7 +8,7 @@ import re
 import time
 import unittest
 
-from namespaces import CLUSTER_PORT, LEASE_S, SEED, ClusterTest, SlowNetwork, run
+from namespaces import CLUSTER_PORT, LEASE_S, SEED, TESSERA, ClusterTest, SlowNetwork, run
 
 
 class Links(ClusterTest):
