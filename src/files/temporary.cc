@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstdlib>
+#include <new>
 #include <string>
 #include <system_error>
 
@@ -24,14 +25,20 @@ Result<TemporaryFolder> TemporaryFolder::make() {
   if (failed) return error(Errc::io, "there is no temporary folder: " + failed.message());
   std::string name = (parent / "tessera-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) return io_error(name, "cannot be made", errno);
-  return TemporaryFolder(name);
+  try {
+    return TemporaryFolder(name);
+  } catch (const std::bad_alloc&) {
+    ::rmdir(name.c_str());
+    throw;
+  }
 }
 
 Result<TemporaryFolder> TemporaryFolder::make(const fs::path& path) {
+  TemporaryFolder folder(path);  // before it is there: this needs memory
   std::error_code failed;
-  const bool made = fs::create_directory(path, failed);
-  if (!made) return io_error(path, "cannot make the folder", failed ? failed.value() : EEXIST);
-  return TemporaryFolder(path);
+  if (fs::create_directory(path, failed)) return folder;
+  folder.keep();
+  return io_error(path, "cannot make the folder", failed ? failed.value() : EEXIST);
 }
 
 // What fails here nobody waits for, and a destructor cannot tell.

@@ -147,6 +147,26 @@ TEST_P(MemoryInJob, EndsTheJobWithAnErrorAndWhatIsResumedIsTheGlobalDelaunayTria
   RecordProperty("allocations that failed", std::to_string(failed));
   EXPECT_GT(ended, runs / 2);
 }
+TEST(MemoryInFolders, LeavesNoneThatNobodyOwns) {
+  const TemporaryFolder parent = TemporaryFolder::make().value();
+  const auto named = parent.path() / "a folder with a name that is not kept in the string itself";
+  int refused = 0;
+  for (std::uint64_t first = 1; first < 30; ++first) {
+    fail(first, 1000);
+    try {
+      const auto made = TemporaryFolder::make(named);
+      recover();
+      EXPECT_TRUE(made);
+    } catch (const std::bad_alloc&) {
+      recover();
+      ++refused;
+    }
+    EXPECT_FALSE(std::filesystem::exists(named)) << first;
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_LT(refused, 29);
+}
+
 INSTANTIATE_TEST_SUITE_P(Jobs, MemoryInJob,
                          ::testing::Values(Case{"Whole3", 3, false, KernelKind::flat},
                                            Case{"Short3", 3, true, KernelKind::flat},
