@@ -125,9 +125,10 @@ void Member::welcome(const Welcome& message) {
   coordinator_address_ = message.coordinator;
   options_.cluster.log("member of the cluster " + options_.cluster.name);
   if (leaves_) leave();  // before it is free
-  for (const NodeUuid& uuid : std::exchange(broken_, {})) send(registry_, Unreachable{options_.info.uuid, uuid});
   for (std::size_t i = 0; i < message.uuids.size(); ++i) {
-    if (doors_.contains(message.uuids[i]) || gone_.contains(message.uuids[i])) continue;  // known from before
+    // A coordinator before this one may have been told, or not.
+    if (gone_.contains(message.uuids[i])) send(registry_, Unreachable{options_.info.uuid, message.uuids[i]});
+    if (gone_.contains(message.uuids[i]) || doors_.contains(message.uuids[i])) continue;  // known from before
     const auto address = parse_host_port(message.addresses[i]);
     if (address) {
       doors_[message.uuids[i]] = nullptr;
@@ -141,10 +142,12 @@ void Member::reach_node(const NodeUuid& uuid, const HostPort& address, int attem
   reach(
       this, address, [this, uuid](const caf::actor& door) { reached(uuid, door); },
       [this, uuid, address, attempts](const std::string& reason) {
-        if (expelled_ || !registry_) return;
+        if (expelled_) return;
         if (attempts > 1) return reach_node(uuid, address, attempts - 1);
         options_.cluster.log("node at " + to_string(address) + " cannot be reached: " + reason);
-        send(registry_, Unreachable{options_.info.uuid, uuid});
+        // One of the two is lost now, or that one is already: of the others all have been reached, perhaps.
+        do_without(uuid);
+        reached({}, nullptr);
       });
 }
 
@@ -164,7 +167,9 @@ void Member::renew() {
   if (leaves_) leave();
   if (state_ == State::seeking) return;
   if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();
-  if (state_ == State::member) send(registry_, Renew{options_.info.uuid, options_.memory_used()});
+  if (state_ != State::member) return;
+  send(registry_, Renew{options_.info.uuid, options_.memory_used()});
+  reached({}, nullptr);  // the coordinator may not have believed it while another node was not lost yet
 }
 
 void Member::gone(const caf::down_msg& down) {
@@ -174,15 +179,15 @@ void Member::gone(const caf::down_msg& down) {
   }
   for (auto& [uuid, door] : doors_) {
     if (!door || door.address() != down.source) continue;
-    const NodeUuid other = uuid;
-    doors_.erase(uuid);
-    // Of what was on its way nobody knows: it is not reached again.
-    gone_.insert(other);
-    broken_.push_back(other);
-    if (state_ != State::member) return;
-    for (const NodeUuid& uuid : std::exchange(broken_, {})) send(registry_, Unreachable{options_.info.uuid, uuid});
-    return;
+    return do_without(NodeUuid(uuid));
   }
+}
+
+// Of what was on its way nobody knows: it is not reached again.
+void Member::do_without(const NodeUuid& uuid) {
+  doors_.erase(uuid);
+  gone_.insert(uuid);
+  if (state_ == State::member) send(registry_, Unreachable{options_.info.uuid, uuid});
 }
 
 // Tiles go on meanwhile.

@@ -5,11 +5,11 @@
 // seeking  | CoordinatorIs  | says Hello there                                                             | greeting
 // greeting | Welcome        | reaches every other node; then ReachedAll                                    | member
 // greeting, seeking | Refused | tells why, and tries again later                                          | seeking
-// member   | tick           | Renew; when the last one was not answered for the lease: as a lost coordinator |
-// any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
-// any      | another node is gone | Unreachable                                                            |
-// any      | AskPlace       | answers with its state
-// any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
+// member   | tick           | Renew, and ReachedAll again; when the last one was not answered for the lease: as a lost
+// coordinator | any      | coordinator is gone | goes on with its tiles, and looks for another one | seeking any      |
+// another node is gone, or cannot be reached | Unreachable; it is done without                  | any      | AskPlace
+// | answers with its state any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and
+// to those after it;
 //          |                | when there is none, and nothing that others would go on with, the process ends
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once
@@ -21,7 +21,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "actors/cluster/messages.h"
 #include "actors/steady_actor.h"
@@ -59,6 +58,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void reached(const NodeUuid& uuid, const caf::actor& door);
   void renew();
   void gone(const caf::down_msg& down);
+  void do_without(const NodeUuid& uuid);
   void lost_registry();
   void leave();
   void leave_unheard();
@@ -73,8 +73,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   RegistryHandle registry_;
   std::string coordinator_address_;
   std::map<NodeUuid, caf::actor> doors_;  // of other nodes; null: not reached yet
-  std::set<NodeUuid> gone_;               // were reached, and are not any more
-  std::vector<NodeUuid> broken_;          // of these, what no coordinator has been told
+  std::set<NodeUuid> gone_;               // were reached, and are not any more, or could not be
   Clock::time_point answered_ = Clock::now();
   bool will_seek_ = false, leaves_ = false, expelled_ = false;
 };

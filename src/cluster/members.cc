@@ -17,6 +17,9 @@ bool Members::hello(const MemberInfo& info, Time now) {
 }
 
 bool Members::reached_all(const NodeUuid& uuid) {
+  const bool broken = std::any_of(broken_.begin(), broken_.end(),
+                                  [&](const auto& pair) { return pair.first == uuid || pair.second == uuid; });
+  if (broken) return false;
   const auto found = members_.find(uuid);
   return found != members_.end() && !std::exchange(found->second.free, true);
 }

@@ -75,6 +75,21 @@ TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
   EXPECT_TRUE(members.find("a")->free);
 }
 
+// One of the two is lost soon; whoever stays says again that it has reached all.
+TEST(Members, ANodeIsNotFreeWhileAnotherMemberCannotBeReached) {
+  Members members(8s);
+  for (const char* uuid : {"a", "b", "c"}) members.hello(node(uuid), at(0s));
+  members.unreachable("a", "c", at(0s));
+  EXPECT_FALSE(members.reached_all("a"));
+  EXPECT_FALSE(members.find("a")->free);
+  EXPECT_TRUE(members.reached_all("b"));
+  EXPECT_EQ(uuids(members.lose_silent(at(1s))), std::vector<NodeUuid>{"c"});
+  EXPECT_TRUE(members.reached_all("a"));
+  members.unreachable("b", "c", at(2s));   // which is no member any more
+  EXPECT_FALSE(members.reached_all("b"));  // as it has been
+  EXPECT_TRUE(members.find("b")->free);
+}
+
 TEST(Addresses, AreAllOfAName) {
   EXPECT_EQ(addresses_of({"127.0.0.1", 7}).value(), (std::vector<HostPort>{{"127.0.0.1", 7}}));
   EXPECT_EQ(addresses_of({"::1", 7}).value(), (std::vector<HostPort>{{"::1", 7}}));
