@@ -5,6 +5,7 @@ import os
 import pathlib
 import random
 import re
+import signal
 import time
 import unittest
 
@@ -132,15 +133,20 @@ class FullDisks(ClusterTest):
         self.data = self.folder / "shared" / "data"
         self.first, second = self.coordinator(), self.node("b")
         self.wait_for_members(2)
-        job = self.running("full", "triangulating", "splaying")
-        pids = self.first.process.pid, second.process.pid
-        run("kill", "-STOP", *pids)  # or the job may be over before the disk is full
-        filler = self.fill(self.folder / "shared")
-        run("kill", "-CONT", *pids)
-        end = self.ended(job)
+        for turn in range(20):  # until a job is stopped before it is over: it takes a second on a fast machine
+            job = self.running(f"full-{turn}", "triangulating", "splaying")
+            for process in (self.first.process, second.process):
+                process.send_signal(signal.SIGSTOP)
+            filler = self.fill(self.folder / "shared")
+            for process in (self.first.process, second.process):
+                process.send_signal(signal.SIGCONT)
+            end = self.ended(job)
+            filler.unlink()
+            if end["status"] == "failed":
+                break
+            self.remove(f"full-{turn}")
         self.assertEqual(end["status"], "failed", end)
         self.assertIn("No space left on device", json.dumps(end))
-        filler.unlink()
         self.tessera("resume", job, "--detach")
         self.assert_right(job)
 
