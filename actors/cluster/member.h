@@ -5,11 +5,12 @@
 // seeking  | CoordinatorIs  | says Hello there                                                             | greeting
 // greeting | Welcome        | reaches every other node; then ReachedAll                                    | member
 // greeting, seeking | Refused | tells why, and tries again later                                          | seeking
-// member   | tick           | Renew, and ReachedAll again; when the last one was not answered for the lease: as a lost
-// coordinator | any      | coordinator is gone | goes on with its tiles, and looks for another one | seeking any      |
-// another node is gone, or cannot be reached | Unreachable; it is done without                  | any      | AskPlace
-// | answers with its state any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and
-// to those after it;
+// member   | tick           | Renew, and ReachedAll again                                                  |
+// member   | tick, not answered for the lease | as when the coordinator is gone                            | seeking
+// any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
+// any      | another node is gone, or cannot be reached | Unreachable; it is done without                  |
+// any      | AskPlace       | answers with its state                                                       |
+// any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
 //          |                | when there is none, and nothing that others would go on with, the process ends
 // any      | Expelled       | the process must begin anew, or end                                          | ended
 #pragma once
