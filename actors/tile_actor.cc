@@ -64,7 +64,7 @@ TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const
 void TileActor::on_exit() {
   if (!left_) fail(ended_unexpectedly());
   state_.drop();
-  mesh_.reset();
+  collected_.reset();
   office_ = nullptr;
   part_ = nullptr;
 }
@@ -134,7 +134,7 @@ void TileActor::work(Work work) {
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
-  part_->heap_trim.worked_on(std::max(before, state_.memory()) + (mesh_ ? mesh_->bytes() : 0));
+  part_->heap_trim.worked_on(std::max(before, state_.memory()) + (collected_ ? collected_->bytes() : 0));
   report.span.end_us = since_opened();
   // After the updates were posted: what is on its way counts as sent before the part can ask.
   const Totals totals = state_.totals();
@@ -142,7 +142,7 @@ void TileActor::work(Work work) {
   report.processed = totals.processed;
   report.updates = state_.updates_sent();
   report.memory = state_.memory() - state_.mail_memory();
-  report.storing = mesh_ ? mesh_->bytes() : 0;
+  report.storing = collected_ ? collected_->bytes() : 0;
   report.waiting = waiting();
   report.hops = state_.hops();
   report.points = state_.counts();
@@ -150,7 +150,7 @@ void TileActor::work(Work work) {
   bytes_told_ = report.waiting.bytes;
   hops_told_ = report.waiting.hops;
   send(office_->part, std::move(report));
-  if (mesh_) store();
+  if (collected_) store();
 }
 
 void TileActor::post_outgoing() {
@@ -171,7 +171,7 @@ void TileActor::rejoin() {
 }
 
 void TileActor::store() {
-  part_->context.storage->store(self_.tile, *std::exchange(mesh_, std::nullopt),
+  part_->context.storage->store(self_.tile, *std::exchange(collected_, std::nullopt),
                                 StoredNotice(office_->part, self_.tile));
 }
 
@@ -186,8 +186,8 @@ Status TileActor::perform(Work work) {
     case Work::settle:
       return state_.settle();
     case Work::collect: {
-      BOOST_OUTCOME_TRY(mesh, state_.collect());
-      mesh_ = std::move(mesh);
+      BOOST_OUTCOME_TRY(collected, state_.collect());
+      collected_ = std::move(collected);
       return success();
     }
     case Work::drop:

@@ -48,7 +48,7 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   std::shared_ptr<const Office> office_;
   TileState state_;
   Prepared<TileFailed> last_word_;
-  std::optional<TileMesh> mesh_;  // made, not yet handed to the storage
+  std::optional<CollectedTile> collected_;  // made, not yet handed to the storage
   std::uint64_t bytes_told_ = 0;  // of waiting mail
   std::uint32_t hops_told_ = 0;
   bool told_ = false, left_ = false;

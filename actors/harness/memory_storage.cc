@@ -97,9 +97,9 @@ class MemoryStorage::AtNode final : public TileStorage {
     return success();
   }
 
-  void store(TileId tile, TileMesh mesh, Stored done) override {
+  void store(TileId tile, CollectedTile collected, Stored done) override {
     const Turn ours(all_.memory_faults, false);
-    Pending pending{node_, tile, std::move(mesh), std::move(done)};
+    Pending pending{node_, tile, std::move(collected).whole(), std::move(done)};
     if (!all_.late_stores) return all_.store_now(std::move(pending));
     all_.pending_.push_back(std::move(pending));
   }

@@ -161,8 +161,8 @@ class Bench {
     const LoadedTile tile = order_points(few, o.dimension);
     TileTriangulation t(options_);
     t.triangulate(tile.points, tile.ids);
-    const TileMesh mesh = t.collect(tile.points, tile.ids, {});
-    if (!write_tile(folder_, TileId{0}, mesh, {}, {})) std::puts("cannot be stored");
+    const CollectedTile collected = t.collect(tile.points, tile.ids, {});
+    if (!write_tile(folder_, TileId{0}, collected.mesh, collected, {}, {})) std::puts("cannot be stored");
   }
 
   bool run() {
@@ -241,16 +241,16 @@ class Bench {
   }
 
   void collect(TileTriangulation& t, LoadedTile tile, bool reduced) {
-    TileMesh mesh;
-    const Growth made = growth([&] { mesh = t.collect(tile.points, tile.ids, reduced ? finals() : FinalCells{}); });
+    CollectedTile collected;
+    const Growth made = growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : FinalCells{}); });
     const double loaded = reduced ? static_cast<double>(o_.points) * 32 : 0;
     table_.row(reduced ? "collect, reduced" : "collect, whole", made.peak + loaded, o_.points,
                static_cast<double>(reduced ? model_.collect : model_.collect_whole));
     tile = {};
     const Growth stored = growth([&] {
-      if (!write_tile(folder_, TileId{0}, mesh, {}, {})) std::puts("cannot be stored");
+      if (!write_tile(folder_, TileId{0}, collected.mesh, collected, {}, {})) std::puts("cannot be stored");
     });
-    const double all = static_cast<double>(mesh.bytes()) + stored.peak;
+    const double all = static_cast<double>(collected.bytes()) + stored.peak;
     table_.row("mesh, and storing it", all, o_.points, static_cast<double>(model_.mesh));
   }
 

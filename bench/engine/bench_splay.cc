@@ -139,8 +139,8 @@ class Exchange {
     std::vector<std::uint64_t> received;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
       if (bounds_[t].empty()) continue;
-      BOOST_OUTCOME_TRY(mesh, tiles_[t]->collect());
-      digest += digest_of(mesh);
+      BOOST_OUTCOME_TRY(collected, tiles_[t]->collect());
+      digest += digest_of(std::move(collected).whole());
       sum += tiles_[t]->counts();
       chain = std::max<std::uint64_t>(chain, tiles_[t]->hops());
       seeds += context_.around->seeds_of(TileId{t}).size();

@@ -80,6 +80,6 @@ int main(int argc, char** argv) {
     t.load(bytes);
     lap("load", t.memory());
   }
-  const TileMesh mesh = t.collect(tile.points, tile.ids, std::move(finals));
-  lap("collect", mesh.cells.size() * 8 + mesh.points.size() * 32);
+  const CollectedTile collected = t.collect(tile.points, tile.ids, std::move(finals));
+  lap("collect", collected.bytes());
 }

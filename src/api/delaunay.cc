@@ -57,10 +57,13 @@ struct Delaunay::Impl {
       throw_failure(error(Errc::bad_input, "the array: " + why_flat(points.size() / static_cast<std::size_t>(dim),
                                                                     kernel->dimension(), dim)));
     }
-    TileMesh mesh = make_mesh({dim, TileId{0}, ordered.points, ordered.ids, kernel->take_cells(), {}, {}, {}});
+    TileMesh mesh =
+        collect_cells(
+            {dim, TileId{0}, std::move(ordered.points), std::move(ordered.ids), kernel->take_cells(), {}, {}, {}})
+            .whole();
     simplices = std::move(mesh.cells);
     neighbors = std::move(mesh.neighbors);
-    for (std::int32_t& v : simplices) v = static_cast<std::int32_t>(ordered.ids[static_cast<std::size_t>(v)].value);
+    for (std::int32_t& v : simplices) v = static_cast<std::int32_t>(mesh.ids[static_cast<std::size_t>(v)].value);
     finder.emplace(SimplexArrays{dim, points, simplices, neighbors});
   }
 };

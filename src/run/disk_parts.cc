@@ -121,7 +121,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
                                                       .lock_file = spec.lock_file,
                                                       .node = self,
                                                       .sync = many_nodes},
-                                         spec.threads, pool_bytes);
+                                         spec.threads + 1, pool_bytes);  // one waits for the disk, mostly
   const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
   part->schedule.threads = spec.threads;
   const auto tiles =

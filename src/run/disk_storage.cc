@@ -145,13 +145,13 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   return rows;
 }
 
-Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) noexcept {
+Result<TileEntry> DiskStorage::write_result(TileId tile, const CollectedTile& collected) noexcept {
   const auto name = [&] { return "tile " + std::to_string(tile.value); };
   try {
     throw_if_stopped(options_.stop);
     BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-    BOOST_OUTCOME_TRY(rows, gather_rows(mesh));
-    BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, mesh, rows, options_));
+    BOOST_OUTCOME_TRY(rows, gather_rows(collected.mesh));
+    BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, collected.mesh, collected, rows, options_));
     BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
     return std::move(entry);
   } catch (const Stopped&) {
@@ -166,10 +166,11 @@ Result<TileEntry> DiskStorage::write_result(TileId tile, const TileMesh& mesh) n
   }
 }
 
-void DiskStorage::store(TileId tile, TileMesh mesh, Stored done) {
-  writers_.take([this, tile, mesh = std::move(mesh), done = std::move(done)]() mutable noexcept {
-    Result<TileEntry> entry = write_result(tile, mesh);
-    mesh = {};  // before the node believes that it is gone
+void DiskStorage::store(TileId tile, CollectedTile collected, Stored done) {
+  auto held = std::make_shared<CollectedTile>(std::move(collected));  // a task can be copied
+  writers_.take([this, tile, held = std::move(held), done = std::move(done)]() mutable noexcept {
+    Result<TileEntry> entry = write_result(tile, *held);
+    held.reset();  // before the node believes that it is gone
     done(std::move(entry));
   });
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "src/mesh/tile_mesh.h"
 #include "src/run/settled_files.h"
 #include "src/run/tile_storage.h"
 #include "src/run/writers.h"
@@ -30,14 +31,14 @@ class DiskStorage final : public TileStorage {
   Result<Pieces> handed(TileId tile) override;
   Status forget_handed(TileId tile) override;
   // The tile's scratch goes when its result is on disk.
-  void store(TileId tile, TileMesh mesh, Stored done) override;
+  void store(TileId tile, CollectedTile collected, Stored done) override;
   // What settled tiles have left has reached the disk. Error io.
   Status sync_settled() { return settled_.sync(); }
 
  private:
   const std::filesystem::path& folder_of(ScratchKind what) const;
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
-  Result<TileEntry> write_result(TileId tile, const TileMesh& mesh) noexcept;
+  Result<TileEntry> write_result(TileId tile, const CollectedTile& collected) noexcept;
 
   std::shared_ptr<const RoutedRun> run_;
   std::filesystem::path scratch_, out_;

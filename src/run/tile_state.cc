@@ -302,7 +302,7 @@ Status TileState::build_settled() {
   return success();
 }
 
-Result<TileMesh> TileState::collect() {
+Result<CollectedTile> TileState::collect() {
   if (phase_ == Phase::fresh) {
     BOOST_OUTCOME_TRYV(build_settled());
   }
@@ -319,10 +319,10 @@ Result<TileMesh> TileState::collect() {
     if (!taken) return taken.error();
     finals = std::move(taken).value();
   }
-  TileMesh mesh = triangulation_->collect(points_->points, points_->ids, std::move(finals));
+  CollectedTile tile = triangulation_->collect(std::move(points_->points), std::move(points_->ids), std::move(finals));
   counts_ = triangulation_->counts();
   drop();
-  return mesh;
+  return tile;
 }
 
 Status TileState::leave() {
@@ -338,7 +338,7 @@ void TileState::drop() {
 }
 
 std::size_t TileState::memory() const {
-  return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.capacity() * 32 : 0) +
+  return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.size() * 32 : 0) +
          mail_.memory() + counters_.memory();
 }
 

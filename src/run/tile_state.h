@@ -76,7 +76,7 @@ class TileState {
   // After quiescence: writes down what collect() of a fresh tile needs, if no image says it.
   Status settle();
   // What is to be stored. The tile has no triangulation any more.
-  Result<TileMesh> collect();
+  Result<CollectedTile> collect();
   // Removes what waits on scratch: as another incarnation the tile may come back to this node. REQUIRES: it is fresh.
   Status leave();
   // Frees the memory of a tile that need not be collected.

@@ -11,8 +11,8 @@
 #include "src/base/ids.h"
 #include "src/base/result.h"
 #include "src/files/names.h"
-#include "src/mesh/tile_mesh.h"
 #include "src/store/tile_store.h"
+#include "src/tile/collected_tile.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -48,7 +48,7 @@ class TileStorage {
   // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw, and is told
   // whatever happens, unless this throws.
   using Stored = std::function<void(Result<TileEntry>)>;
-  virtual void store(TileId tile, TileMesh mesh, Stored done) = 0;
+  virtual void store(TileId tile, CollectedTile collected, Stored done) = 0;
 };
 
 // Forgets what only a tile that is not stored needs, and what is as large as its points. Its foreign vertices stay

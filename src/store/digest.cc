@@ -6,7 +6,6 @@
 #include <bit>
 #include <charconv>
 
-#include "src/base/big_vector.h"
 #include "src/files/checksum.h"
 
 namespace tessera {
@@ -34,37 +33,48 @@ template <XXH64_hash_t seed, class Record>
   return product.low64 ^ product.high64;
 }
 
-struct Words {
-  std::uint64_t low, high;
-};
+}  // namespace
 
 template <int D>
-Digest digest_of_tile(const TileMesh& mesh) {
-  Digest sum;
-  BigVector<Words> of_vertex(mesh.points.size());
-  for (std::size_t i = 0; i < of_vertex.size(); ++i) {
-    const Digest id = hash<cell_seed(D)>(mesh.ids[i]);
-    of_vertex[i] = {id.low, id.high};
-    if (mesh.point_ghost[i] == 0) sum += hash<vertex_seed(D)>(LocalPoint{mesh.points[i], mesh.ids[i]});
+void TileDigest::add_vertices() {
+  for (std::size_t i = 0; i < of_vertex_.size(); ++i) {
+    const Digest id = hash<cell_seed(D)>(mesh_.ids[i]);
+    of_vertex_[i] = {id.low, id.high};
+    if (mesh_.point_ghost[i] == 0) sum_ += hash<vertex_seed(D)>(LocalPoint{mesh_.points[i], mesh_.ids[i]});
   }
-  Digest cells;
-  const std::int32_t* cell = mesh.cells.data();
-  for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c, cell += D + 1) {
-    if (mesh.cell_ghost[c] != 0) continue;
+}
+
+template <int D>
+void TileDigest::add_cells(std::span<const std::int32_t> cells) {
+  const Words* const of_vertex = of_vertex_.data();
+  Digest sum;
+  const std::size_t count = cells.size() / (D + 1);
+  const std::int32_t* cell = cells.data();
+  for (std::size_t c = 0; c < count; ++c, cell += D + 1) {
+    if (mesh_.cell_ghost[next_ + c] != 0) continue;
     std::uint64_t low = 0, high = 0;
     for (std::size_t k = 0; k <= D; ++k) {
       const Words& vertex = of_vertex[static_cast<std::size_t>(cell[k])];
       low += vertex.low, high += vertex.high;
     }
-    cells += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};
+    sum += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};
   }
-  return sum += cells;
+  next_ += count;
+  sum_ += sum;
 }
 
-}  // namespace
+TileDigest::TileDigest(const TileMesh& mesh) : mesh_(mesh), of_vertex_(mesh.points.size()) {
+  mesh.dimension == 2 ? add_vertices<2>() : add_vertices<3>();
+}
+
+void TileDigest::add(std::span<const std::int32_t> cells) {
+  mesh_.dimension == 2 ? add_cells<2>(cells) : add_cells<3>(cells);
+}
 
 Digest digest_of(const TileMesh& mesh) {
-  return mesh.dimension == 2 ? digest_of_tile<2>(mesh) : digest_of_tile<3>(mesh);
+  TileDigest digest(mesh);
+  digest.add(mesh.cells);
+  return digest.value();
 }
 
 std::string digest_text(const Digest& digest) { return checksum_text(digest.high) + checksum_text(digest.low); }

@@ -16,11 +16,14 @@
 // products is left of it, of which the number of cells around each edge would be enough.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "src/base/big_vector.h"
 #include "src/mesh/tile_mesh.h"
 
 namespace tessera {
@@ -37,7 +40,29 @@ struct Digest {
   friend bool operator==(const Digest&, const Digest&) = default;
 };
 
-// Of the tile's main cells and own vertices. REQUIRES: cells are indices into points.
+// Of a tile's main cells and own vertices, as the cells come. REQUIRES: cells are indices into points.
+class TileDigest {
+ public:
+  // Refers to the mesh, of which it does not look at the cells.
+  explicit TileDigest(const TileMesh& mesh);
+  // The vertices of the next cells: rows of dimension + 1.
+  void add(std::span<const std::int32_t> cells);
+  Digest value() const { return sum_; }
+
+ private:
+  struct Words {
+    std::uint64_t low, high;
+  };
+  template <int D>
+  void add_vertices();
+  template <int D>
+  void add_cells(std::span<const std::int32_t> cells);
+
+  const TileMesh& mesh_;
+  BigVector<Words> of_vertex_;
+  std::size_t next_ = 0;  // cell
+  Digest sum_;
+};
 Digest digest_of(const TileMesh& mesh);
 
 // 32 lower-case hexadecimal digits, and back; nothing for any other text.

@@ -15,7 +15,8 @@
 namespace tessera::store {
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t{1} << 20;
+constexpr std::size_t block_bytes = std::size_t{4} << 20;     // disks take large ones half as fast again as of 1 MiB
+constexpr std::size_t hashed_bytes = std::size_t{128} << 10;  // at a time, while they are in the second-level cache
 constexpr std::size_t alignment = 4096;  // what disks and file systems ask for at most
 
 }  // namespace
@@ -53,6 +54,7 @@ Status DirectWriter::append_by(std::span<const std::byte> bytes, const Copy& cop
     copy(bytes.first(n), block_.get() + filled_);
     filled_ += n;
     bytes = bytes.subspan(n);
+    if (filled_ - hashed_ >= hashed_bytes) hash_filled();
     if (filled_ == block_bytes) {
       BOOST_OUTCOME_TRYV(flush());
     }
@@ -79,7 +81,7 @@ Result<DirectWriter::Written> DirectWriter::finish() {
 
 Status DirectWriter::flush() {
   throw_if_stopped(stop_);
-  XXH3_64bits_update(hash_.get(), block_.get(), filled_);
+  hash_filled();
   std::size_t done = 0;
   while (done < filled_) {
     const auto n = ::pwrite(file_.get(), block_.get() + done, filled_ - done, static_cast<off_t>(offset_ + done));
@@ -95,8 +97,13 @@ Status DirectWriter::flush() {
   }
   if (done < filled_) return io_error(final_name_, "cannot write", errno);
   offset_ += filled_;
-  filled_ = 0;
+  filled_ = hashed_ = 0;
   return success();
+}
+
+void DirectWriter::hash_filled() {
+  XXH3_64bits_update(hash_.get(), block_.get() + hashed_, filled_ - hashed_);
+  hashed_ = filled_;
 }
 
 bool DirectWriter::leave_direct() {

@@ -46,6 +46,7 @@ class DirectWriter {
   template <class Copy>
   Status append_by(std::span<const std::byte> bytes, const Copy& copy);
   Status flush();
+  void hash_filled();
   bool leave_direct();
 
   FileHandle file_;
@@ -53,8 +54,8 @@ class DirectWriter {
   bool direct_;
   std::stop_token stop_;
   std::unique_ptr<XXH3_state_s, FreeState> hash_;
-  std::unique_ptr<std::byte[], FreeBlock> block_;  // stays in the second-level cache while it is filled and hashed
-  std::size_t filled_ = 0;
+  std::unique_ptr<std::byte[], FreeBlock> block_;
+  std::size_t filled_ = 0, hashed_ = 0;
   std::uint64_t offset_ = 0;  // of block_ in the file
 };
 

@@ -52,12 +52,43 @@ Bytes deflate_block(std::span<const std::byte> bytes) {
   return deflater.deflate_all(bytes);
 }
 
-Status write_plain_block(std::span<const std::byte> bytes, DirectWriter& file) {
-  BlockSum sum;
-  BOOST_OUTCOME_TRYV(file.append(plain_head(bytes.size())));
-  BOOST_OUTCOME_TRYV(file.append(bytes, sum));
-  return file.append(sum.bytes());
-}
+// So many bytes that come in any pieces, as blocks.
+class PlainBlocks {
+ public:
+  PlainBlocks(std::uint64_t bytes, DirectWriter& file) : left_(bytes), file_(file) {}
+
+  Status add(std::span<const std::byte> bytes) {
+    if (bytes.size() > left_ + (block_ - done_)) return error(Errc::internal, "an array is longer than its table says");
+    while (!bytes.empty()) {
+      if (done_ == block_) {
+        block_ = std::min(left_, block_bytes);
+        left_ -= block_;
+        done_ = 0;
+        sum_ = {};
+        BOOST_OUTCOME_TRYV(file_.append(plain_head(block_)));
+      }
+      const auto piece = bytes.first(std::min<std::uint64_t>(bytes.size(), block_ - done_));
+      BOOST_OUTCOME_TRYV(file_.append(piece, sum_));
+      done_ += piece.size();
+      bytes = bytes.subspan(piece.size());
+      if (done_ == block_) {
+        BOOST_OUTCOME_TRYV(file_.append(sum_.bytes()));
+      }
+    }
+    return success();
+  }
+
+  Status finish() const {
+    return left_ == 0 && done_ == block_ ? Status(success())
+                                         : error(Errc::internal, "an array is shorter than its table says");
+  }
+
+ private:
+  std::uint64_t left_;  // behind the block
+  std::uint64_t block_ = 0, done_ = 0;
+  BlockSum sum_;
+  DirectWriter& file_;
+};
 
 Bytes offsets_block(std::uint64_t first, std::uint64_t count, int step) {
   std::vector<std::int32_t> values(count);
@@ -69,9 +100,13 @@ Bytes offsets_block(std::uint64_t first, std::uint64_t count, int step) {
 }  // namespace
 
 PackedArray PackedArray::plain(std::span<const std::byte> bytes) {
+  return streamed(bytes.size(), [bytes](const Take& take) { return take(bytes); });
+}
+
+PackedArray PackedArray::streamed(std::uint64_t bytes, Make make) {
   PackedArray array;
-  array.bytes_ = bytes.size();
-  array.plain_ = bytes;
+  array.bytes_ = bytes;
+  array.make_ = std::move(make);
   return array;
 }
 
@@ -98,7 +133,7 @@ PackedArray PackedArray::repeated(std::span<const std::byte> value, std::uint64_
 
 PackedArray PackedArray::offsets(std::uint64_t cells, int step, const std::stop_token& stop) {
   constexpr std::uint64_t entries = block_bytes / 4;
-  constexpr std::uint64_t kept_blocks = 256;  // 4 million cells: 4.5 MB at most
+  constexpr std::uint64_t kept_blocks = 1024;  // 16.8 million cells: 18 MB at most, of which large tiles use all
   static std::mutex mutex;
   static std::map<std::pair<std::uint64_t, int>, Block> kept;
   PackedArray array;
@@ -142,10 +177,10 @@ Status PackedArray::write(DirectWriter& file) const {
   for (const auto& block : blocks_) {
     BOOST_OUTCOME_TRYV(file.append(*block));
   }
-  for (std::uint64_t at = 0; at < plain_.size(); at += block_bytes) {
-    BOOST_OUTCOME_TRYV(write_plain_block(plain_.subspan(at, std::min(block_bytes, plain_.size() - at)), file));
-  }
-  return success();
+  if (!make_) return success();
+  PlainBlocks plain(bytes_, file);
+  BOOST_OUTCOME_TRYV(make_([&](std::span<const std::byte> piece) { return plain.add(piece); }));
+  return plain.finish();
 }
 
 }  // namespace tessera::store

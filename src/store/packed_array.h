@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <stop_token>
@@ -34,6 +35,10 @@ class PackedArray {
  public:
   // `bytes` are copied when they are written, and must stay until then.
   static PackedArray plain(std::span<const std::byte> bytes);
+  // As many bytes, made when they are written: `make` gives them in pieces and ends when one is not taken.
+  using Take = std::function<Status(std::span<const std::byte>)>;
+  using Make = std::function<Status(const Take&)>;
+  static PackedArray streamed(std::uint64_t bytes, Make make);
   // Elements of `size` bytes, 1, 2 or 4, that hardly change.
   static PackedArray runs(std::span<const std::byte> bytes, std::size_t size);
   // `count` times these bytes, 1, 2 or 4.
@@ -48,8 +53,8 @@ class PackedArray {
  private:
   using Block = std::shared_ptr<const std::vector<std::byte>>;
 
-  std::uint64_t bytes_ = 0;           // before packing
-  std::span<const std::byte> plain_;  // when there are no blocks_
+  std::uint64_t bytes_ = 0;    // before packing
+  Make make_;                  // of plain ones, which have no blocks_
   std::vector<Block> blocks_;
 };
 

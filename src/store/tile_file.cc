@@ -40,32 +40,54 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
   const bool consistent = (mesh.dimension == 2 || mesh.dimension == 3) && mesh.ids.size() == n &&
-                          mesh.owners.size() == n && mesh.point_ghost.size() == n && mesh.cells.size() == m * corners &&
+                          mesh.owners.size() == n && mesh.point_ghost.size() == n &&
                           (mesh.cell_final.empty() || mesh.cell_final.size() == m) &&
-                          (!options.neighbors || mesh.neighbors.size() == m * corners) &&
                           rows.size() == n * row_bytes(options.schema);
   if (!consistent) return error(Errc::internal, "a tile's arrays do not fit together");
-  if (mesh.cells.size() > std::numeric_limits<std::int32_t>::max() || n > std::numeric_limits<std::int32_t>::max())
+  if (m * corners > std::numeric_limits<std::int32_t>::max() || n > std::numeric_limits<std::int32_t>::max())
     return error(Errc::memory, "a tile has more cells than 32-bit connectivity can hold: use smaller tiles");
   return success();
 }
 
-// `columns`: of the attributes, in the order of the schema.
-std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh,
-                              const std::vector<std::vector<std::byte>>& columns, const std::stop_token& stop) {
+// Of whoever has the cells as arrays.
+class CellsOfMesh final : public CellStream {
+ public:
+  explicit CellsOfMesh(const TileMesh& mesh) : mesh_(mesh) {}
+  Status vertices(const Take& take) const override { return take(mesh_.cells); }
+  Status neighbors(const Take& take) const override { return take(mesh_.neighbors); }
+
+ private:
+  const TileMesh& mesh_;
+};
+
+// What there is of a tile besides the vertices. `columns`: of the attributes, in the order of the schema. `vertices` is
+// told of the cells as they are written. Refers to all of these.
+std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, const CellStream& cells,
+                              TileDigest& digest, const std::vector<std::vector<std::byte>>& columns,
+                              const std::stop_token& stop) {
   const std::uint8_t type = vtk_cell_type(mesh.dimension);
   const std::uint32_t tile = header.tile.value;
   std::vector<PackedArray> packed{PackedArray::plain(bytes_of(mesh.points)), PackedArray::plain(bytes_of(mesh.ids)),
                                   PackedArray::runs(bytes_of(mesh.owners), 4),
                                   PackedArray::runs(bytes_of(mesh.point_ghost), 1)};
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
-  packed.push_back(PackedArray::plain(bytes_of(mesh.cells)));
+  const std::uint64_t row = 4 * (static_cast<std::uint64_t>(mesh.dimension) + 1);
+  packed.push_back(PackedArray::streamed(header.cells * row, [&](const PackedArray::Take& take) {
+    return cells.vertices([&](std::span<const std::int32_t> piece) {
+      digest.add(piece);
+      return take(bytes_of(piece));
+    });
+  }));
   packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1, stop));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&type, 1)), header.cells));
   packed.push_back(PackedArray::runs(bytes_of(mesh.cell_ghost), 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&tile, 1)), header.cells));
   if (header.final) packed.push_back(PackedArray::runs(bytes_of(mesh.cell_final), 1));
-  if (header.neighbors) packed.push_back(PackedArray::plain(bytes_of(mesh.neighbors)));
+  if (header.neighbors) {
+    packed.push_back(PackedArray::streamed(header.cells * row, [&](const PackedArray::Take& take) {
+      return cells.neighbors([&](std::span<const std::int32_t> piece) { return take(bytes_of(piece)); });
+    }));
+  }
   return packed;
 }
 
@@ -85,6 +107,11 @@ Result<DirectWriter::Written> write_file(const fs::path& temporary, const fs::pa
 
 Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, std::span<const std::byte> rows,
                              const StoreOptions& options) {
+  return write_tile(out, tile, mesh, CellsOfMesh(mesh), rows, options);
+}
+
+Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, const CellStream& cells,
+                             std::span<const std::byte> rows, const StoreOptions& options) {
   BOOST_OUTCOME_TRY(schema, stored_schema(options.schema));
   BOOST_OUTCOME_TRYV(check_mesh(mesh, rows, options));
   const fs::path final_name = tile_file(out, tile);
@@ -103,7 +130,8 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                     .neighbors = options.neighbors,
                     .schema = std::move(schema),
                     .offsets = {}};
-  const auto arrays = pack(header, mesh, columns, options.stop);
+  TileDigest digest(mesh);
+  const auto arrays = pack(header, mesh, cells, digest, columns, options.stop);
   std::uint64_t at = 0;
   for (const auto& array : arrays) {
     header.offsets.push_back(at);
@@ -117,9 +145,9 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.cells = header.cells;
   entry.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
   throw_if_stopped(options.stop);
-  entry.digest = digest_of(mesh);
   TemporaryFile temporary(temporary_name_of_process(final_name));
   BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays, options.stop));
+  entry.digest = digest.value();
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.

@@ -16,6 +16,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/files/names.h"
+#include "src/mesh/cell_stream.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/store/digest.h"
 #include "src/store/external_sort.h"
@@ -45,9 +46,12 @@ struct StoreOptions {
 };
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the
-// schema. Safe to call from several threads for different tiles.
+// schema. Safe to call from several threads for different tiles. With `cells` theirs are written: of the mesh `cells`
+// and `neighbors` are not looked at.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
+Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
+                             const CellStream& cells, std::span<const std::byte> rows, const StoreOptions& options);
 // write_tile() also adds a line to the node's OUT/tiles/node-NNNNNN.done, the entry and its XXH3-64, by which a resumed
 // run knows that the tile is stored; finish_store() removes it. One file for all: to make a file takes longer than to
 // fill it. Of the tiles that are `wanted`, all by default, each file is read once: one that is not what was stored, or

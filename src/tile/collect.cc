@@ -10,26 +10,24 @@
 
 #include "src/base/check.h"
 #include "src/base/stopped.h"
-#include "src/tile/write_cells.h"
+#include "src/tile/sorted_cells.h"
 
 namespace tessera {
 namespace {
 
-constexpr std::int32_t outside = -1, elsewhere = -2;
-
 template <int d>
-class MeshMaker {
+class Collector {
  public:
-  explicit MeshMaker(CollectInput input) : in_(std::move(input)) {}
+  explicit Collector(CollectInput input) : in_(std::move(input)) {}
 
-  TileMesh make() {
+  CollectedTile make() {
     mesh_.dimension = d;
-    for (const auto step : {&MeshMaker::classify, &MeshMaker::number_vertices, &MeshMaker::link_to_others,
-                            &MeshMaker::append_final_cells, &MeshMaker::bucket_cells, &MeshMaker::write}) {
+    for (const auto step : {&Collector::classify, &Collector::number_vertices, &Collector::link_to_others,
+                            &Collector::append_final_cells, &Collector::bucket_cells, &Collector::sort}) {
       throw_if_stopped(in_.stop);
       (this->*step)();
     }
-    return std::move(mesh_);
+    return std::move(tile_);
   }
 
  private:
@@ -110,10 +108,12 @@ class MeshMaker {
     }
     std::sort(order.begin(), order.end(), [&](auto a, auto b) { return in_.foreign[a].id < in_.foreign[b].id; });
     const std::size_t n = own_ + order.size();
+    mesh_.points = std::move(in_.points);
+    mesh_.ids = std::move(in_.ids);
     mesh_.points.reserve(n);
     mesh_.ids.reserve(n);
-    mesh_.points.assign(in_.points.begin(), in_.points.end());
-    mesh_.ids.assign(in_.ids.begin(), in_.ids.end());
+    mesh_.owners.reserve(n);
+    mesh_.point_ghost.reserve(n);
     mesh_.owners.assign(own_, in_.self);
     for (const std::uint32_t k : order) {
       const SharedPoint& p = in_.foreign[k];
@@ -213,38 +213,31 @@ class MeshMaker {
     }
   }
 
-  // order_: the kept cells by their least vertex.
+  // The kept cells by their least vertex.
   void bucket_cells() {
     std::partial_sum(end_.begin(), end_.end(), end_.begin());
-    order_.resize(end_.back());
+    tile_.order.resize(end_.back());
     for (std::size_t c = 0; c < least_.size(); ++c) {
       const std::uint32_t least = least_[c] & ~mixed_row;
-      if (least < own_) order_[end_[least]++] = static_cast<std::uint32_t>(c) | (least_[c] & mixed_row);
+      if (least < own_) tile_.order[end_[least]++] = static_cast<std::uint32_t>(c) | (least_[c] & mixed_row);
     }
     least_ = {};
   }
 
-  // Neighbours are written as they come, then told their places.
-  void write() {
-    mesh_.cells.resize(order_.size() * corners);
-    mesh_.neighbors.resize(order_.size() * corners);
-    mesh_.cell_ghost.resize(order_.size());
-    // By row: where it is in the mesh. Entries before the first say that `elsewhere` and `outside` stay what they are.
-    BigVector<std::int32_t> places(in_.cells.size() + 2);
-    std::int32_t* const place = places.data() + 2;
-    place[elsewhere] = elsewhere;
-    place[outside] = outside;
-    write_cells(d,
-                {.rows = {in_.cells.data(), in_.cells.size()},
-                 .order = order_,
-                 .end = std::span(end_).first(own_),
-                 .index = index_,
-                 .owners = mesh_.owners,
-                 .self = in_.self},
-                {mesh_.cells.data(), mesh_.neighbors.data(), mesh_.cell_ghost.data(), place}, in_.stop);
-    std::int32_t* const end = mesh_.neighbors.data() + mesh_.neighbors.size();
-#pragma GCC unroll 8
-    for (std::int32_t* n = mesh_.neighbors.data(); n != end; ++n) *n = place[*n];
+  void sort() {
+    tile_.own = own_;
+    tile_.index = std::move(index_);
+    tile_.rows = std::move(in_.cells);
+    mesh_.cell_ghost.resize(tile_.order.size());
+    tile_.places.resize(tile_.rows.size() + 2);
+    sort_cells(d, tile_.sorted(),
+               {.order = tile_.order,
+                .end = std::span(end_).first(own_),
+                .owners = mesh_.owners,
+                .self = in_.self,
+                .place = tile_.places.data() + 2,
+                .ghost = mesh_.cell_ghost.data()},
+               in_.stop);
   }
 
   static constexpr std::uint32_t unused = ~0u;
@@ -252,18 +245,19 @@ class MeshMaker {
   static constexpr std::uint32_t kept_bit = std::uint32_t{1} << 31, bordering_outside = FinalCells::open - 1;
   CollectInput in_;
   const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
-  TileMesh mesh_;
+  CollectedTile tile_;
+  TileMesh& mesh_ = tile_.mesh;
   std::vector<std::uint32_t> others_;  // cells that are neither kept nor gaps
   std::vector<std::uint32_t> index_;   // by k: where foreign vertex k is in the mesh, or unused
   tsl::robin_map<CellKey, std::uint32_t, CellKeyHash> borders_;  // facet -> the kept cell across it, or across_outside
-  BigVector<std::uint32_t> order_, end_;                         // as in CellOrder
+  BigVector<std::uint32_t> end_;                                 // by own vertex: see CellsToSort
   BigVector<std::uint32_t> least_;  // by cell: its least vertex | mixed_row, or why it is not kept
 };
 
 }  // namespace
 
-TileMesh make_mesh(CollectInput input) {
-  return input.dimension == 3 ? MeshMaker<3>(std::move(input)).make() : MeshMaker<2>(std::move(input)).make();
+CollectedTile collect_cells(CollectInput input) {
+  return input.dimension == 3 ? Collector<3>(std::move(input)).make() : Collector<2>(std::move(input)).make();
 }
 
 }  // namespace tessera

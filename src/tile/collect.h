@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <stop_token>
 #include <vector>
 
 #include "src/base/point.h"
 #include "src/kernel/kernel.h"
 #include "src/mesh/tile_mesh.h"
+#include "src/tile/collected_tile.h"
 #include "src/tile/final_cells.h"
 
 namespace tessera {
@@ -16,8 +16,8 @@ namespace tessera {
 struct CollectInput {
   int dimension;
   TileId self;
-  std::span<const Point> points;     // the tile's own, by rank: n
-  std::span<const PointId> ids;      // by rank
+  std::vector<Point> points;         // the tile's own, by rank: n
+  std::vector<PointId> ids;          // by rank
   CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
   std::vector<std::uint8_t> fill;    // by row: 1 for fill of a reduced tile; or empty
   std::vector<SharedPoint> foreign;  // by k
@@ -27,6 +27,6 @@ struct CollectInput {
 
 // Works in the input's arrays, and frees them as soon as it can: this is where a tile needs most memory, and fresh
 // pages cost more than the work.
-TileMesh make_mesh(CollectInput input);
+CollectedTile collect_cells(CollectInput input);
 
 }  // namespace tessera

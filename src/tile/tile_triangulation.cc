@@ -270,9 +270,17 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   return result.vertex;
 }
 
-TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<const PointId> ids,
-                                    FinalCells final_cells) {
-  CollectInput input{options_.dimension, options_.self, points, ids, {}, {}, {}, std::move(final_cells), options_.stop};
+CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<PointId> ids, FinalCells final_cells) {
+  const std::size_t own = points.size();
+  CollectInput input{.dimension = options_.dimension,
+                     .self = options_.self,
+                     .points = std::move(points),
+                     .ids = std::move(ids),
+                     .cells = {},
+                     .fill = {},
+                     .foreign = {},
+                     .final_cells = std::move(final_cells),
+                     .stop = options_.stop};
   input.foreign.reserve(foreign_.size());
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;
   for (Vertex v = 1; v < ids_.size(); ++v) {
@@ -294,14 +302,14 @@ TileMesh TileTriangulation::collect(std::span<const Point> points, std::span<con
       }
       for (std::size_t i = 0; i < corners; ++i) {
         if (v[i] == infinite_vertex) continue;
-        v[i] = is_local(v[i]) ? ranks_[v[i]] + 1 : static_cast<Vertex>(v[i] - stayed + points.size());
+        v[i] = is_local(v[i]) ? ranks_[v[i]] + 1 : static_cast<Vertex>(v[i] - stayed + own);
       }
     }
   }
   throw_if_stopped(options_.stop);
-  TileMesh mesh = make_mesh(std::move(input));
-  counts_.kept = mesh.points.size() - points.size();
-  return mesh;
+  CollectedTile tile = collect_cells(std::move(input));
+  counts_.kept = tile.mesh.points.size() - own;
+  return tile;
 }
 
 std::size_t TileTriangulation::memory() const {

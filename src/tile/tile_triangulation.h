@@ -26,7 +26,7 @@
 #include "src/base/result.h"
 #include "src/base/stopped.h"
 #include "src/kernel/kernel.h"
-#include "src/mesh/tile_mesh.h"
+#include "src/tile/collected_tile.h"
 #include "src/tile/final_cells.h"
 #include "src/tile/sent_set.h"
 #include "src/tile/surroundings.h"
@@ -95,9 +95,9 @@ class TileTriangulation {
   // What others must now hear of, by tile, and forgets it. A tile is only ever told of points it does not own.
   std::map<TileId, std::vector<SharedPoint>> take_updates();
 
-  // All cells with a vertex of this tile. `points`, `ids` as in triangulate(); `final_cells` from reduce(), or empty.
-  // Right only once all tiles are quiet. The triangulation is gone afterwards.
-  TileMesh collect(std::span<const Point> points, std::span<const PointId> ids, FinalCells final_cells);
+  // All cells with a vertex of this tile. `points`, `ids` as in triangulate(), best moved; `final_cells` from reduce(),
+  // or empty. Right only once all tiles are quiet. The triangulation is gone afterwards.
+  CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, FinalCells final_cells);
 
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;

@@ -108,8 +108,10 @@ LoadedTile order_points(std::span<const LocalPoint> points, int dimension) {
   Sorter(points, dimension).sort(entries);
 
   LoadedTile tile;
-  tile.points.reserve(points.size());
-  tile.ids.reserve(points.size());
+  // Room for foreign ones, which costs no memory: the same arrays are the mesh's one day.
+  const std::size_t most = points.size() + points.size() / 8;
+  tile.points.reserve(most);
+  tile.ids.reserve(most);
   // Equal coordinates have equal keys on every curve, so they are neighbours now, the lowest id first.
   for (const Entry& e : entries) {
     const LocalPoint& p = points[e.index];

@@ -36,7 +36,7 @@ class NoPoints final : public PartSource, public TileStorage {
   Result<bool> has(TileId, ScratchKind) override { return false; }
   Status remove(TileId, ScratchKind) override { return success(); }
   Status clear(ScratchKind) override { return success(); }
-  void store(TileId, TileMesh, Stored) override {}
+  void store(TileId, CollectedTile, Stored) override {}
 
   std::promise<void> may_look;
 

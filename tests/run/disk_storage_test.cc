@@ -29,10 +29,10 @@ class LockedStorage : public ::testing::Test {
   void take_the_lock_away() const { fs::rename(lock_.file(), lock_folder(out()) / "another"); }
 
   Result<TileEntry> store(TileId tile) {
-    TileMesh mesh;
-    mesh.dimension = 3;
+    CollectedTile empty;
+    empty.mesh.dimension = 3;
     std::promise<Result<TileEntry>> stored;
-    storage_->store(tile, std::move(mesh), [&](const Result<TileEntry>& entry) { stored.set_value(entry); });
+    storage_->store(tile, std::move(empty), [&](const Result<TileEntry>& entry) { stored.set_value(entry); });
     return stored.get_future().get();
   }
 

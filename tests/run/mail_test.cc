@@ -25,7 +25,7 @@ class Scratch final : public TileStorage {
     return success();
   }
   Status clear(ScratchKind) override { return success(); }
-  void store(TileId, TileMesh, Stored) override {}
+  void store(TileId, CollectedTile, Stored) override {}
   Pieces pieces;
 };
 

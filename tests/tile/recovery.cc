@@ -249,7 +249,7 @@ void World::collect() {
     }
     auto mesh = life->state->collect();
     if (!mesh) return fail(mesh.error().where);
-    out_.meshes.push_back(std::move(mesh).value());
+    out_.meshes.push_back(std::move(mesh).value().whole());
   }
 }
 

@@ -30,7 +30,7 @@ class Scratch final : public TileStorage {
     return success();
   }
   Status clear(ScratchKind what) override { return remove({}, what); }
-  void store(TileId, TileMesh, Stored) override { check(false, "nothing is stored here"); }
+  void store(TileId, CollectedTile, Stored) override { check(false, "nothing is stored here"); }
   // As an earlier process leaves it: but for mail.
   void inherit(const Scratch& other) {
     pieces_ = other.pieces_;

@@ -114,7 +114,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   }
   std::vector<TileMesh> meshes;
   for (Tile& t : tile) {
-    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)));
+    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)).whole());
   }
   return meshes;
 }
