@@ -27,14 +27,14 @@ std::uint64_t whole_bytes(std::uint64_t points, std::uint64_t largest, const Nee
 Needs needs(int dimension, KernelKind kernel) {
   if (kernel == KernelKind::cgal) {
     if (dimension == 3) {
-      return {.triangulate = 880, .whole = 620, .image = 200, .collect = 600, .collect_whole = 230, .mesh = 300};
+      return {.triangulate = 880, .whole = 620, .image = 200, .collect = 560, .collect_whole = 270, .mesh = 365};
     }
-    return {.triangulate = 270, .whole = 215, .image = 60, .collect = 220, .collect_whole = 66, .mesh = 103};
+    return {.triangulate = 270, .whole = 215, .image = 60, .collect = 210, .collect_whole = 105, .mesh = 145};
   }
   if (dimension == 3) {
-    return {.triangulate = 500, .whole = 280, .image = 120, .collect = 580, .collect_whole = 340, .mesh = 300};
+    return {.triangulate = 500, .whole = 280, .image = 120, .collect = 550, .collect_whole = 140, .mesh = 350};
   }
-  return {.triangulate = 165, .whole = 120, .image = 40, .collect = 215, .collect_whole = 115, .mesh = 100};
+  return {.triangulate = 165, .whole = 120, .image = 40, .collect = 205, .collect_whole = 75, .mesh = 145};
 }
 
 // Not what one costs on average: the scratch of a large conflict zone stays with the tile, so few may cost much.

@@ -15,7 +15,7 @@
 namespace tessera::store {
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t{4} << 20;     // disks take large ones half as fast again as of 1 MiB
+constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t hashed_bytes = std::size_t{128} << 10;  // at a time, while they are in the second-level cache
 constexpr std::size_t alignment = 4096;  // what disks and file systems ask for at most
 
