@@ -20,9 +20,6 @@ constexpr std::size_t page = 4096;
 // and a process may have 65,530 mappings.
 constexpr std::size_t small_bytes = std::size_t{128} << 10;
 constexpr std::size_t alignment = 64;
-// From here on pages of 2 MiB are asked for, of which the last one is touched in part: they come several times as fast,
-// and the kernels, whose steps go anywhere, find their way through fewer tables.
-constexpr std::size_t huge_from = std::size_t{16} << 20;
 
 bool is_small(const Mapping& mapping) { return mapping.reserved <= small_bytes; }
 
@@ -142,8 +139,6 @@ Mapping map_memory(std::size_t bytes) {
   const std::size_t reserved = with_room(bytes);
   void* at = mmap(nullptr, reserved, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (at == MAP_FAILED) throw std::bad_alloc();
-  // Refused where the system has no huge pages, which costs time and nothing else.
-  if (reserved >= huge_from) madvise(at, reserved, MADV_HUGEPAGE);
   mapping = {static_cast<std::byte*>(at), reserved, 0};
   return mapping;
 }
