@@ -36,6 +36,8 @@ std::vector<std::byte> column(std::span<const std::byte> rows, std::size_t strid
   return values;
 }
 
+Error do_not_fit() { return error(Errc::internal, "a tile's arrays do not fit together"); }
+
 Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const StoreOptions& options) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t n = mesh.points.size(), m = mesh.cell_ghost.size();
@@ -43,7 +45,7 @@ Status check_mesh(const TileMesh& mesh, std::span<const std::byte> rows, const S
                           mesh.owners.size() == n && mesh.point_ghost.size() == n &&
                           (mesh.cell_final.empty() || mesh.cell_final.size() == m) &&
                           rows.size() == n * row_bytes(options.schema);
-  if (!consistent) return error(Errc::internal, "a tile's arrays do not fit together");
+  if (!consistent) return do_not_fit();
   if (m * corners > std::numeric_limits<std::int32_t>::max() || n > std::numeric_limits<std::int32_t>::max())
     return error(Errc::memory, "a tile has more cells than 32-bit connectivity can hold: use smaller tiles");
   return success();
@@ -60,8 +62,8 @@ class CellsOfMesh final : public CellStream {
   const TileMesh& mesh_;
 };
 
-// What there is of a tile besides the vertices. `columns`: of the attributes, in the order of the schema. `vertices` is
-// told of the cells as they are written. Refers to all of these.
+// All arrays, in the order of the file. `columns`: of the attributes, in the order of the schema. `digest` is told of
+// the cells as they are written. Refers to all of these.
 std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, const CellStream& cells,
                               TileDigest& digest, const std::vector<std::vector<std::byte>>& columns,
                               const std::stop_token& stop) {
@@ -73,9 +75,10 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
   const std::uint64_t row = 4 * (static_cast<std::uint64_t>(mesh.dimension) + 1);
   packed.push_back(PackedArray::streamed(header.cells * row, [&](const PackedArray::Take& take) {
-    return cells.vertices([&](std::span<const std::int32_t> piece) {
+    return cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
+      BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // of no more cells than there are flags
       digest.add(piece);
-      return take(bytes_of(piece));
+      return success();
     });
   }));
   packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1, stop));
@@ -107,6 +110,8 @@ Result<DirectWriter::Written> write_file(const fs::path& temporary, const fs::pa
 
 Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, std::span<const std::byte> rows,
                              const StoreOptions& options) {
+  const std::size_t numbers = mesh.cell_ghost.size() * (static_cast<std::size_t>(mesh.dimension) + 1);
+  if (mesh.cells.size() != numbers || (options.neighbors && mesh.neighbors.size() != numbers)) return do_not_fit();
   return write_tile(out, tile, mesh, CellsOfMesh(mesh), rows, options);
 }
 
