@@ -6,6 +6,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <cerrno>
 #include <chrono>
 
 namespace tessera::http {
@@ -47,6 +48,8 @@ void Session::watch_peer() {
     if (error || !self) return;
     char byte = 0;
     const ssize_t seen = ::recv(self->transport_->socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+    // Another thread may have been told late of the request, which has been read long since.
+    if (seen < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return self->watch_peer();
     // Under TLS it is the farewell; a watcher has nothing else to say.
     if (seen > 0 && !self->transport_->is_tls()) return;
     self->peer_gone_ = true;
