@@ -16,7 +16,7 @@ import jsonschema
 class Server:
     """A server of its own, with tokens of every role; options as of server_main.cc."""
 
-    def __init__(self, **options):
+    def __init__(self, environment=None, **options):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tessera-http-"))
         self.tokens = {role: role[0] * 40 for role in ("read", "submit", "admin")}
         file = self.folder / "tokens"
@@ -25,6 +25,7 @@ class Server:
         with open(self.folder / "log", "w") as log:
             self.process = subprocess.Popen([os.environ["SERVER"], str(self.folder),
                                              *(f"{name}={value}" for name, value in options.items())],
+                                            env=os.environ | (environment or {}),
                                             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True)
         self.started = json.loads(self.process.stdout.readline())
         self.port, self.operations = self.started.get("ports", (0, 0))
@@ -74,10 +75,11 @@ class Answer:
 
 class ServerTest(unittest.TestCase):
     options = {}
+    environment = {}
 
     @classmethod
     def setUpClass(cls):
-        cls.server = Server(**cls.options)
+        cls.server = Server(cls.environment, **cls.options)
         cls.addClassCleanup(cls.stop)
         cls.document = None
 
