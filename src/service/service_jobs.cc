@@ -127,6 +127,9 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
   changed.set_updated(time_text(system_clock::now()));
   const auto written = store.replace(changed);
   if (!written && need == Need::written) return written.error();
+  // First: who hears of a job's end finds its log whole, and a watcher's stream ends with the status.
+  if (before != changed.state())
+    log(changed.id(), changed.state() + (changed.message().empty() ? "" : ": " + changed.message()));
   {
     const std::lock_guard lock(mutex);
     if (!written) {
@@ -137,8 +140,6 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
     job.record = changed;
     tell_status(job);
   }
-  if (before != changed.state())
-    log(changed.id(), changed.state() + (changed.message().empty() ? "" : ": " + changed.message()));
   return success();
 }
 

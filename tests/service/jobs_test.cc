@@ -274,6 +274,27 @@ TEST_F(Jobs, EventsAscendOverRestartsAndAreReplayed) {
   EXPECT_FALSE(service->subscribe("nothing", 0, [](const auto&) {}));
 }
 
+TEST_F(Jobs, WhoHearsOfItsEndHasHeardTheWholeLog) {
+  make_cloud("a.xyz", 500);
+  open();
+  const auto id = submit(triangulate("a.xyz"));
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<std::string> lines;
+  bool is_over = false;
+  const auto handle = service->subscribe(id, 1, [&](const auto& event) {
+    const std::lock_guard lock(mutex);
+    if (is_over) return;
+    if (event->kind() == "log") lines.push_back(event->text());
+    is_over = event->status().status() == "successful";
+    changed.notify_all();
+  });
+  std::unique_lock lock(mutex);
+  changed.wait(lock, [&] { return is_over; });
+  ASSERT_FALSE(lines.empty());
+  EXPECT_EQ(lines.back(), "successful: is done");
+}
+
 TEST_F(Jobs, ASecondServiceHasNoPlaceInTheFolder) {
   open();
   const auto second = Service::open(options);
