@@ -49,7 +49,7 @@ void Session::watch_peer() {
     char byte = 0;
     const ssize_t seen = ::recv(self->transport_->socket().native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT);
     // Another thread may have been told late of the request, which has been read long since.
-    if (seen < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return self->watch_peer();
+    if (seen < 0 && errno == EAGAIN) return self->watch_peer();
     // Under TLS it is the farewell; a watcher has nothing else to say.
     if (seen > 0 && !self->transport_->is_tls()) return;
     self->peer_gone_ = true;
