@@ -110,8 +110,9 @@ TESSERA_PUBLIC Triangulation triangulate(std::span<const double> coordinates, co
 // `inputs`: files, folders and patterns, as the command takes them.
 TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>& inputs,
                                          const TriangulationOptions& options = {});
-// The checksum of a file as manifests have it: XXH3 of 64 bits, in 16 lower-case hexadecimal digits. Failure: io.
-TESSERA_PUBLIC std::string file_checksum(const std::filesystem::path& file);
+// The checksum of a file as manifests have it: XXH3 of 64 bits, in 16 lower-case hexadecimal digits. Those of tiles and
+// duplicates are `in_pieces` from format 3 on. Failure: io.
+TESSERA_PUBLIC std::string file_checksum(const std::filesystem::path& file, bool in_pieces = false);
 // What is in these inputs, and what it would take to triangulate them so, or what one result folder is: what
 // `tessera info --json` says, one JSON object. Reads headers and a sample. Failure: as of triangulate().
 TESSERA_PUBLIC std::string describe(const std::vector<std::string>& inputs, const TriangulationOptions& options = {});

@@ -41,6 +41,8 @@ class File(typing.NamedTuple):
     """XXH3; None: nobody says it, and what is there of it is not gone on with."""
     size: int | None = None
     etag: str | None = None
+    in_pieces: bool = False
+    """Whether the checksum is that of its pieces, as that of tiles and duplicates from format 3 on."""
 
 
 def download(http: Transport, file: File, to: pathlib.Path, patience_s: float) -> None:
@@ -91,7 +93,7 @@ def _difference(file: File, partial: pathlib.Path) -> str | None:
     has = partial.stat().st_size
     if file.size is not None and has != file.size:
         return f"has {has} bytes on the server, not {file.size} as it says itself"
-    if file.checksum is not None and (found := _tessera.file_checksum(partial)) != file.checksum:
+    if file.checksum is not None and (found := _tessera.file_checksum(partial, file.in_pieces)) != file.checksum:
         return f"its checksum is {found}, the server says {file.checksum}"
     return None
 

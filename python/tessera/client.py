@@ -170,9 +170,9 @@ class Client:
         try:
             manifest = json.loads(text)
             sums = dict(manifest["checksums"])
-            ending = ".vtkhdf" if manifest["format_version"] == 1 else ".vtu"
-            wanted = [(f"tiles/{int(tile['tile']):06}{ending}", tile["xxh3"], int(tile["bytes"])) for tile in manifest["tiles"]]
-            wanted += [(file, sums[file], None) for file in sums if file == os.path.basename(file)]
+            ending, pieces = ".vtkhdf" if manifest["format_version"] == 1 else ".vtu", manifest["format_version"] > 2
+            wanted = [(f"tiles/{int(tile['tile']):06}{ending}", tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
+            wanted += [(file, sums[file], None, pieces and file == "duplicates.bin") for file in sums if file == os.path.basename(file)]
         except (ValueError, KeyError, TypeError):
             raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is none") from None
         if _holds(out, text):
@@ -180,9 +180,10 @@ class Client:
         with _disk(out):
             (out / "tiles").mkdir(parents=True, exist_ok=True)
             (out / "manifest.json.tmp").write_bytes(text)
-            for file, checksum, size in wanted:
+            for file, checksum, size, in_pieces in wanted:
                 if not (out / file).exists():
-                    download(self._http, File(f"{path}/{file}", checksum, size, f'"xxh3-{checksum}"'), out / file, patience)
+                    remote = File(f"{path}/{file}", checksum, size, f'"xxh3-{checksum}"', in_pieces)
+                    download(self._http, remote, out / file, patience)
             self._fetch_report(path, out, patience)
             (out / "manifest.json.tmp").replace(out / "manifest.json")
         return open_folder(out)

@@ -85,9 +85,9 @@ Proof Triangulation::verify(const VerifyRequest& request) const {
   });
 }
 
-std::string file_checksum(const std::filesystem::path& file) {
+std::string file_checksum(const std::filesystem::path& file, bool in_pieces) {
   return guarded([&] {
-    const auto sum = checksum_file(file);
+    const auto sum = checksum_file(file, in_pieces ? SumOf::pieces : SumOf::bytes);
     if (!sum) throw_failure(sum.error());
     return checksum_text(sum.value());
   });

@@ -111,7 +111,7 @@ Status check_received(const RemoteFile& file, const fs::path& partial) {
                                     std::to_string(*file.bytes) + " as it says itself");
   }
   if (!file.xxh3) return success();
-  BOOST_OUTCOME_TRY(sum, checksum_file(partial));
+  BOOST_OUTCOME_TRY(sum, checksum_file(partial, file.sum));
   if (sum == *file.xxh3) return success();
   return error(Errc::corrupt, name_of(file) + ": its checksum is " + checksum_text(sum) + ", the server says " +
                                   checksum_text(*file.xxh3) + ": it is damaged there, or on the way");

@@ -10,6 +10,7 @@
 
 #include "src/base/result.h"
 #include "src/client/server.h"
+#include "src/files/checksum.h"
 
 namespace tessera {
 
@@ -18,7 +19,8 @@ struct RemoteFile {
   std::string path;  // in the result: "tiles/000042.vtu"
   // As its manifest, or the job that wrote it, has them; without checksum a file is not gone on with where it was cut.
   std::optional<std::uint64_t> bytes, xxh3;
-  bool in_manifest = true;  // then its ETag is its checksum
+  SumOf sum = SumOf::bytes;  // what xxh3 is of
+  bool in_manifest = true;   // then its ETag is its checksum
 };
 
 // Bytes go to temporary_name(to), which is synced and renamed to `to` when it is whole and has its checksum; what is

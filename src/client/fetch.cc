@@ -78,18 +78,21 @@ struct Wanted {
 
 std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& triangulation, const fs::path& folder) {
   std::vector<Wanted> list;
-  const auto add = [&](auto name_in, std::optional<std::uint64_t> bytes, std::uint64_t xxh3) {
+  const auto add = [&](auto name_in, std::optional<std::uint64_t> bytes, std::uint64_t xxh3, SumOf sum) {
     list.push_back(
-        {.file = {.triangulation = triangulation, .path = name_in("").string(), .bytes = bytes, .xxh3 = xxh3},
+        {.file =
+             {.triangulation = triangulation, .path = name_in("").string(), .bytes = bytes, .xxh3 = xxh3, .sum = sum},
          .to = name_in(folder)});
   };
   for (const auto& entry : manifest.tiles) {
     add([&](const fs::path& out) { return tile_file(out, entry.tile, manifest.format_version); }, entry.bytes,
-        entry.xxh3);
+        entry.xxh3, data_sum_of(manifest.format_version));
   }
-  add([&](const fs::path& out) { return master_file(out, manifest.format_version); }, {}, manifest.master_xxh3);
+  add([&](const fs::path& out) { return master_file(out, manifest.format_version); }, {}, manifest.master_xxh3,
+      SumOf::bytes);
   if (manifest.duplicates_xxh3 != 0) {
-    add([](const fs::path& out) { return duplicates_file(out); }, {}, manifest.duplicates_xxh3);
+    add([](const fs::path& out) { return duplicates_file(out); }, {}, manifest.duplicates_xxh3,
+        data_sum_of(manifest.format_version));
   }
   return list;
 }
@@ -99,7 +102,7 @@ Result<bool> is_there(const Wanted& wanted) {
   std::error_code code;
   const auto bytes = fs::file_size(wanted.to, code);
   if (code || (wanted.file.bytes && bytes != *wanted.file.bytes)) return false;
-  BOOST_OUTCOME_TRY(sum, checksum_file(wanted.to));
+  BOOST_OUTCOME_TRY(sum, checksum_file(wanted.to, wanted.file.sum));
   return sum == *wanted.file.xxh3;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "src/files/disk_file.h"
@@ -22,8 +23,24 @@ std::uint64_t record_checksum(std::span<const std::byte> records, std::size_t re
   return sum;
 }
 
-Result<std::uint64_t> checksum_file(const std::filesystem::path& path) {
+namespace {
+
+Result<std::uint64_t> checksum_pieces(DiskFile file) {
+  std::vector<std::byte> piece(sum_piece_bytes);
+  std::vector<std::uint64_t> sums;
+  for (;;) {
+    BOOST_OUTCOME_TRY(n, file.read(piece));
+    if (n > 0) sums.push_back(checksum(std::span(piece).first(n)));
+    if (n < piece.size()) break;
+  }
+  return checksum(std::as_bytes(std::span(sums)));
+}
+
+}  // namespace
+
+Result<std::uint64_t> checksum_file(const std::filesystem::path& path, SumOf what) {
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
+  if (what == SumOf::pieces) return checksum_pieces(std::move(file));
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
   std::vector<std::byte> buffer(std::size_t{1} << 18);  // stays in the second-level cache

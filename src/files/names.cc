@@ -89,11 +89,16 @@ fs::path tile_file(const fs::path& out, TileId tile, int format) {
 }
 fs::path stored_tile_file(const fs::path& out, TileId tile) {
   std::error_code code;
-  for (const int format : {2, 1})
+  for (const int format : {newest_format, 1})
     if (fs::path file = tile_file(out, tile, format); fs::exists(file, code)) return file;
   return tile_file(out, tile);
 }
 fs::path done_file(const fs::path& out, NodeId node) { return numbered(tiles_folder(out), node, done_ending); }
+fs::path early_file(const fs::path& out, TileId tile, NodeId node) {
+  fs::path name = temporary_name(tile_file(out, tile));
+  name += "-early-" + std::to_string(node.value);
+  return name;
+}
 fs::path duplicates_file(const fs::path& out) { return out / "duplicates.bin"; }
 fs::path report_file(const fs::path& out) { return out / "report.html"; }
 fs::path lock_folder(const fs::path& out) { return out / ".lock"; }

@@ -66,13 +66,16 @@
 namespace tessera {
 
 // Result folders.
+inline constexpr int newest_format = 3;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
-std::filesystem::path master_file(const std::filesystem::path& out, int format = 2);
+std::filesystem::path master_file(const std::filesystem::path& out, int format = newest_format);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
-std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = 2);
+std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = newest_format);
 // The tile's file in whatever format it is there; in the newest when there is none.
 std::filesystem::path stored_tile_file(const std::filesystem::path& out, TileId tile);
 std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
+// What a node has written of a tile whose other cells are not known yet: a temporary name.
+std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);
 std::filesystem::path duplicates_file(const std::filesystem::path& out);
 std::filesystem::path report_file(const std::filesystem::path& out);
 std::filesystem::path lock_folder(const std::filesystem::path& out);

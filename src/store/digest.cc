@@ -35,23 +35,23 @@ template <XXH64_hash_t seed, class Record>
 
 }  // namespace
 
-template <int D>
-void TileDigest::add_vertices() {
-  for (std::size_t i = 0; i < of_vertex_.size(); ++i) {
-    const Digest id = hash<cell_seed(D)>(mesh_.ids[i]);
+CellDigest::CellDigest(int dimension, std::span<const PointId> ids) : dimension_(dimension), of_vertex_(ids.size()) {
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const Digest id = dimension == 2 ? hash<cell_seed(2)>(ids[i]) : hash<cell_seed(3)>(ids[i]);
     of_vertex_[i] = {id.low, id.high};
-    if (mesh_.point_ghost[i] == 0) sum_ += hash<vertex_seed(D)>(LocalPoint{mesh_.points[i], mesh_.ids[i]});
   }
 }
 
-template <int D>
-void TileDigest::add_cells(std::span<const std::int32_t> cells) {
+template <int D, bool flagged>
+Digest CellDigest::sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
   const Words* const of_vertex = of_vertex_.data();
   Digest sum;
   const std::size_t count = cells.size() / (D + 1);
   const std::int32_t* cell = cells.data();
   for (std::size_t c = 0; c < count; ++c, cell += D + 1) {
-    if (mesh_.cell_ghost[next_ + c] != 0) continue;
+    if constexpr (flagged) {
+      if (ghost[c] != 0) continue;
+    }
     std::uint64_t low = 0, high = 0;
     for (std::size_t k = 0; k <= D; ++k) {
       const Words& vertex = of_vertex[static_cast<std::size_t>(cell[k])];
@@ -59,16 +59,26 @@ void TileDigest::add_cells(std::span<const std::int32_t> cells) {
     }
     sum += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};
   }
-  next_ += count;
-  sum_ += sum;
+  return sum;
 }
 
-TileDigest::TileDigest(const TileMesh& mesh) : mesh_(mesh), of_vertex_(mesh.points.size()) {
-  mesh.dimension == 2 ? add_vertices<2>() : add_vertices<3>();
+Digest CellDigest::of(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
+  if (dimension_ == 2) return ghost ? sum<2, true>(cells, ghost) : sum<2, false>(cells, ghost);
+  return ghost ? sum<3, true>(cells, ghost) : sum<3, false>(cells, ghost);
+}
+
+TileDigest::TileDigest(const TileMesh& mesh, std::size_t known, const Digest& sum)
+    : mesh_(mesh), cells_(mesh.dimension, mesh.ids), next_(known), sum_(sum) {
+  for (std::size_t i = 0; i < mesh.ids.size(); ++i) {
+    if (mesh.point_ghost[i] != 0) continue;
+    const LocalPoint vertex{mesh.points[i], mesh.ids[i]};
+    sum_ += mesh.dimension == 2 ? hash<vertex_seed(2)>(vertex) : hash<vertex_seed(3)>(vertex);
+  }
 }
 
 void TileDigest::add(std::span<const std::int32_t> cells) {
-  mesh_.dimension == 2 ? add_cells<2>(cells) : add_cells<3>(cells);
+  sum_ += cells_.of(cells, mesh_.cell_ghost.data() + next_);
+  next_ += cells.size() / (static_cast<std::size_t>(mesh_.dimension) + 1);
 }
 
 Digest digest_of(const TileMesh& mesh) {

@@ -40,27 +40,37 @@ struct Digest {
   friend bool operator==(const Digest&, const Digest&) = default;
 };
 
-// Of a tile's main cells and own vertices, as the cells come. REQUIRES: cells are indices into points.
-class TileDigest {
+// Of cells that are told by indices into `ids`.
+class CellDigest {
  public:
-  // Refers to the mesh, of which it does not look at the cells.
-  explicit TileDigest(const TileMesh& mesh);
-  // The vertices of the next cells: rows of dimension + 1.
-  void add(std::span<const std::int32_t> cells);
-  Digest value() const { return sum_; }
+  CellDigest(int dimension, std::span<const PointId> ids);
+  // Rows of dimension + 1 vertices. Those do not count whose flag in `ghost` is set; none: all do.
+  Digest of(std::span<const std::int32_t> cells, const std::uint8_t* ghost = nullptr) const;
 
  private:
   struct Words {
     std::uint64_t low, high;
   };
-  template <int D>
-  void add_vertices();
-  template <int D>
-  void add_cells(std::span<const std::int32_t> cells);
+  template <int D, bool flagged>
+  Digest sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const;
 
-  const TileMesh& mesh_;
+  int dimension_;
   BigVector<Words> of_vertex_;
-  std::size_t next_ = 0;  // cell
+};
+
+// Of a tile's main cells and own vertices, as the cells come. REQUIRES: cells are indices into points.
+class TileDigest {
+ public:
+  // Refers to the mesh, of which it does not look at the cells; `known` of them are taken as added, and have `sum`.
+  explicit TileDigest(const TileMesh& mesh, std::size_t known = 0, const Digest& sum = {});
+  // The vertices of the next cells: rows of dimension + 1.
+  void add(std::span<const std::int32_t> cells);
+  Digest value() const { return sum_; }
+
+ private:
+  const TileMesh& mesh_;
+  CellDigest cells_;
+  std::size_t next_;  // cell
   Digest sum_;
 };
 Digest digest_of(const TileMesh& mesh);

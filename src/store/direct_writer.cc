@@ -10,14 +10,16 @@
 #include <new>
 #include <utility>
 
+#include "src/base/check.h"
 #include "src/base/stopped.h"
 
 namespace tessera::store {
 namespace {
 
-constexpr std::size_t block_bytes = std::size_t{1} << 20;
 constexpr std::size_t hashed_bytes = std::size_t{128} << 10;  // at a time, while they are in the second-level cache
-constexpr std::size_t alignment = 4096;  // what disks and file systems ask for at most
+constexpr std::size_t alignment = 4096;                       // what disks and file systems ask for at most
+
+constexpr std::uint64_t whole_pieces(std::uint64_t bytes) { return bytes / sum_piece_bytes * sum_piece_bytes; }
 
 }  // namespace
 
@@ -29,34 +31,48 @@ DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bo
       direct_(direct),
       stop_(std::move(stop)),
       hash_(XXH3_createState()),
-      block_(static_cast<std::byte*>(std::aligned_alloc(alignment, block_bytes))) {
-  if (!block_ || !hash_) throw std::bad_alloc();
+      piece_(static_cast<std::byte*>(std::aligned_alloc(alignment, sum_piece_bytes))) {
+  if (!piece_ || !hash_) throw std::bad_alloc();
   XXH3_64bits_reset(hash_.get());
 }
 
-Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, const std::filesystem::path& final_name,
-                                          std::stop_token stop) {
+Result<DirectWriter> DirectWriter::open(const std::filesystem::path& path, const std::filesystem::path& final_name,
+                                        int flags, const char* what, std::stop_token stop) {
   bool direct = true;
-  constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
+  flags |= O_CLOEXEC;
   FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
   if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always go through the cache
     direct = false;
     file = FileHandle(::open(path.c_str(), flags, 0666));
   }
-  if (file.get() < 0) return io_error(final_name, "cannot create", errno);
+  if (file.get() < 0) return io_error(final_name, what, errno);
   return DirectWriter(std::move(file), final_name, direct, std::move(stop));
+}
+
+Result<DirectWriter> DirectWriter::create(const std::filesystem::path& path, const std::filesystem::path& final_name,
+                                          std::stop_token stop) {
+  return open(path, final_name, O_WRONLY | O_CREAT | O_TRUNC, "cannot create", std::move(stop));
+}
+
+Result<DirectWriter> DirectWriter::go_on(const std::filesystem::path& path, const std::filesystem::path& final_name,
+                                         Begun begun, std::stop_token stop) {
+  BOOST_OUTCOME_TRY(writer, open(path, final_name, O_RDWR, "cannot be gone on with", std::move(stop)));
+  writer.begun_ = std::move(begun);
+  BOOST_OUTCOME_TRYV(writer.begin_piece(0));
+  return std::move(writer);
 }
 
 template <class Copy>
 Status DirectWriter::append_by(std::span<const std::byte> bytes, const Copy& copy) {
   while (!bytes.empty()) {
-    const std::size_t n = std::min(bytes.size(), block_bytes - filled_);
-    copy(bytes.first(n), block_.get() + filled_);
+    const std::size_t n = std::min(bytes.size(), sum_piece_bytes - filled_);
+    copy(bytes.first(n), piece_.get() + filled_);
     filled_ += n;
     bytes = bytes.subspan(n);
     if (filled_ - hashed_ >= hashed_bytes) hash_filled();
-    if (filled_ == block_bytes) {
-      BOOST_OUTCOME_TRYV(flush());
+    if (filled_ == sum_piece_bytes) {
+      BOOST_OUTCOME_TRYV(write_piece());
+      BOOST_OUTCOME_TRYV(begin_piece(offset_ + sum_piece_bytes));
     }
   }
   return success();
@@ -71,20 +87,68 @@ Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
   return append_by(bytes, [&](std::span<const std::byte> piece, std::byte* to) { sum.copy(piece, to); });
 }
 
-Result<DirectWriter::Written> DirectWriter::finish() {
-  // The last piece is no multiple of the alignment.
-  if (filled_ % alignment != 0 && direct_ && !leave_direct()) return io_error(final_name_, "cannot write", errno);
-  BOOST_OUTCOME_TRYV(flush());
-  if (!file_.close()) return io_error(final_name_, "cannot write", errno);
-  return Written{offset_, XXH3_64bits_digest(hash_.get())};
+Status DirectWriter::skip_to(std::uint64_t offset) {
+  check(offset >= offset_ + filled_, "a file is written from front to back");
+  if (const std::uint64_t piece = whole_pieces(offset); piece != offset_) {
+    if (filled_ > 0) {
+      fill_up_to(sum_piece_bytes);
+      BOOST_OUTCOME_TRYV(write_piece());
+    }
+    BOOST_OUTCOME_TRYV(begin_piece(piece));
+  }
+  fill_up_to(offset - offset_);
+  return success();
 }
 
-Status DirectWriter::flush() {
+Result<DirectWriter::Begun> DirectWriter::pause() {
+  if (filled_ > 0) {
+    fill_up_to((filled_ + alignment - 1) / alignment * alignment);
+    BOOST_OUTCOME_TRYV(write_piece());
+  }
+  begun_.bytes = offset_ + filled_;
+  BOOST_OUTCOME_TRYV(close());
+  return std::move(begun_);
+}
+
+Result<DirectWriter::Written> DirectWriter::finish() {
+  check(known_ <= filled_, "nothing stands behind the last byte");
+  // The last piece is no multiple of the alignment.
+  if (filled_ % alignment != 0 && direct_ && !leave_direct()) return io_error(final_name_, "cannot write", errno);
+  if (filled_ > 0) {
+    BOOST_OUTCOME_TRYV(write_piece());
+  }
+  BOOST_OUTCOME_TRYV(close());
+  return Written{offset_ + filled_, checksum(std::as_bytes(std::span(begun_.sums)))};
+}
+
+Status DirectWriter::close() {
+  return file_.close() ? Status(success()) : Status(io_error(final_name_, "cannot write", errno));
+}
+
+// What stands there already is read, as pieces are written as a whole.
+Status DirectWriter::begin_piece(std::uint64_t offset) {
+  offset_ = offset;
+  filled_ = hashed_ = known_ = 0;
+  XXH3_64bits_reset(hash_.get());
+  if (offset >= begun_.bytes) return success();
+  const auto there = std::min<std::uint64_t>(begun_.bytes - offset, sum_piece_bytes);
+  const std::span<std::byte> piece(piece_.get(), sum_piece_bytes);
+  auto read = read_up_to(file_.get(), piece, offset, final_name_);
+  if (!read && direct_ && leave_direct()) read = read_up_to(file_.get(), piece, offset, final_name_);
+  if (!read) return read.error();
+  if (read.value() < there) return error(Errc::corrupt, final_name_.string() + ": what was written of it is cut off");
+  known_ = there;
+  return success();
+}
+
+// With what stood there behind them.
+Status DirectWriter::write_piece() {
   throw_if_stopped(stop_);
+  fill_up_to(std::max(filled_, known_));
   hash_filled();
   std::size_t done = 0;
   while (done < filled_) {
-    const auto n = ::pwrite(file_.get(), block_.get() + done, filled_ - done, static_cast<off_t>(offset_ + done));
+    const auto n = ::pwrite(file_.get(), piece_.get() + done, filled_ - done, static_cast<off_t>(offset_ + done));
     if (n >= 0) {
       done += static_cast<std::size_t>(n);
       // A short write may end anywhere; a full disk shows in the next call.
@@ -96,14 +160,22 @@ Status DirectWriter::flush() {
     }
   }
   if (done < filled_) return io_error(final_name_, "cannot write", errno);
-  offset_ += filled_;
-  filled_ = hashed_ = 0;
+  static const std::uint64_t zeros = checksum(std::vector<std::byte>(sum_piece_bytes));
+  const std::size_t number = offset_ / sum_piece_bytes;
+  if (begun_.sums.size() <= number) begun_.sums.resize(number + 1, zeros);  // what was passed over
+  begun_.sums[number] = XXH3_64bits_digest(hash_.get());
   return success();
 }
 
 void DirectWriter::hash_filled() {
-  XXH3_64bits_update(hash_.get(), block_.get() + hashed_, filled_ - hashed_);
+  XXH3_64bits_update(hash_.get(), piece_.get() + hashed_, filled_ - hashed_);
   hashed_ = filled_;
+}
+
+// By what stood there before, and zeros.
+void DirectWriter::fill_up_to(std::size_t end) {
+  if (const std::size_t from = std::max(filled_, known_); from < end) std::memset(piece_.get() + from, 0, end - from);
+  filled_ = std::max(filled_, end);
 }
 
 bool DirectWriter::leave_direct() {

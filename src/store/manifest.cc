@@ -239,9 +239,9 @@ Result<Manifest> read_manifest(const fs::path& out) {
     return corrupt("is not a manifest of tessera, or damaged");
   const json version = value.value("format_version", json());
   if (!version.is_number_unsigned()) return corrupt("does not tell its format version");
-  if (version.get<std::uint64_t>() > store::format_version)
+  if (version.get<std::uint64_t>() > newest_format)
     return corrupt("is of format version " + version.dump() + ", this program knows version " +
-                   std::to_string(store::format_version) + " and older: use a newer tessera");
+                   std::to_string(newest_format) + " and older: use a newer tessera");
   try {
     return store::to_manifest(value);
   } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell

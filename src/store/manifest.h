@@ -9,8 +9,6 @@
 
 namespace tessera::store {
 
-inline constexpr int format_version = 2;
-
 // The side file of a stored tile. Not synced: one that a power cut damaged means that the tile is made again.
 Status write_done(const std::filesystem::path& out, NodeId node, const TileEntry& entry);
 std::string manifest_to_text(const Manifest& manifest);

@@ -103,8 +103,9 @@ PackedArray PackedArray::plain(std::span<const std::byte> bytes) {
   return streamed(bytes.size(), [bytes](const Take& take) { return take(bytes); });
 }
 
-PackedArray PackedArray::streamed(std::uint64_t bytes, Make make) {
+PackedArray PackedArray::streamed(std::uint64_t bytes, Make make, std::uint64_t written) {
   PackedArray array;
+  array.written_ = written;
   array.bytes_ = bytes;
   array.make_ = std::move(make);
   return array;
@@ -162,24 +163,32 @@ PackedArray PackedArray::offsets(std::uint64_t cells, int step, const std::stop_
 
 std::uint64_t PackedArray::file_bytes() const {
   const std::uint64_t blocks = block_count(bytes_);
-  std::uint64_t size = table_bytes(blocks) + (blocks_.empty() ? bytes_ + blocks * plain_extra_bytes : 0);
+  std::uint64_t size = table_bytes(blocks) + (blocks_.empty() ? plain_bytes(bytes_) : 0);
   for (const auto& block : blocks_) size += block->size();
   return size;
 }
 
-Status PackedArray::write(DirectWriter& file) const {
+Status PackedArray::write(DirectWriter& file, std::uint64_t offset) const {
   const std::uint64_t blocks = block_count(bytes_);
   std::vector<std::uint64_t> table{blocks, block_bytes, bytes_ % block_bytes};
   for (const auto& block : blocks_) table.push_back(block->size());
   for (std::uint64_t left = bytes_; blocks_.empty() && left > 0; left -= std::min(left, block_bytes))
     table.push_back(std::min(left, block_bytes) + plain_extra_bytes);
+  BOOST_OUTCOME_TRYV(file.skip_to(offset));
   BOOST_OUTCOME_TRYV(file.append(std::as_bytes(std::span(table))));
   for (const auto& block : blocks_) {
     BOOST_OUTCOME_TRYV(file.append(*block));
   }
   if (!make_) return success();
-  PlainBlocks plain(bytes_, file);
-  BOOST_OUTCOME_TRYV(make_([&](std::span<const std::byte> piece) { return plain.add(piece); }));
+  if (written_ > 0) {
+    BOOST_OUTCOME_TRYV(file.skip_to(offset + table_bytes(blocks) + plain_bytes(written_)));
+  }
+  return write_plain(bytes_ - written_, make_, file);
+}
+
+Status write_plain(std::uint64_t bytes, const PackedArray::Make& make, DirectWriter& file) {
+  PlainBlocks plain(bytes, file);
+  BOOST_OUTCOME_TRYV(make([&](std::span<const std::byte> piece) { return plain.add(piece); }));
   return plain.finish();
 }
 

@@ -28,6 +28,8 @@ constexpr std::array<std::byte, plain_head_bytes> plain_head(std::uint64_t size)
 }
 
 constexpr std::uint64_t block_count(std::uint64_t bytes) { return (bytes + block_bytes - 1) / block_bytes; }
+// Of `bytes` as plain blocks.
+constexpr std::uint64_t plain_bytes(std::uint64_t bytes) { return bytes + block_count(bytes) * plain_extra_bytes; }
 // Of the table before the blocks.
 constexpr std::uint64_t table_bytes(std::uint64_t blocks) { return 8 * (3 + blocks); }
 
@@ -38,7 +40,8 @@ class PackedArray {
   // As many bytes, made when they are written: `make` gives them in pieces and ends when one is not taken.
   using Take = std::function<Status(std::span<const std::byte>)>;
   using Make = std::function<Status(const Take&)>;
-  static PackedArray streamed(std::uint64_t bytes, Make make);
+  // Of the first `written`, whole blocks, only the table is written: their blocks stand in the file already.
+  static PackedArray streamed(std::uint64_t bytes, Make make, std::uint64_t written = 0);
   // Elements of `size` bytes, 1, 2 or 4, that hardly change.
   static PackedArray runs(std::span<const std::byte> bytes, std::size_t size);
   // `count` times these bytes, 1, 2 or 4.
@@ -48,14 +51,19 @@ class PackedArray {
   static PackedArray offsets(std::uint64_t cells, int step, const std::stop_token& stop = {});
 
   std::uint64_t file_bytes() const;
-  Status write(DirectWriter& file) const;
+  // From `offset` on.
+  Status write(DirectWriter& file, std::uint64_t offset) const;
 
  private:
   using Block = std::shared_ptr<const std::vector<std::byte>>;
 
   std::uint64_t bytes_ = 0;    // before packing
+  std::uint64_t written_ = 0;  // of them
   Make make_;                  // of plain ones, which have no blocks_
   std::vector<Block> blocks_;
 };
+
+// The plain blocks of as many bytes, without a table.
+Status write_plain(std::uint64_t bytes, const PackedArray::Make& make, DirectWriter& file);
 
 }  // namespace tessera::store

@@ -60,7 +60,7 @@ const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entri
   const auto bytes = fs::file_size(tile, missing);
   const auto tells = [&](const TileEntry& entry) { return entry.bytes == bytes; };
   if (missing || std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
-  const auto sum = checksum_file(tile);
+  const auto sum = checksum_file(tile, SumOf::pieces);
   const auto found = std::find_if(entries.begin(), entries.end(), [&](const TileEntry& entry) {
     return sum && tells(entry) && entry.xxh3 == sum.value();
   });

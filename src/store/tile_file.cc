@@ -1,7 +1,8 @@
-// Writes one tile: a header of XML, then its arrays, from the first byte to the last.
+// Writes one tile: a header of XML, then its arrays, from the first byte to the last; but for what was written early.
 #include <algorithm>
 #include <cstring>
 #include <limits>
+#include <numeric>
 
 #include "src/base/stopped.h"
 #include "src/files/folder_lock.h"
@@ -9,6 +10,7 @@
 #include "src/files/temporary.h"
 #include "src/files/whole_file.h"
 #include "src/store/direct_writer.h"
+#include "src/store/early_cells.h"
 #include "src/store/manifest.h"
 #include "src/store/packed_array.h"
 #include "src/store/tile_layout.h"
@@ -66,7 +68,7 @@ class CellsOfMesh final : public CellStream {
 // the cells as they are written. Refers to all of these.
 std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, const CellStream& cells,
                               TileDigest& digest, const std::vector<std::vector<std::byte>>& columns,
-                              const std::stop_token& stop) {
+                              std::uint64_t early, const std::stop_token& stop) {
   const std::uint8_t type = vtk_cell_type(mesh.dimension);
   const std::uint32_t tile = header.tile.value;
   std::vector<PackedArray> packed{PackedArray::plain(bytes_of(mesh.points)), PackedArray::plain(bytes_of(mesh.ids)),
@@ -74,36 +76,73 @@ std::vector<PackedArray> pack(const TileHeader& header, const TileMesh& mesh, co
                                   PackedArray::runs(bytes_of(mesh.point_ghost), 1)};
   for (const auto& values : columns) packed.push_back(PackedArray::plain(values));
   const std::uint64_t row = 4 * (static_cast<std::uint64_t>(mesh.dimension) + 1);
-  packed.push_back(PackedArray::streamed(header.cells * row, [&](const PackedArray::Take& take) {
-    return cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
-      BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // of no more cells than there are flags
-      digest.add(piece);
-      return success();
-    });
-  }));
+  packed.push_back(PackedArray::streamed(
+      header.cells * row,
+      [&](const PackedArray::Take& take) {
+        return cells.vertices([&](std::span<const std::int32_t> piece) -> Status {
+          BOOST_OUTCOME_TRYV(take(bytes_of(piece)));  // of no more cells than there are flags
+          digest.add(piece);
+          return success();
+        });
+      },
+      early * row));
   packed.push_back(PackedArray::offsets(header.cells, mesh.dimension + 1, stop));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&type, 1)), header.cells));
   packed.push_back(PackedArray::runs(bytes_of(mesh.cell_ghost), 1));
   packed.push_back(PackedArray::repeated(std::as_bytes(std::span(&tile, 1)), header.cells));
   if (header.final) packed.push_back(PackedArray::runs(bytes_of(mesh.cell_final), 1));
   if (header.neighbors) {
-    packed.push_back(PackedArray::streamed(header.cells * row, [&](const PackedArray::Take& take) {
-      return cells.neighbors([&](std::span<const std::int32_t> piece) { return take(bytes_of(piece)); });
-    }));
+    packed.push_back(PackedArray::streamed(
+        header.cells * row,
+        [&](const PackedArray::Take& take) {
+          return cells.neighbors([&](std::span<const std::int32_t> piece) { return take(bytes_of(piece)); });
+        },
+        early * row));
   }
   return packed;
 }
 
-Result<DirectWriter::Written> write_file(const fs::path& temporary, const fs::path& final_name,
-                                         const std::string& header, const std::vector<PackedArray>& arrays,
-                                         const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(file, DirectWriter::create(temporary, final_name, stop));
+// Sets the header's offsets; returns its size, which they are counted from.
+std::uint64_t place(TileHeader& header, const std::vector<PackedArray>& arrays, const EarlyCells* early) {
+  std::uint64_t at = 0, begin = 0;
+  const auto infos = header.arrays();
+  header.offsets.resize(arrays.size());
+  if (early) {
+    const EarlyPlaces places = early_places(header, early->room);
+    const std::uint64_t row = 4 * (static_cast<std::uint64_t>(header.dimension) + 1);
+    const std::uint64_t table = table_bytes(block_count(header.cells * row));
+    begin = places.header_bytes;
+    header.offsets[connectivity_of(infos)] = places.cells - table - begin;
+    if (header.neighbors) header.offsets[neighbors_of(infos)] = places.neighbors - table - begin;
+    at = places.cells - begin + plain_bytes(header.cells * row);
+  }
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    if (early && (i == connectivity_of(infos) || i == neighbors_of(infos))) continue;
+    header.offsets[i] = at;
+    at += arrays[i].file_bytes();
+  }
+  return begin > 0 ? begin : header_text(header).size();
+}
+
+Result<DirectWriter::Written> write_file(DirectWriter file, const std::string& header,
+                                         const std::vector<std::uint64_t>& offsets,
+                                         const std::vector<PackedArray>& arrays) {
   BOOST_OUTCOME_TRYV(file.append(bytes_of(header)));
-  for (const auto& array : arrays) {
-    BOOST_OUTCOME_TRYV(array.write(file));
+  std::vector<std::size_t> order(arrays.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::sort(order, {}, [&](std::size_t i) { return offsets[i]; });
+  for (const std::size_t i : order) {
+    BOOST_OUTCOME_TRYV(arrays[i].write(file, header.size() + offsets[i]));
   }
   BOOST_OUTCOME_TRYV(file.append(bytes_of(footer)));
   return file.finish();
+}
+
+// With room for all cells.
+Result<EarlyCells> roomy(const fs::path& out, const TileHeader& header, const EarlyCells& early,
+                         const StoreOptions& options) {
+  if (header.cells <= early.room) return early;
+  return with_room(out, header, early, header.cells, options);
 }
 
 }  // namespace
@@ -116,7 +155,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
 }
 
 Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, const CellStream& cells,
-                             std::span<const std::byte> rows, const StoreOptions& options) {
+                             std::span<const std::byte> rows, const StoreOptions& options, const EarlyCells* begun) {
   BOOST_OUTCOME_TRY(schema, stored_schema(options.schema));
   BOOST_OUTCOME_TRYV(check_mesh(mesh, rows, options));
   const fs::path final_name = tile_file(out, tile);
@@ -135,13 +174,14 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                     .neighbors = options.neighbors,
                     .schema = std::move(schema),
                     .offsets = {}};
-  TileDigest digest(mesh);
-  const auto arrays = pack(header, mesh, cells, digest, columns, options.stop);
-  std::uint64_t at = 0;
-  for (const auto& array : arrays) {
-    header.offsets.push_back(at);
-    at += array.file_bytes();
+  EarlyCells early;
+  if (begun) {
+    BOOST_OUTCOME_TRY(found, roomy(out, header, *begun, options));
+    early = std::move(found);
   }
+  TileDigest digest(mesh, early.cells, early.digest);
+  const auto arrays = pack(header, mesh, cells, digest, columns, early.cells, options.stop);
+  const std::uint64_t header_bytes = place(header, arrays, begun ? &early : nullptr);
 
   TileEntry entry;
   entry.tile = tile;
@@ -150,8 +190,10 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.cells = header.cells;
   entry.main_cells = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
   throw_if_stopped(options.stop);
-  TemporaryFile temporary(temporary_name_of_process(final_name));
-  BOOST_OUTCOME_TRY(written, write_file(temporary.path(), final_name, header_text(header), arrays, options.stop));
+  TemporaryFile temporary(begun ? early_file(out, tile, early.node) : temporary_name_of_process(final_name));
+  BOOST_OUTCOME_TRY(file, begun ? DirectWriter::go_on(temporary.path(), final_name, early.begun, options.stop)
+                                : DirectWriter::create(temporary.path(), final_name, options.stop));
+  BOOST_OUTCOME_TRY(written, write_file(std::move(file), header_text(header, header_bytes), header.offsets, arrays));
   entry.digest = digest.value();
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;

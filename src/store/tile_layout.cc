@@ -59,6 +59,24 @@ std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, co
   return arrays;
 }
 
+namespace {
+
+std::size_t place_of(const std::vector<ArrayInfo>& arrays, Section section, std::string_view name) {
+  const auto found = std::find_if(arrays.begin(), arrays.end(),
+                                  [&](const ArrayInfo& a) { return a.section == section && a.name == name; });
+  return static_cast<std::size_t>(found - arrays.begin());
+}
+
+}  // namespace
+
+std::size_t connectivity_of(const std::vector<ArrayInfo>& arrays) {
+  return place_of(arrays, Section::cells, "connectivity");
+}
+
+std::size_t neighbors_of(const std::vector<ArrayInfo>& arrays) {
+  return place_of(arrays, Section::cell_data, "neighbors");
+}
+
 Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema) {
   std::vector<Attribute> result = schema;
   const std::set<std::string> taken{"id", "owner", "vtkGhostType"};

@@ -29,6 +29,9 @@ struct ArrayInfo {
 // `final`: of a part of a triangulation, whether each cell is one of the whole for sure.
 std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema);
 inline constexpr std::size_t first_attribute = 4;  // where those of the schema begin in that list
+// Where these two are in it; its end without neighbors.
+std::size_t connectivity_of(const std::vector<ArrayInfo>& arrays);
+std::size_t neighbors_of(const std::vector<ArrayInfo>& arrays);
 
 constexpr std::uint8_t vtk_cell_type(int dimension) { return dimension == 2 ? 5 : 10; }  // triangle, tetrahedron
 

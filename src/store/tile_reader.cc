@@ -1,6 +1,6 @@
 // Reads a tile file back. Nothing in it is believed: the header must be one that this program writes, arrays must
-// follow each other without a gap, memory is taken only for what the file is large enough to hold, every block carries
-// a checksum, and every value that others will use as an index is checked.
+// not overlap, memory is taken only for what the file is large enough to hold, every block carries a checksum, and
+// every value that others will use as an index is checked.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <zlib.h>
@@ -150,15 +150,22 @@ class TileReader {
     return success();
   }
 
-  // Arrays stand end to end, from the header to the footer.
+  // Arrays stand anywhere between the header and the footer, which follows the last one; in format 2 end to end, in the
+  // header's order.
   Status read_tables() {
-    std::uint64_t at = data_begin_;
+    struct Extent {
+      std::uint64_t begin, end;
+    };
+    std::vector<Extent> extents;
     const auto infos = header_.arrays();
     for (std::size_t i = 0; i < infos.size(); ++i) {
       Packed array{infos[i], header_.bytes_of(infos[i]), 0, {}};
       const auto damaged = [&] { return corrupt(place_of(array.info), "its table of blocks is damaged"); };
       const std::uint64_t blocks = block_count(array.bytes);
-      if (header_.offsets[i] != at - data_begin_ || table_bytes(blocks) > bytes_ - at) return damaged();
+      if (header_.offsets[i] > bytes_ - data_begin_) return damaged();
+      std::uint64_t at = data_begin_ + header_.offsets[i];
+      extents.push_back({at, at});
+      if (table_bytes(blocks) > bytes_ - at) return damaged();
       std::vector<std::uint64_t> table(3 + blocks);
       BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(table))));
       if (!whole || table[0] != blocks || table[1] != block_bytes || table[2] != array.bytes % block_bytes)
@@ -173,7 +180,15 @@ class TileReader {
         if (!fits || array.sizes[b] > bytes_ - at) return damaged();
         at += array.sizes[b];
       }
+      extents.back().end = at;
       arrays_.push_back(std::move(array));
+    }
+    if (header_.format > 2) std::ranges::sort(extents, {}, &Extent::begin);
+    std::uint64_t at = data_begin_;
+    for (const Extent& extent : extents) {
+      if (header_.format > 2 ? extent.begin < at : extent.begin != at)
+        return corrupt("header", "its arrays are not where they can be");
+      at = extent.end;
     }
     std::string end(footer.size(), '\0');
     BOOST_OUTCOME_TRY(whole, read_at(at, std::as_writable_bytes(std::span(end))));

@@ -15,6 +15,7 @@
 #include "src/base/attribute.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/files/checksum.h"
 #include "src/files/names.h"
 #include "src/mesh/cell_stream.h"
 #include "src/mesh/tile_mesh.h"
@@ -31,10 +32,15 @@ struct TileEntry {
   std::uint64_t cells = 0;  // cells in the file
   std::uint64_t main_cells = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t xxh3 = 0;        // XXH3-64 of the file's bytes
+  std::uint64_t xxh3 = 0;        // checksum of the file: see data_sum_of()
   std::optional<Digest> digest;  // of main cells and own vertices; older software wrote none
   friend bool operator==(const TileEntry&, const TileEntry&) = default;
 };
+
+// What the checksums of tile files and of duplicates.bin are made of, in a folder of this format.
+constexpr SumOf data_sum_of(int format) { return format < 3 ? SumOf::bytes : SumOf::pieces; }
+
+struct EarlyCells;  // early_cells.h
 
 struct StoreOptions {
   bool neighbors = true;
@@ -47,11 +53,12 @@ struct StoreOptions {
 
 // Writes OUT/tiles/NNNNNN.vtu under a temporary name, checksums and digests it; `rows`: mesh.points.size() rows of the
 // schema. Safe to call from several threads for different tiles. With `cells` theirs are written: of the mesh `cells`
-// and `neighbors` are not looked at.
+// and `neighbors` are not looked at. `early`: cells of the mesh that are in the file already, and not among `cells`.
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              std::span<const std::byte> rows, const StoreOptions& options);
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
-                             const CellStream& cells, std::span<const std::byte> rows, const StoreOptions& options);
+                             const CellStream& cells, std::span<const std::byte> rows, const StoreOptions& options,
+                             const EarlyCells* early = nullptr);
 // write_tile() also adds a line to the node's OUT/tiles/node-NNNNNN.done, the entry and its XXH3-64, by which a resumed
 // run knows that the tile is stored; finish_store() removes it. One file for all: to make a file takes longer than to
 // fill it. Of the tiles that are `wanted`, all by default, each file is read once: one that is not what was stored, or
@@ -73,7 +80,7 @@ Result<StoredTile> read_tile_vertices(const std::filesystem::path& out, TileId t
 Result<std::vector<PointId>> read_own_ids(const std::filesystem::path& out, TileId tile);
 
 struct Manifest {
-  int format_version = 2;  // of the folder; finish_store() writes the newest
+  int format_version = newest_format;  // of the folder; finish_store() writes the newest
   std::string software_version;
   std::vector<std::string> command;
   struct Input {

@@ -15,6 +15,8 @@ constexpr std::array<std::string_view, 10> type_names{"UInt8", "Int8",   "UInt16
                                                       "Int32", "UInt64", "Int64",  "Float32", "Float64"};
 constexpr std::array<std::string_view, 4> section_names{"Points", "PointData", "Cells", "CellData"};
 
+constexpr std::string_view format_words = "<?xml version=\"1.0\"?>\n<!-- Tessera, format ";
+
 std::string escaped(std::string_view name) {
   std::string result;
   for (const char c : name) {
@@ -95,9 +97,9 @@ std::uint64_t TileHeader::bytes_of(const ArrayInfo& array) const {
   return rows * array.columns * size_of(array.type);
 }
 
-std::string header_text(const TileHeader& header) {
-  std::string text = "<?xml version=\"1.0\"?>\n<!-- Tessera, format 2, dimension " + std::to_string(header.dimension) +
-                     ", tile " + std::to_string(header.tile.value) +
+std::string header_text(const TileHeader& header, std::size_t size) {
+  std::string text = std::string(format_words) + std::to_string(header.format) + ", dimension " +
+                     std::to_string(header.dimension) + ", tile " + std::to_string(header.tile.value) +
                      " -->\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
                      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n"
                      "<Piece NumberOfPoints=\"" +
@@ -111,19 +113,22 @@ std::string header_text(const TileHeader& header) {
               std::to_string(header.offsets[next]) + "\"/>\n";
     text += "</" + std::string(section_names[section]) + ">\n";
   }
-  return text + "</Piece>\n</UnstructuredGrid>\n" + std::string(header_end);
+  text += "</Piece>\n</UnstructuredGrid>\n";
+  text.resize(std::max(text.size() + header_end.size(), size) - header_end.size(), ' ');
+  return text += header_end;
 }
 
 std::optional<TileHeader> parse_header(std::string_view text) {
   TileHeader header;
   Scanner in(text);
   std::string_view word;
-  if (!in.skip("<?xml version=\"1.0\"?>\n<!-- Tessera, format 2, dimension ") || !in.number(header.dimension) ||
+  if (!in.skip(format_words) || !in.number(header.format) || !in.skip(", dimension ") || !in.number(header.dimension) ||
       !in.skip(", tile ") || !in.number(header.tile.value) || !in.skip(" -->\n") || !in.until('\n', word) ||
       !in.skip("<UnstructuredGrid>\n<Piece NumberOfPoints=\"") || !in.number(header.points) ||
       !in.skip("\" NumberOfCells=\"") || !in.number(header.cells) || !in.skip("\">\n"))
     return std::nullopt;
   if (header.dimension != 2 && header.dimension != 3) return std::nullopt;
+  if (header.format < 2 || header.format > newest_format) return std::nullopt;
   header.neighbors = false;
   bool point_data = false;
   while (in.until('\n', word)) {
@@ -147,14 +152,16 @@ std::optional<TileHeader> parse_header(std::string_view text) {
   // Whatever this did not look at shows here.
   const auto schema = stored_schema(header.schema);
   if (!schema || schema.value() != header.schema) return std::nullopt;
-  if (header.offsets.size() != header.arrays().size() || header_text(header) != text) return std::nullopt;
+  if (header.offsets.size() != header.arrays().size() ||
+      header_text(header, header.format < 3 ? 0 : text.size()) != text)
+    return std::nullopt;
   return header;
 }
 
 std::string master_text(const Manifest& manifest) {
-  std::string text =
-      "<?xml version=\"1.0\"?>\n<!-- Tessera, format 2 -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
-      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
+  std::string text = std::string(format_words) + std::to_string(manifest.format_version) +
+                     " -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
+                     "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
   // Neighbours are indices into one tile: of no use here, and as large as the cells.
   const auto arrays =
       tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false, manifest.schema);

@@ -9,12 +9,14 @@
 
 #include "src/base/attribute.h"
 #include "src/base/ids.h"
+#include "src/files/names.h"
 #include "src/store/tile_layout.h"
 #include "src/store/tile_store.h"
 
 namespace tessera::store {
 
 struct TileHeader {
+  int format = newest_format;
   int dimension = 3;
   TileId tile;
   std::uint64_t points = 0;
@@ -29,8 +31,8 @@ struct TileHeader {
   std::uint64_t bytes_of(const ArrayInfo& array) const;
 };
 
-// All that stands before the first array. REQUIRES: an offset an array.
-std::string header_text(const TileHeader& header);
+// All that stands before the first array, filled up to `size`. REQUIRES: an offset an array.
+std::string header_text(const TileHeader& header, std::size_t size = 0);
 // What header_text() made `text` of; nothing when it made no such text.
 std::optional<TileHeader> parse_header(std::string_view text);
 

@@ -10,7 +10,7 @@
 namespace tessera {
 
 // Error corrupt when the file has not this checksum, io when it cannot be read.
-Status check_sum(const std::filesystem::path& path, std::uint64_t expected);
+Status check_sum(const std::filesystem::path& path, std::uint64_t expected, SumOf what = SumOf::bytes);
 
 // The master file and duplicates.bin have their checksums; the master file is, byte for byte, the one that the manifest
 // makes; no tile file and no duplicates.bin is there that the manifest does not know. Error corrupt tells which file.

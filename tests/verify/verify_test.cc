@@ -137,12 +137,14 @@ TEST(Verify, ATieBrokenTheWrongWayIsFoundOnACube) {
   expect_wrong(wrong, "is not Delaunay", false);
 }
 
-TEST(Verify, AResultOfFormat1IsStillProven) {
+TEST(Verify, AResultOfAnOldFormatIsStillProven) {
   VerifyOptions options;
   options.against_cgal = true;
-  const auto report = verify(fs::path(TESSERA_TEST_DATA) / "format-1", options, {});
-  ASSERT_TRUE(report) << report.error().where;
-  EXPECT_EQ(report.value().cells, 263u);
+  for (const char* format : {"format-1", "format-2"}) {
+    const auto report = verify(fs::path(TESSERA_TEST_DATA) / format, options, {});
+    ASSERT_TRUE(report) << report.error().where;
+    EXPECT_EQ(report.value().cells, 263u);
+  }
 }
 
 }  // namespace
