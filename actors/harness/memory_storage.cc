@@ -1,10 +1,14 @@
 #include "actors/harness/memory_storage.h"
 
 #include <algorithm>
+#include <cstring>
 #include <iterator>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <utility>
+
+#include "src/base/check.h"
 
 namespace tessera {
 
@@ -97,14 +101,62 @@ class MemoryStorage::AtNode final : public TileStorage {
     return success();
   }
 
+  std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) override {
+    const Turn ours(all_.memory_faults, false);
+    std::promise<StoredEarly> promise;
+    promise.set_value(keep_early(tile, *cells));
+    return promise.get_future();
+  }
+
+  Status take_early(TileId tile, BigVector<std::byte>& stored) override {
+    const Turn ours(all_.memory_faults, false);
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
+    auto kept = all_.early_.extract({tile, node_of(stored)});
+    if (!kept) return error(Errc::corrupt, "the harness has damaged it");
+    all_.early_[{tile, node_}] = std::move(kept.mapped());
+    stored = name_of(node_);
+    return success();
+  }
+
   void store(TileId tile, CollectedTile collected, Stored done) override {
     const Turn ours(all_.memory_faults, false);
-    Pending pending{node_, tile, std::move(collected).whole(), std::move(done)};
+    Early early;
+    if (collected.early > 0) {
+      const auto kept = all_.early_.find({tile, node_of(collected.stored)});
+      if (kept == all_.early_.end()) return done(error(Errc::corrupt, "the harness has damaged it"));
+      early = kept->second;
+    }
+    Pending pending{node_, tile, std::move(collected).whole(early.vertices, early.neighbors), std::move(done)};
     if (!all_.late_stores) return all_.store_now(std::move(pending));
     all_.pending_.push_back(std::move(pending));
   }
 
  private:
+  static BigVector<std::byte> name_of(NodeId node) {
+    const auto bytes = std::as_bytes(std::span(&node, 1));
+    return {bytes.begin(), bytes.end()};
+  }
+  static NodeId node_of(std::span<const std::byte> name) {
+    NodeId node;
+    check(name.size() == sizeof node, "what was said of early cells");
+    std::memcpy(&node, name.data(), sizeof node);
+    return node;
+  }
+
+  StoredEarly keep_early(TileId tile, const EarlyFinals& cells) {
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::store));
+    Early& early = all_.early_[{tile, node_}] = {};
+    const auto into = [](std::vector<std::int32_t>& list) {
+      return [&list](std::span<const std::int32_t> piece) -> Status {
+        list.insert(list.end(), piece.begin(), piece.end());
+        return success();
+      };
+    };
+    BOOST_OUTCOME_TRYV(cells.vertices(into(early.vertices)));
+    BOOST_OUTCOME_TRYV(cells.neighbors(into(early.neighbors)));
+    return name_of(node_);
+  }
+
   static Place handed_place(TileId tile) { return {{}, tile, ScratchKind::state}; }
 
   MemoryStorage& all_;
@@ -165,6 +217,10 @@ bool MemoryStorage::lose_pending() {
 }
 
 void MemoryStorage::damage(std::mt19937_64& rng) {
+  if (!early_.empty() && rng() % 4 == 0) {
+    early_.erase(std::next(early_.begin(), static_cast<std::ptrdiff_t>(rng() % early_.size())));
+    return;
+  }
   if (scratch_.empty()) return;
   std::next(scratch_.begin(), static_cast<std::ptrdiff_t>(rng() % scratch_.size()))->second.damaged = true;
 }

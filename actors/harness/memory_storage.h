@@ -72,6 +72,9 @@ class MemoryStorage {
     TileStorage::Pieces pieces;
     bool damaged = false;
   };
+  struct Early {
+    std::vector<std::int32_t> vertices, neighbors;
+  };
   struct Pending {
     NodeId node;
     TileId tile;
@@ -84,6 +87,7 @@ class MemoryStorage {
   int dimension_;
   std::vector<std::vector<LocalPoint>> points_;
   std::map<Place, Scratch> scratch_;
+  std::map<std::pair<TileId, NodeId>, Early> early_;  // all see them
   std::map<NodeId, std::unique_ptr<TileStorage>> views_;
   std::vector<Pending> pending_;
   std::map<TileId, TileMesh> meshes_;

@@ -79,6 +79,8 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   }
   s.context.dimension = d;
   s.context.reduce = rng() % 2 == 0;
+  s.context.early_points = rng() % 2 == 0 ? 0 : 1 + rng() % 16;
+  s.context.early_unit = 1 + rng() % 3;
   s.context.boxes = final_boxes(cells);
   auto neighbours = touching_tiles(partition, tile_bounds);
   if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule

@@ -181,21 +181,16 @@ class Bench {
     t.triangulate(tile.points, tile.ids, keep);
     if (reduce) {
       const FinalCells finals = t.reduce(tile.points, box_);
-      std::vector<std::byte> bytes(finals.vertices.size() * 8);
-      std::memcpy(bytes.data(), finals.vertices.data(), finals.vertices.size() * 4);
-      std::memcpy(bytes.data() + finals.vertices.size() * 4, finals.neighbors.data(), finals.neighbors.size() * 4);
-      put(folder_ / "finals.bin", bytes);
+      put(folder_ / "finals.bin", std::as_bytes(std::span(finals.rows.data(), finals.rows.size())));
     }
     t.announce(tile.points, box_);
   }
 
-  FinalCells finals() const {
+  KeptFinals finals() const {
     const auto bytes = take(folder_ / "finals.bin");
-    FinalCells finals;
-    finals.vertices.resize(bytes.size() / 8);
-    finals.neighbors.resize(bytes.size() / 8);
-    std::memcpy(finals.vertices.data(), bytes.data(), bytes.size() / 2);
-    std::memcpy(finals.neighbors.data(), bytes.data() + bytes.size() / 2, bytes.size() / 2);
+    KeptFinals finals;
+    finals.cells.rows.resize(bytes.size() / sizeof(CellRow));
+    std::memcpy(finals.cells.rows.data(), bytes.data(), bytes.size());
     return finals;
   }
 
@@ -242,7 +237,7 @@ class Bench {
 
   void collect(TileTriangulation& t, LoadedTile tile, bool reduced) {
     CollectedTile collected;
-    const Growth made = growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : FinalCells{}); });
+    const Growth made = growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : KeptFinals{}); });
     const double loaded = reduced ? static_cast<double>(o_.points) * 32 : 0;
     table_.row(reduced ? "collect, reduced" : "collect, whole", made.peak + loaded, o_.points,
                static_cast<double>(reduced ? model_.collect : model_.collect_whole));

@@ -65,16 +65,16 @@ int main(int argc, char** argv) {
   t.triangulate(tile.points, tile.ids);
   lap("triangulate", t.memory());
   const Box box{bounds.lo, bounds.hi};
-  FinalCells finals;
+  KeptFinals finals;
   if (!whole) {
-    finals = t.reduce(tile.points, box);
+    finals.cells = t.reduce(tile.points, box);
     lap("reduce", t.memory());
   }
   t.announce(tile.points, box);
   t.take_updates();
   lap("announce", t.memory());
   if (!whole) {
-    std::printf("  %zu final cells\n", finals.vertices.size() / (static_cast<std::size_t>(dimension) + 1));
+    std::printf("  %zu final cells\n", finals.cells.rows.size());
     const auto bytes = t.save();
     lap("save", bytes.size());
     t.load(bytes);

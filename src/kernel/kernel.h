@@ -44,12 +44,12 @@ struct alignas(32) CellRow {
 };
 using CellRows = flat::Array<CellRow>;
 
-// Cells that no point will ever be in conflict with. Cell f has vertices[(d + 1) * f ...]. A kernel that hands them out
-// and forgets them has frozen them.
+// Cells that no point will ever be in conflict with. A kernel that hands them out and forgets them has frozen them: the
+// number of a frozen cell is its row.
 struct FinalCells {
   static constexpr std::uint32_t open = ~std::uint32_t{0};  // the cell across this facet is not final
-  BigVector<Vertex> vertices;
-  BigVector<std::uint32_t> neighbors;  // indices in this list, or open
+  CellRows rows;                                            // without gaps; a neighbour is a row of this list, or open
+  std::size_t others = 0;                                   // how many cells were left, infinite ones included
 };
 
 // Flat arrays that restore a kernel faster than building it.

@@ -19,9 +19,14 @@
 #include "src/files/whole_file.h"
 #include "src/run/disk_storage.h"
 #include "src/run/touching.h"
+#include "src/store/early_cells.h"
 
 namespace tessera {
 namespace {
+
+// Tiles of fewer, and all tiles of smaller clouds, are stored in one go: to write them twice costs more time than they
+// take memory.
+constexpr std::uint64_t early_points_min = std::uint64_t{1} << 15, early_cloud_min = std::uint64_t{1} << 22;
 
 struct DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
@@ -143,6 +148,9 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   context.dimension = run->dimension;
   context.kernel = spec.kernel;
   context.reduce = reduce;
+  const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
+  context.early_points = cloud < early_cloud_min ? 0 : early_points_min;
+  context.early_unit = early_unit(run->dimension);
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   context.boxes = final_boxes(shared(run, run->partition));
   context.around = std::make_shared<const Surroundings>(

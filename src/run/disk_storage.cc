@@ -13,6 +13,7 @@
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 #include "src/files/handed_file.h"
+#include "src/store/early_cells.h"
 
 namespace tessera {
 namespace {
@@ -62,6 +63,7 @@ DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::
       out_(std::move(out)),
       options_(std::move(options)),
       settled_(run_->folder, options_.node),
+      early_(writers),
       writers_(writers) {}
 
 const std::filesystem::path& DiskStorage::folder_of(ScratchKind what) const {
@@ -145,15 +147,14 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   return rows;
 }
 
-Result<TileEntry> DiskStorage::write_result(TileId tile, const CollectedTile& collected) noexcept {
+// What `write` gives, or why it could not.
+template <class Write>
+auto DiskStorage::written(TileId tile, const Write& write) const noexcept -> decltype(write()) {
   const auto name = [&] { return "tile " + std::to_string(tile.value); };
   try {
     throw_if_stopped(options_.stop);
     BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-    BOOST_OUTCOME_TRY(rows, gather_rows(collected.mesh));
-    BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, collected.mesh, collected, rows, options_));
-    BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
-    return std::move(entry);
+    return write();
   } catch (const Stopped&) {
     return worded([&] { return error(Errc::interrupted, "interrupted while " + name() + " was stored"); });
   } catch (const std::bad_alloc&) {
@@ -166,10 +167,56 @@ Result<TileEntry> DiskStorage::write_result(TileId tile, const CollectedTile& co
   }
 }
 
+// How much room the other cells need is known when all have come: cells that may still change become some more, hardly
+// ever twice as many.
+DiskStorage::StoredEarly DiskStorage::write_early(TileId tile, const EarlyFinals& cells) const {
+  const std::uint64_t others = cells.others();
+  BOOST_OUTCOME_TRY(early, write_early_cells(out_, tile,
+                                             {.dimension = run_->dimension,
+                                              .ids = cells.ids(),
+                                              .cells = cells,
+                                              .count = cells.early(),
+                                              .room = cells.all() + others + others / 4 * 3 + 4096},
+                                             options_));
+  return bytes_of(early);
+}
+
+std::future<DiskStorage::StoredEarly> DiskStorage::store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) {
+  auto promise = std::make_shared<std::promise<StoredEarly>>();
+  auto stored = promise->get_future();
+  early_.acquire();
+  writers_.take([this, tile, cells = std::move(cells), promise = std::move(promise)]() mutable noexcept {
+    StoredEarly early = written(tile, [&] { return write_early(tile, *cells); });
+    cells.reset();
+    early_.release();
+    promise->set_value(std::move(early));
+  });
+  return stored;
+}
+
+Status DiskStorage::take_early(TileId tile, BigVector<std::byte>& stored) {
+  auto early = early_cells_of(stored);
+  if (!early) return error(Errc::corrupt, "what tells of a tile's first cells is damaged");
+  BOOST_OUTCOME_TRYV(take_early_cells(out_, tile, *early, options_));
+  stored = bytes_of(*early);
+  return success();
+}
+
+Result<TileEntry> DiskStorage::write_result(TileId tile, const CollectedTile& collected) {
+  BOOST_OUTCOME_TRY(rows, gather_rows(collected.mesh));
+  const auto early = early_cells_of(collected.stored);
+  if (collected.early > 0 && (!early || early->cells != collected.early))
+    return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost its first cells");
+  BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, collected.mesh, collected, rows, options_,
+                                      collected.early > 0 ? &*early : nullptr));
+  BOOST_OUTCOME_TRYV(remove_beginnings(*this, tile));
+  return std::move(entry);
+}
+
 void DiskStorage::store(TileId tile, CollectedTile collected, Stored done) {
   auto held = std::make_shared<CollectedTile>(std::move(collected));  // a task can be copied
   writers_.take([this, tile, held = std::move(held), done = std::move(done)]() mutable noexcept {
-    Result<TileEntry> entry = write_result(tile, *held);
+    Result<TileEntry> entry = written(tile, [&] { return write_result(tile, *held); });
     held.reset();  // before the node believes that it is gone
     done(std::move(entry));
   });

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
 #include <memory>
+#include <semaphore>
 #include <vector>
 
 #include "src/mesh/tile_mesh.h"
@@ -30,6 +32,9 @@ class DiskStorage final : public TileStorage {
   Status hand_over(TileId tile, std::span<const std::byte> bytes) override;
   Result<Pieces> handed(TileId tile) override;
   Status forget_handed(TileId tile) override;
+  // Written to the tile's file in `out`, under a temporary name.
+  std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) override;
+  Status take_early(TileId tile, BigVector<std::byte>& stored) override;
   // The tile's scratch goes when its result is on disk.
   void store(TileId tile, CollectedTile collected, Stored done) override;
   // What settled tiles have left has reached the disk. Error io.
@@ -38,13 +43,17 @@ class DiskStorage final : public TileStorage {
  private:
   const std::filesystem::path& folder_of(ScratchKind what) const;
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
-  Result<TileEntry> write_result(TileId tile, const CollectedTile& collected) noexcept;
+  template <class Write>
+  auto written(TileId tile, const Write& write) const noexcept -> decltype(write());
+  StoredEarly write_early(TileId tile, const EarlyFinals& cells) const;
+  Result<TileEntry> write_result(TileId tile, const CollectedTile& collected);
 
   std::shared_ptr<const RoutedRun> run_;
   std::filesystem::path scratch_, out_;
   StoreOptions options_;
   SettledFiles settled_;
-  Writers writers_;  // last: they use all of the above
+  std::counting_semaphore<> early_;  // how many more may be stored early now
+  Writers writers_;                  // last: they use all of the above
 };
 
 }  // namespace tessera

@@ -22,6 +22,9 @@ Status TileState::hand_over() {
 }
 
 Status TileState::write_handed() {
+  if (finals_) {
+    BOOST_OUTCOME_TRYV(put_finals());
+  }
   BOOST_OUTCOME_TRY(bytes, image());
   const std::uint64_t of_image = bytes.size();
   BOOST_OUTCOME_TRY(finals, context_.storage->read(self_.tile, ScratchKind::finals));
@@ -46,11 +49,12 @@ Result<bool> TileState::restore_handed() {
                                     bytes.begin() + static_cast<std::ptrdiff_t>(end));
   bytes.resize(of_image);
   auto tile = load_image(std::move(bytes), own_points_);
-  if (!tile || (tile->reduced() && finals.empty())) return false;
-  triangulation_ = std::move(tile);
-  if (!finals.empty()) {
-    BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::finals, finals));
+  if (!tile) return false;
+  if (tile->handed_out()) {
+    BOOST_OUTCOME_TRY(sound, restore_finals(finals, false));
+    if (!sound) return false;
   }
+  triangulation_ = std::move(tile);
   BOOST_OUTCOME_TRYV(go_on_from_image());
   return true;
 }

@@ -1,6 +1,7 @@
 #include "src/run/tile_state.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <iterator>
 #include <string>
@@ -22,7 +23,7 @@ Error TileState::damaged(const char* what) const {
 
 Status TileState::begin() {
   check(phase_ == Phase::fresh, "a tile begins once");
-  BOOST_OUTCOME_TRY(restored, restore());
+  BOOST_OUTCOME_TRY(restored, restore(false));
   if (!restored) {
     BOOST_OUTCOME_TRY(taken, restore_handed());
     if (!taken) {
@@ -37,6 +38,8 @@ Status TileState::begin() {
 }
 
 Status TileState::build(bool announce) {
+  finals_.reset();  // of an image that was none
+  stored_early_ = {};
   BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
@@ -45,27 +48,35 @@ Status TileState::build(bool announce) {
     std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
   }
   const Box& box = (*context_.boxes)[self_.tile.value];
-  // A tile that is collected at once is not worth reducing.
-  const bool reduce = context_.reduce && announce;
   triangulation_ = std::make_unique<TileTriangulation>(options());
   // Kept until collect() when the tile is not reduced; moving the vector leaves its points where they are.
-  triangulation_->triangulate(loaded.points, loaded.ids, reduce ? KeepPoints::copied : KeepPoints::borrowed);
-  if (reduce) {
-    BOOST_OUTCOME_TRYV(put_finals(triangulation_->reduce(loaded.points, box)));
+  triangulation_->triangulate(loaded.points, loaded.ids, KeepPoints::borrowed);
+  // A tile that is collected at once is not worth reducing, but for what it stores.
+  if (early() || (context_.reduce && announce)) {
+    FinalCells finals = triangulation_->reduce(loaded.points, box, !context_.reduce || !announce);
+    if (triangulation_->handed_out()) {
+      BOOST_OUTCOME_TRYV(keep_finals(std::move(finals), loaded, !announce));
+    }
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
-  if (!triangulation_->reduced()) points_ = std::make_unique<LoadedTile>(std::move(loaded));
+  if (!triangulation_->reduced() || !announce) points_ = std::make_unique<LoadedTile>(std::move(loaded));
   return success();
 }
 
 // An image is a right beginning whatever the other tiles begin from, if all it has ever told is told again. What was
 // told to it since, those tell again who remember it: they begin from images, too, or have not told it yet.
-Result<bool> TileState::restore() {
+Result<bool> TileState::restore(bool at_once) {
   auto pieces = context_.storage->read(self_.tile, ScratchKind::state);
   // Damaged, or written by another version: the tile is built again.
   if (!pieces || pieces.value().size() != 1) return false;
   auto tile = load_image(std::move(pieces.value()[0]), own_points_);
   if (!tile) return false;
+  if (tile->handed_out()) {
+    auto finals = context_.storage->read(self_.tile, ScratchKind::finals);
+    if (!finals || finals.value().size() != 1) return false;
+    BOOST_OUTCOME_TRY(sound, restore_finals(finals.value()[0], at_once));
+    if (!sound) return false;
+  }
   triangulation_ = std::move(tile);
   BOOST_OUTCOME_TRYV(go_on_from_image());
   imaged_ = earlier_ = true;
@@ -110,6 +121,9 @@ void TileState::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebir
 }
 
 Status TileState::splay() {
+  if (storing_.valid() && storing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    BOOST_OUTCOME_TRYV(await_stored());  // a full disk need not be found at the end
+  }
   BOOST_OUTCOME_TRYV(wake());
   BOOST_OUTCOME_TRY(mail, mail_.take(*context_.storage));
   std::erase_if(mail, [&](const Update& update) { return dead(update); });
@@ -189,6 +203,9 @@ Update TileState::outgoing(Peer to, std::vector<SharedPoint> points) {
 
 Status TileState::sleep() {
   check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
+  if (finals_) {
+    BOOST_OUTCOME_TRYV(put_finals());
+  }
   if (!imaged_) {
     BOOST_OUTCOME_TRY(bytes, image());
     BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
@@ -241,34 +258,6 @@ Status TileState::wake() {
   return success();
 }
 
-Status TileState::put_finals(const FinalCells& finals) {
-  FlatWriter out;
-  out.reserve(finals.vertices.size() * 8 + 16);
-  out.list(finals.vertices);
-  out.list(finals.neighbors);
-  return context_.storage->write(self_.tile, ScratchKind::finals, out.take());
-}
-
-Result<FinalCells> TileState::take_finals() {
-  BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::finals));
-  if (pieces.size() != 1) return damaged("list of final cells");
-  FinalCells finals;
-  FlatReader in(pieces[0]);
-  const auto corners = static_cast<std::size_t>(context_.dimension) + 1;
-  if (!in.list(finals.vertices) || !in.list(finals.neighbors) || !in.at_end() ||
-      finals.vertices.size() != finals.neighbors.size() || finals.vertices.size() % corners != 0) {
-    return damaged("list of final cells");
-  }
-  const std::size_t cells = finals.vertices.size() / corners;
-  for (std::size_t i = 0; i < finals.vertices.size(); ++i) {
-    const bool own = finals.vertices[i] != infinite_vertex && finals.vertices[i] <= own_points_;
-    if (!own || (finals.neighbors[i] != FinalCells::open && finals.neighbors[i] >= cells)) {
-      return damaged("list of final cells");
-    }
-  }
-  return finals;
-}
-
 // The star of a point among the tile's own points and their neighbours is its star among all points, and more points
 // change nothing: all foreign vertices are written, which include the neighbours.
 Status TileState::settle() {
@@ -285,7 +274,7 @@ Status TileState::build_settled() {
   BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::settled));
   if (pieces.empty() && context_.many_nodes) return damaged("list of foreign vertices");
   if (pieces.empty()) {  // it slept when all was quiet
-    BOOST_OUTCOME_TRY(restored, restore());
+    BOOST_OUTCOME_TRY(restored, restore(true));
     if (!restored) return damaged("image");
   } else {
     if (pieces.size() != 1 || pieces[0].size() % sizeof(SharedPoint) != 0) return damaged("foreign vertices");
@@ -307,11 +296,13 @@ Result<CollectedTile> TileState::collect() {
     BOOST_OUTCOME_TRYV(build_settled());
   }
   BOOST_OUTCOME_TRYV(wake());
-  FinalCells finals;
-  if (triangulation_->reduced()) {
+  if (!points_) {
     BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
     points_ = std::make_unique<LoadedTile>(std::move(loaded));
     if (points_->points.size() != own_points_) return damaged("file of points");
+  }
+  KeptFinals finals;
+  if (triangulation_->handed_out()) {
     auto taken = take_finals();
     if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them
       BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
@@ -320,6 +311,8 @@ Result<CollectedTile> TileState::collect() {
     finals = std::move(taken).value();
   }
   CollectedTile tile = triangulation_->collect(std::move(points_->points), std::move(points_->ids), std::move(finals));
+  BOOST_OUTCOME_TRYV(await_stored());
+  tile.stored = std::move(stored_early_);
   counts_ = triangulation_->counts();
   drop();
   return tile;
@@ -334,12 +327,13 @@ Status TileState::leave() {
 void TileState::drop() {
   triangulation_.reset();
   points_.reset();
+  finals_.reset();
   phase_ = Phase::gone;
 }
 
 std::size_t TileState::memory() const {
   return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.size() * 32 : 0) +
-         mail_.memory() + counters_.memory();
+         (finals_ ? finals_->bytes() : 0) + mail_.memory() + counters_.memory();
 }
 
 }  // namespace tessera

@@ -9,8 +9,11 @@
 // (docs/design.md, section 3).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <future>
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -41,6 +44,9 @@ struct TileContext {
   KernelKind kernel = KernelKind::flat;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
+  // Tiles of so many points do so in any case, and store as many of them early, before there are others, as are whole
+  // units; 0: none does. What they store depends on these two, not on who stores it when.
+  std::uint64_t early_points = 0, early_unit = 1;
   // By tile; a tile with the empty box has no final cells, and announces nothing.
   std::shared_ptr<const std::vector<Box>> boxes;
   std::shared_ptr<const Surroundings> around;
@@ -99,7 +105,7 @@ class TileState {
   enum class Phase : std::uint8_t { fresh, awake, asleep, gone };
 
   Status build(bool announce);
-  Result<bool> restore();
+  Result<bool> restore(bool at_once);
   Result<bool> restore_handed();
   Status go_on_from_image();
   Result<BigVector<std::byte>> image();
@@ -108,9 +114,15 @@ class TileState {
   std::unique_ptr<TileTriangulation> load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const;
   Status wake();
   Status insert(const std::vector<Update>& mail);
-  Status put_finals(const FinalCells& finals);
-  Result<FinalCells> take_finals();
+  Status keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once);
+  Status put_finals();
+  Result<KeptFinals> take_finals();
+  Status await_stored();
+  bool decode_finals(std::span<const std::byte> bytes);
+  Result<bool> restore_finals(std::span<const std::byte> bytes, bool at_once);
   Error damaged(const char* what) const;
+  // Its first cells are stored before the others.
+  bool early() const { return context_.early_points > 0 && own_points_ >= context_.early_points; }
   bool dead(const Update& update) const { return update.to != self_ || table_->dead(update.from); }
   Update outgoing(Peer to, std::vector<SharedPoint> points);
   TileOptions options() const {
@@ -125,10 +137,13 @@ class TileState {
   Phase phase_ = Phase::fresh;
   std::unique_ptr<TileTriangulation> triangulation_;
   std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
-  bool call_ = false;                   // itself to a splay, by mail: to its first, and to one after a loss
-  bool imaged_ = false;                 // the image on scratch is the tile's present state
-  bool earlier_ = false;                // it is an earlier process's, though
-  bool handed_ = false;                 // the tile has been handed over
+  std::unique_ptr<KeptFinals> finals_;  // taken out of the triangulation; when they are not here, they are on scratch
+  BigVector<std::byte> stored_early_;   // what the storage has said of those that it has already; with finals_
+  std::future<TileStorage::StoredEarly> storing_;  // what it will say
+  bool call_ = false;                              // itself to a splay, by mail: to its first, and to one after a loss
+  bool imaged_ = false;                            // the image on scratch is the tile's present state
+  bool earlier_ = false;                           // it is an earlier process's, though
+  bool handed_ = false;                            // the tile has been handed over
   std::uint64_t own_points_ = 0;
   Mail mail_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates

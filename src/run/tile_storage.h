@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <future>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "src/files/names.h"
 #include "src/store/tile_store.h"
 #include "src/tile/collected_tile.h"
+#include "src/tile/early_finals.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -44,6 +47,13 @@ class TileStorage {
   }
   virtual Result<Pieces> handed(TileId) { return Pieces{}; }
   virtual Status forget_handed(TileId) { return success(); }
+
+  // Keeps the early ones of these cells for store(), which gets what comes of this with the rest of the tile. May
+  // return before, and wait before it does, so that few are under way.
+  using StoredEarly = Result<BigVector<std::byte>>;
+  virtual std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) = 0;
+  // The same bytes, of an earlier process or another node: an error when what they tell of cannot be gone on with.
+  virtual Status take_early(TileId tile, BigVector<std::byte>& stored) = 0;
 
   // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw, and is told
   // whatever happens, unless this throws.

@@ -172,54 +172,77 @@ class Collector {
   // Final cells know each other. What else they border is known to a kernel that froze them; where the kernel was built
   // again, their common facets are in borders_.
   void append_final_cells() {
-    FinalCells finals = std::exchange(in_.final_cells, {});
-    if (finals.vertices.empty()) return;
+    KeptFinals finals = std::exchange(in_.finals, {});
+    tile_.early = finals.early;
     const auto shift = static_cast<std::uint32_t>(in_.cells.size());
-    const std::size_t count = finals.vertices.size() / corners;
+    const std::size_t count = finals.cells.rows.size();
+    if (count == 0) return;
     if (shift + count > CellRow::most) throw KernelFull();
     CellRows& cells = in_.cells;
+    cells.resize(shift + count);
+    for (std::size_t c = 0; c < count; ++c) {
+      CellRow& row = cells[shift + c] = finals.cells.rows[c];
+      for (int i = 0; i < corners; ++i) {
+        std::uint32_t& n = row.neighbors[i];
+        if (n == FinalCells::open) continue;
+        n = n & KeptFinals::written ? across_written(n & ~KeptFinals::written, shift + count) : n + 4 * shift;
+      }
+    }
+    if (shift + count + written_.size() > CellRow::most) throw KernelFull();
+    const RowsOfFrozen rows(finals);
     for (std::size_t c = 0; c < shift; ++c) {
       if (least_[c] == gap) continue;
       for (int i = 0; i < corners; ++i) {
         std::uint32_t& n = cells[c].neighbors[i];
         if (n >= across_elsewhere || !(n & across_frozen)) continue;
         const std::uint32_t facet = n & ~across_frozen;
-        check(facet < finals.neighbors.size() && finals.neighbors[facet] == FinalCells::open,
+        const std::size_t row = rows.of(facet / corners);
+        check(row < count && cells[shift + row].neighbors[facet % corners] == FinalCells::open,
               "a facet of the hole is one of a final cell");
-        finals.neighbors[facet] = kept(c) ? kept_bit | static_cast<std::uint32_t>(c) : bordering_outside;
-        n = 4 * (shift + facet / corners);
+        n = static_cast<std::uint32_t>(4 * (shift + row));
+        cells[shift + row].neighbors[facet % corners] = kept(c) ? static_cast<std::uint32_t>(4 * c) : across_outside;
       }
     }
-    cells.resize(shift + count);
-    least_.resize(shift + count);
     for (std::size_t c = 0; c < count; ++c) {
       CellRow& row = cells[shift + c];
-      for (int i = 0; i < corners; ++i) row.vertices[i] = finals.vertices[c * corners + i];
-      keep(shift + c, extremes(row.vertices).first - 1, 0);
       for (int i = 0; i < corners; ++i) {
-        const std::uint32_t n = finals.neighbors[c * corners + i];
-        if (n < kept_bit) {
-          row.neighbors[i] = 4 * (shift + n);
-        } else if (n != FinalCells::open) {
-          row.neighbors[i] = n == bordering_outside ? across_outside : 4 * (n & ~kept_bit);
-        } else {
-          const auto border = borders_.find(facet_key(indices(shift + c), i));
-          check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
-          const std::uint32_t across = row.neighbors[i] = border->second;
-          if (across == across_outside) continue;
-          cells[across / 4].neighbors[across % 4] = 4 * (shift + static_cast<std::uint32_t>(c));
-        }
+        if (row.neighbors[i] != FinalCells::open) continue;
+        const auto border = borders_.find(facet_key(indices(shift + c), i));
+        check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
+        const std::uint32_t across = row.neighbors[i] = border->second;
+        if (across == across_outside) continue;
+        cells[across / 4].neighbors[across % 4] = 4 * (shift + static_cast<std::uint32_t>(c));
       }
     }
+    place_final_cells(finals, shift);
   }
 
-  // The kept cells by their least vertex.
+  // A row that is none stands for a cell that was written: places tell which it is.
+  std::uint32_t across_written(std::uint32_t place, std::size_t rows) {
+    written_.push_back(static_cast<std::int32_t>(place));
+    return static_cast<std::uint32_t>(4 * (rows + written_.size() - 1));
+  }
+
+  // Those whose place was told stand there, before all that are to be sorted.
+  void place_final_cells(const KeptFinals& finals, std::uint32_t shift) {
+    const std::size_t count = finals.cells.rows.size();
+    if (finals.place.empty()) {
+      least_.resize(shift + count);
+      for (std::size_t c = 0; c < count; ++c) keep(shift + c, extremes(in_.cells[shift + c].vertices).first - 1, 0);
+      return;
+    }
+    tile_.order.resize(count);
+    placed_ = count;
+    for (std::uint32_t c = 0; c < count; ++c) tile_.order[finals.place[c] - finals.early] = shift + c;
+  }
+
+  // The other kept cells by their least vertex.
   void bucket_cells() {
     std::partial_sum(end_.begin(), end_.end(), end_.begin());
-    tile_.order.resize(end_.back());
+    tile_.order.resize(placed_ + end_.back());
     for (std::size_t c = 0; c < least_.size(); ++c) {
       const std::uint32_t least = least_[c] & ~mixed_row;
-      if (least < own_) tile_.order[end_[least]++] = static_cast<std::uint32_t>(c) | (least_[c] & mixed_row);
+      if (least < own_) tile_.order[placed_ + end_[least]++] = static_cast<std::uint32_t>(c) | (least_[c] & mixed_row);
     }
     least_ = {};
   }
@@ -228,21 +251,27 @@ class Collector {
     tile_.own = own_;
     tile_.index = std::move(index_);
     tile_.rows = std::move(in_.cells);
-    mesh_.cell_ghost.resize(tile_.order.size());
-    tile_.places.resize(tile_.rows.size() + 2);
-    sort_cells(d, tile_.sorted(),
-               {.order = tile_.order,
+    const std::size_t before = tile_.early + placed_;
+    mesh_.cell_ghost.resize(tile_.early + tile_.order.size());
+    std::fill_n(mesh_.cell_ghost.begin(), before, std::uint8_t{0});
+    tile_.places.resize(tile_.rows.size() + written_.size() + 2);
+    std::int32_t* const place = tile_.places.data() + 2;
+    for (std::size_t i = 0; i < placed_; ++i) place[tile_.order[i]] = static_cast<std::int32_t>(tile_.early + i);
+    std::copy(written_.begin(), written_.end(), place + tile_.rows.size());
+    SortedCells unsorted = tile_.sorted();
+    unsorted.order = unsorted.order.subspan(placed_);
+    sort_cells(d, unsorted,
+               {.order = std::span(tile_.order).subspan(placed_),
+                .first = static_cast<std::uint32_t>(before),
                 .end = std::span(end_).first(own_),
                 .owners = mesh_.owners,
                 .self = in_.self,
-                .place = tile_.places.data() + 2,
-                .ghost = mesh_.cell_ghost.data()},
+                .place = place,
+                .ghost = mesh_.cell_ghost.data() + before},
                in_.stop);
   }
 
   static constexpr std::uint32_t unused = ~0u;
-  // What facets of final cells are told they border, instead of `open`: a kept cell, or the outside.
-  static constexpr std::uint32_t kept_bit = std::uint32_t{1} << 31, bordering_outside = FinalCells::open - 1;
   CollectInput in_;
   const std::uint32_t own_ = static_cast<std::uint32_t>(in_.points.size());
   CollectedTile tile_;
@@ -251,7 +280,9 @@ class Collector {
   std::vector<std::uint32_t> index_;   // by k: where foreign vertex k is in the mesh, or unused
   tsl::robin_map<CellKey, std::uint32_t, CellKeyHash> borders_;  // facet -> the kept cell across it, or across_outside
   BigVector<std::uint32_t> end_;                                 // by own vertex: see CellsToSort
-  BigVector<std::uint32_t> least_;  // by cell: its least vertex | mixed_row, or why it is not kept
+  BigVector<std::uint32_t> least_;     // by cell: its least vertex | mixed_row, or why it is not kept
+  std::size_t placed_ = 0;             // cells at the beginning of the order that are not sorted any more
+  std::vector<std::int32_t> written_;  // cells that were written, as neighbours of those
 };
 
 }  // namespace

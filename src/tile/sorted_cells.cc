@@ -220,8 +220,8 @@ class Sorter {
       const Entry e = entries_[i];
       const auto rank = static_cast<std::size_t>(ranks_[i]);
       order[rank] = e.o;
-      ghost[rank] = static_cast<std::uint8_t>(e.ghost);
-      place[e.o & ~mixed_row] = static_cast<std::int32_t>(begin + rank);
+      if (sorted_.ghost) ghost[rank] = static_cast<std::uint8_t>(e.ghost);
+      place[e.o & ~mixed_row] = static_cast<std::int32_t>(sorted_.first + begin + rank);
     }
   }
 
@@ -296,6 +296,18 @@ void copy_neighbors(int dimension, const SortedCells& cells, std::size_t first, 
   } else {
     best([&]() __attribute__((always_inline)) { Rows<2>(cells).copy_neighbors(first, count, to); });
   }
+}
+
+Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Take& take) {
+  constexpr std::size_t piece_cells = 1024;  // 16 KiB: they stay in the first-level cache until they are taken
+  const std::size_t corners = static_cast<std::size_t>(dimension) + 1;
+  std::array<std::int32_t, 4 * piece_cells> piece;
+  for (std::size_t first = 0; first < cells.order.size(); first += piece_cells) {
+    const std::size_t count = std::min(piece_cells, cells.order.size() - first);
+    copy(dimension, cells, first, count, piece.data());
+    BOOST_OUTCOME_TRYV(take(std::span(piece).first(count * corners)));
+  }
+  return success();
 }
 
 }  // namespace tessera

@@ -9,7 +9,9 @@
 #include <stop_token>
 
 #include "src/base/ids.h"
+#include "src/base/result.h"
 #include "src/kernel/kernel.h"
+#include "src/mesh/cell_stream.h"
 
 namespace tessera {
 
@@ -29,11 +31,12 @@ struct SortedCells {
 // What is sorted, in place, and what is told of it.
 struct CellsToSort {
   std::span<std::uint32_t> order;      // SortedCells::order
+  std::uint32_t first;                 // place of the first one
   std::span<const std::uint32_t> end;  // by own vertex: where those end in `order` whose least vertex it is
   std::span<const TileId> owners;      // by vertex in the mesh
   TileId self;
   std::int32_t* place;  // SortedCells::place
-  std::uint8_t* ghost;  // 1: a tile lower than `self` owns a vertex
+  std::uint8_t* ghost;  // 1: a tile lower than `self` owns a vertex; null: nobody asks
 };
 
 // Throws Stopped soon after `stop` is requested.
@@ -43,5 +46,8 @@ void sort_cells(int dimension, const SortedCells& cells, const CellsToSort& sort
 // opposite them. REQUIRES: they are sorted.
 void copy_vertices(int dimension, const SortedCells& cells, std::size_t first, std::size_t count, std::int32_t* to);
 void copy_neighbors(int dimension, const SortedCells& cells, std::size_t first, std::size_t count, std::int32_t* to);
+// What one of these tells of all cells, piece by piece.
+using CopyCells = void (*)(int, const SortedCells&, std::size_t, std::size_t, std::int32_t*);
+Status stream_cells(int dimension, const SortedCells& cells, CopyCells copy, const CellStream::Take& take);
 
 }  // namespace tessera

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t magic = 0x3565676d49454c54u;
+constexpr std::uint64_t magic = 0x3665676d49454c54u;
 
 struct KnownSeed {
   std::uint64_t vertex;
@@ -28,6 +28,7 @@ BigVector<std::byte> TileTriangulation::save() const {
   out.value(options_.self);
   out.value(static_cast<std::int32_t>(options_.dimension));
   out.value(options_.kernel);
+  out.value(static_cast<std::uint8_t>(handed_out_));
   out.value(static_cast<std::uint8_t>(reduced_));
   out.value(counts_);
   out.value(static_cast<std::int32_t>(image.dimension));
@@ -58,7 +59,7 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   std::uint64_t found = 0;
   TileId self;
   std::int32_t dimension = 0;
-  std::uint8_t reduced = 0, seeded = 0;
+  std::uint8_t handed_out = 0, reduced = 0, seeded = 0;
   KernelKind kernel = KernelKind::flat;
   ExchangeCounts counts;
   KernelImage image;
@@ -72,12 +73,12 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   std::vector<CellKey> open_cells;
   const bool read = in.value(found) && found == magic && in.value(self) && self == options_.self &&
                     in.value(dimension) && dimension == options_.dimension && in.value(kernel) &&
-                    kernel == options_.kernel && in.value(reduced) && in.value(counts) && in.value(image.dimension) &&
-                    in.list(image.points) && in.list(image.local) && in.list(image.alive) &&
-                    in.list(image.cells.vertices) && in.list(image.cells.neighbors) && in.value(image.frozen) &&
-                    in.list(ids) && in.list(owners) && in.list(told) && in.list(ranks) && in.list(seeds) &&
-                    in.value(due) && in.value(seeded) && in.list(sent) && in.list(relied) && in.list(refused_relied) &&
-                    in.list(open_cells) && in.at_end();
+                    kernel == options_.kernel && in.value(handed_out) && in.value(reduced) && in.value(counts) &&
+                    in.value(image.dimension) && in.list(image.points) && in.list(image.local) &&
+                    in.list(image.alive) && in.list(image.cells.vertices) && in.list(image.cells.neighbors) &&
+                    in.value(image.frozen) && in.list(ids) && in.list(owners) && in.list(told) && in.list(ranks) &&
+                    in.list(seeds) && in.value(due) && in.value(seeded) && in.list(sent) && in.list(relied) &&
+                    in.list(refused_relied) && in.list(open_cells) && in.at_end();
   if (!read) return false;
   const std::size_t n = image.points.size() + 1;
   if (ids.size() != n || owners.size() != n || told.size() != n || (reduced ? ranks.size() != n : !ranks.empty()))
@@ -97,6 +98,7 @@ bool TileTriangulation::load(BigVector<std::byte> bytes) {
   owners_ = std::move(owners);
   told_ = std::move(told);
   ranks_ = std::move(ranks);
+  handed_out_ = handed_out != 0;
   reduced_ = reduced != 0;
   counts_ = counts;
   foreign_.clear();

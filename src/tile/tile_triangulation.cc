@@ -88,24 +88,26 @@ bool TileTriangulation::surely_final(const Vertex* cell, std::span<const Point> 
 // Why exploring from the outside finds every cell that is not final: let a foreign point q be in conflict with cell c.
 // The cells in conflict with q are connected, and q lies outside the box, so outside the hull of the local points: one
 // of them has an infinite or foreign vertex. None of them is strictly inside the box, so the path to c is followed.
-FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box) {
-  check(!reduced_ && updates_.empty(), "a tile is reduced once, before it announces");
+FinalCells TileTriangulation::reduce(std::span<const Point> points, const Box& box, bool quick) {
+  check(!handed_out_ && updates_.empty(), "a tile is reduced once, before it announces");
   if (kernel_->dimension() < options_.dimension) return {};
   throw_if_stopped(options_.stop);
   const auto is_final = [&](const Vertex* cell) {
     stop_check_.step();
     return surely_final(cell, points, box);
   };
-  return kernel_->can_freeze() ? freeze(points, is_final) : build_reduced(points, is_final);
+  if (!kernel_->can_freeze()) return build_reduced(points, is_final);
+  FinalCells finals = kernel_->freeze(is_final);
+  handed_out_ = true;
+  if (!quick) forget_vertices(points.size());
+  return finals;
 }
 
-// The kernel forgets the final cells. What is left is loaded into a kernel that knows its vertices alone.
-FinalCells TileTriangulation::freeze(std::span<const Point> points,
-                                     const std::function<bool(const Vertex*)>& is_final) {
-  FinalCells finals = kernel_->freeze(is_final);
+// The cells that are left are loaded into a kernel that knows their vertices alone.
+void TileTriangulation::forget_vertices(std::size_t own) {
   KernelImage image = kernel_->save();
   kernel_.reset();
-  const std::vector<Vertex> to = renumber(image.cells.vertices, points.size());
+  const std::vector<Vertex> to = renumber(image.cells.vertices, own);
   for (Vertex& v : image.cells.vertices) v = to[v];
   for (Vertex v = 1; v < to.size(); ++v) {  // numbers only fall
     if (to[v] == 0) continue;
@@ -118,7 +120,6 @@ FinalCells TileTriangulation::freeze(std::span<const Point> points,
   image.alive.resize(ids_.size() - 1);
   kernel_ = make_kernel(options_.dimension, options_.kernel);
   check(kernel_->load(image), "a kernel loads what it saved");
-  return finals;
 }
 
 // For a kernel that cannot forget cells: triangulates the vertices of the others again (Caraffa et al., section 2.3).
@@ -180,7 +181,7 @@ std::vector<Vertex> TileTriangulation::renumber(std::span<const Vertex> used, st
   ids_ = std::move(ids);
   owners_ = std::move(owners);
   told_.assign(ids_.size(), 0);
-  reduced_ = true;
+  handed_out_ = reduced_ = true;
   return to;
 }
 
@@ -200,14 +201,15 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
   // them.
   const double near = 4 * even_spacing(bounds, points.size(), d);
   const auto near_face = [&](Vertex v) {
-    const Point& q = points[v - 1];
+    const Point q = at(v);
     for (int i = 0; i < d; ++i) {
       if (std::min(q[i] - box.lo[i], box.hi[i] - q[i]) < near) return true;
     }
     return false;
   };
   const std::vector<Vertex> cells = kernel_->explore([&](const Vertex* cell) {
-    if (!reduced_) return std::none_of(cell, cell + corners, near_face) || surely_final(cell, points, box);
+    if (std::none_of(cell, cell + corners, near_face)) return true;
+    if (!handed_out_) return surely_final(cell, points, box);
     return !kernel_->can_freeze() && !open_cells_.contains(cell_key(cell, d));
   });
   std::array<Point, 4> p;
@@ -270,7 +272,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   return result.vertex;
 }
 
-CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<PointId> ids, FinalCells final_cells) {
+CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<PointId> ids, KeptFinals finals) {
   const std::size_t own = points.size();
   CollectInput input{.dimension = options_.dimension,
                      .self = options_.self,
@@ -279,7 +281,7 @@ CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<
                      .cells = {},
                      .fill = {},
                      .foreign = {},
-                     .final_cells = std::move(final_cells),
+                     .finals = std::move(finals),
                      .stop = options_.stop};
   input.foreign.reserve(foreign_.size());
   const std::size_t corners = static_cast<std::size_t>(options_.dimension) + 1;

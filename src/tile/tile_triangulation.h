@@ -64,7 +64,9 @@ class TileTriangulation {
   // Takes the final cells out (those inside `box`) and keeps only what can still change. Call right after
   // triangulate(), with the same points. A kernel that cannot forget cells is built again from the others' vertices;
   // cells that fill the room of the removed ones are then told apart by a list of the local cells that are not final.
-  FinalCells reduce(std::span<const Point> points, const Box& box);
+  // Vertices of final cells alone are forgotten, too, and no points are borrowed any more, unless `quick`, which spares
+  // the time that takes.
+  FinalCells reduce(std::span<const Point> points, const Box& box, bool quick = false);
 
   // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere reaches into its
   // bounds, but for cells whose sphere is large beside them. Only speeds things up. `points` as in triangulate().
@@ -95,13 +97,15 @@ class TileTriangulation {
   // What others must now hear of, by tile, and forgets it. A tile is only ever told of points it does not own.
   std::map<TileId, std::vector<SharedPoint>> take_updates();
 
-  // All cells with a vertex of this tile. `points`, `ids` as in triangulate(), best moved; `final_cells` from reduce(),
-  // or empty. Right only once all tiles are quiet. The triangulation is gone afterwards.
-  CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, FinalCells final_cells);
+  // All cells with a vertex of this tile. `points`, `ids` as in triangulate(), best moved; `finals`: what reduce()
+  // gave, or what is left of it. Right only once all tiles are quiet. The triangulation is gone afterwards.
+  CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, KeptFinals finals);
 
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;
   int kernel_dimension() const { return kernel_->dimension(); }
+  // Whether reduce() has taken cells out, and whether it has forgotten vertices.
+  bool handed_out() const { return handed_out_; }
   bool reduced() const { return reduced_; }
 
   // The whole state as bytes, to put a tile to sleep. REQUIRES: take_updates() has been called.
@@ -110,7 +114,7 @@ class TileTriangulation {
   bool load(BigVector<std::byte> bytes);
 
  private:
-  FinalCells freeze(std::span<const Point> points, const std::function<bool(const Vertex*)>& is_final);
+  void forget_vertices(std::size_t own);
   FinalCells build_reduced(std::span<const Point> points, const std::function<bool(const Vertex*)>& is_final);
   std::vector<Vertex> renumber(std::span<const Vertex> used, std::size_t own);
   // The vertex, or 0 if it was refused; `around` are then those that would have been its neighbours.
@@ -160,7 +164,7 @@ class TileTriangulation {
   };
   std::vector<RefusedRelied> refused_relied_;
   bool seeded_ = false;  // all seeds are in
-  bool reduced_ = false;
+  bool handed_out_ = false, reduced_ = false;
   tsl::robin_set<CellKey, CellKeyHash> open_cells_;  // of a kernel built again: its all-local cells that are not fill
   std::map<TileId, std::vector<Vertex>> updates_;
   std::map<TileId, std::vector<SharedPoint>> refused_updates_;

@@ -36,6 +36,8 @@ class NoPoints final : public PartSource, public TileStorage {
   Result<bool> has(TileId, ScratchKind) override { return false; }
   Status remove(TileId, ScratchKind) override { return success(); }
   Status clear(ScratchKind) override { return success(); }
+  std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
+  Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
   void store(TileId, CollectedTile, Stored) override {}
 
   std::promise<void> may_look;

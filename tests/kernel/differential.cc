@@ -108,12 +108,28 @@ std::string wrong_structure(const Kernel& kernel, const CellView& live, const Ce
     for (std::size_t i = 0; i < ice.corners; ++i) {
       if (ice.across(c, i) == FinalCells::open) {
         ++opens;
-      } else if (!mutual(ice, c, i)) {
+      } else if (ice.across(c, i) >= ice.size() || !mutual(ice, c, i)) {
         return "frozen neighbours are not mutual";
       }
     }
   }
   return borders == opens ? "" : "the border of the hole has two sides";
+}
+
+// A facet that both cells of it do not name becomes one of no cell.
+CellList listed(const FinalCells& finals, std::size_t corners) {
+  CellList list;
+  const CellRows& rows = finals.rows;
+  for (std::uint32_t r = 0; r < rows.size(); ++r) {
+    for (std::uint32_t i = 0; i < corners; ++i) {
+      const std::uint32_t n = rows[r].neighbors[i];
+      const bool open = n == FinalCells::open;
+      const bool mutual = !open && n / 4 < rows.size() && rows[n / 4].neighbors[n % 4] == 4 * r + i;
+      list.vertices.push_back(rows[r].vertices[i]);
+      list.neighbors.push_back(open || mutual ? (open ? n : n / 4) : FinalCells::open - 1);
+    }
+  }
+  return list;
 }
 
 std::unique_ptr<Kernel> flat_kernel(bool vectors, int dimension) {
@@ -170,7 +186,9 @@ void KernelPair::freeze(const IsFinal& is_final) {
   compare_open(is_final);
   const auto in_order = [&](const Vertex* v) { return is_final(sorted(v, corners_).data()); };
   const std::vector<Vertex> open = flat_->explore(in_order);
-  frozen_ = flat_->freeze(in_order);
+  const FinalCells finals = flat_->freeze(in_order);
+  frozen_ = listed(finals, corners_);
+  if (finals.others != open.size() / corners_) fail("freeze() leaves another number of cells than it says");
   if (cell_set(corners_, flat_->cells().vertices) != cell_set(corners_, open)) {
     fail("freeze() leaves other cells than explore() finds");
   }

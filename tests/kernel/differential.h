@@ -39,7 +39,6 @@ class KernelPair {
   void compare_cells();
 
   const Kernel& flat() const { return *flat_; }
-  const FinalCells& frozen() const { return frozen_; }
   std::size_t frozen_cells() const { return frozen_.vertices.size() / corners_; }
   // "", or the first difference.
   const std::string& wrong() const { return wrong_; }
@@ -52,7 +51,7 @@ class KernelPair {
 
   std::size_t corners_;  // of a cell
   std::unique_ptr<Kernel> flat_, cgal_;
-  FinalCells frozen_;
+  CellList frozen_;  // as freeze() gave them; a neighbour that is not frozen is open
   std::string wrong_;
 };
 

@@ -226,13 +226,15 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       const double r = std::hypot(ux, uy) + 1e-6, x = a.x + ux, y = a.y + uy;
       return x - r > 3 && x + r < 10 && y - r > 1 && y + r < 9;
     };
-    const FinalCells frozen = kernel->freeze(is_final);
-    for (std::size_t f = 0; f < frozen.neighbors.size(); ++f) {
-      const std::uint32_t next = frozen.neighbors[f];
+    const FinalCells finals = kernel->freeze(is_final);
+    const CellRows& frozen = finals.rows;
+    std::ptrdiff_t open = 0;
+    for (std::uint32_t f = 0; f < 3 * frozen.size(); ++f) {
+      const std::uint32_t next = frozen[f / 3].neighbors[f % 3];
+      open += next == FinalCells::open;
       if (next == FinalCells::open) continue;
-      ASSERT_LT(next, frozen.vertices.size() / 3);
-      const auto begin = frozen.neighbors.begin() + 3 * next;
-      ASSERT_EQ(std::count(begin, begin + 3, f / 3), 1);
+      ASSERT_LT(next, 4 * frozen.size());
+      ASSERT_EQ(frozen[next / 4].neighbors[next % 4], 4 * (f / 3) + f % 3);
     }
     std::vector<Vertex> around;
     std::vector<PointId> ids;
@@ -249,8 +251,9 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
     }
     const CellList rest = kernel->cells();
     std::vector<IdCell> cells = cells_of(*kernel, ids);
-    for (std::size_t f = 0; f < frozen.vertices.size(); f += 3) {
-      IdCell cell{{{frozen.vertices[f] - 1}, {frozen.vertices[f + 1] - 1}, {frozen.vertices[f + 2] - 1}, infinite_id}};
+    for (std::size_t f = 0; f < frozen.size(); ++f) {
+      const Vertex* v = frozen[f].vertices;
+      IdCell cell{{{v[0] - 1}, {v[1] - 1}, {v[2] - 1}, infinite_id}};
       std::sort(cell.begin(), cell.end());
       cells.push_back(cell);
     }
@@ -263,12 +266,11 @@ TEST(FlatKernel2, FrozenTrianglesAndTheRestAreTheTriangulation) {
       if (!(to & across_frozen)) continue;
       ++across;
       const std::uint32_t f = (to & ~across_frozen) / 3, k = (to & ~across_frozen) % 3;
-      ASSERT_EQ(frozen.neighbors[3 * f + k], FinalCells::open);
-      ASSERT_EQ(frozen.vertices[3 * f + (k + 1) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 2) % 3]);
-      ASSERT_EQ(frozen.vertices[3 * f + (k + 2) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 1) % 3]);
+      ASSERT_EQ(frozen[f].neighbors[k], FinalCells::open);
+      ASSERT_EQ(frozen[f].vertices[(k + 1) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 2) % 3]);
+      ASSERT_EQ(frozen[f].vertices[(k + 2) % 3], rest.vertices[c / 3 * 3 + (c % 3 + 1) % 3]);
     }
-    ASSERT_EQ(static_cast<std::ptrdiff_t>(across),
-              std::count(frozen.neighbors.begin(), frozen.neighbors.end(), FinalCells::open));
+    ASSERT_EQ(static_cast<std::ptrdiff_t>(across), open);
   }
 }
 

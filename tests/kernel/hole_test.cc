@@ -55,7 +55,7 @@ struct Slab {
                                        : circumcircle(at(v[0]), at(v[1]), at(v[2]));
       return surely_inside(ball, box, dimension);
     });
-    return frozen.vertices.size() / static_cast<std::size_t>(dimension + 1);
+    return frozen.rows.size();
   }
 };
 

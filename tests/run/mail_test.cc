@@ -25,6 +25,8 @@ class Scratch final : public TileStorage {
     return success();
   }
   Status clear(ScratchKind) override { return success(); }
+  std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
+  Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
   void store(TileId, CollectedTile, Stored) override {}
   Pieces pieces;
 };

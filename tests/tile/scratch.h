@@ -30,6 +30,8 @@ class Scratch final : public TileStorage {
     return success();
   }
   Status clear(ScratchKind what) override { return remove({}, what); }
+  std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
+  Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
   void store(TileId, CollectedTile, Stored) override { check(false, "nothing is stored here"); }
   // As an earlier process leaves it: but for mail.
   void inherit(const Scratch& other) {

@@ -7,6 +7,7 @@
 
 #include "src/kernel/kernel.h"
 #include "src/predicates/independent/predicates.h"
+#include "src/tile/early_finals.h"
 
 namespace tessera::testing {
 namespace {
@@ -25,7 +26,8 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   struct Tile {
     std::vector<Point> points;
     std::vector<PointId> ids;
-    FinalCells finals;
+    KeptFinals finals;
+    std::vector<std::int32_t> early_vertices, early_neighbors;
     std::unique_ptr<TileTriangulation> t;
     Bounds bounds;
   };
@@ -72,7 +74,19 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     const Box nowhere{{1, 1, 1}, {-1, -1, -1}};
     const Box box = boxes.empty() ? nowhere : boxes[i];
     self.t->triangulate(self.points, self.ids);
-    if (options.reduce) self.finals = self.t->reduce(self.points, box);
+    if (options.reduce) self.finals.cells = self.t->reduce(self.points, box);
+    if (options.early_unit > 0) {
+      const EarlyFinals early(options.dimension, self.ids, std::move(self.finals.cells), options.early_unit, {});
+      const auto into = [](std::vector<std::int32_t>& list) {
+        return [&list](std::span<const std::int32_t> piece) -> Status {
+          list.insert(list.end(), piece.begin(), piece.end());
+          return success();
+        };
+      };
+      check(early.vertices(into(self.early_vertices)) && early.neighbors(into(self.early_neighbors)), "nobody refuses");
+      self.finals = early.left();
+      check(self.finals.sound(options.dimension, self.points.size()), "what is left is sound");
+    }
     self.t->announce(self.points, box);
     // At once, or with the first mail; without any, when there is nothing else left to do.
     if (options.rule == ExchangeRule::published || rng() % 2 == 0) self.t->introduce();
@@ -114,7 +128,8 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   }
   std::vector<TileMesh> meshes;
   for (Tile& t : tile) {
-    if (!t.points.empty()) meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)).whole());
+    if (!t.points.empty())
+      meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)).whole(t.early_vertices, t.early_neighbors));
   }
   return meshes;
 }

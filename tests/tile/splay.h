@@ -17,7 +17,8 @@ struct SplayOptions {
   int dimension = 3;
   std::uint64_t seed = 0;
   Announced announced = Announced::spanning;
-  bool reduce = false;  // hand out final cells first
+  bool reduce = false;           // hand out final cells first
+  std::uint64_t early_unit = 0;  // and as many units of them as there are are not given back
   bool announce = true;
   bool sleep = false;  // save and load tiles between deliveries
   ExchangeRule rule = ExchangeRule::introduce;

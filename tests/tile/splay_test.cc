@@ -90,7 +90,10 @@ TEST(SplayLarge, FinalCellsTakenOutEarlyComeBackInTheResult) {
       options.dimension = dimension;
       options.reduce = true;
       SCOPED_TRACE(kind);
-      expect_global_delaunay(points, assign("stripes", points, 4, 1), options);
+      for (const std::uint64_t early_unit : {0, 1, 64, 1'000'000}) {  // none, all, most, none of those that could be
+        options.early_unit = early_unit;
+        expect_global_delaunay(points, assign("stripes", points, 4, 1), options);
+      }
     }
   }
 }
@@ -110,6 +113,30 @@ TEST(SplayLarge, ReducingChangesNoMesh) {
     EXPECT_EQ(whole[i].neighbors, reduced[i].neighbors);
     EXPECT_EQ(whole[i].ids, reduced[i].ids);
     EXPECT_EQ(whole[i].cell_ghost, reduced[i].cell_ghost);
+  }
+}
+
+// Early cells come first, those that bordered others next; so the mesh depends on the unit, but on nothing else.
+TEST(SplayLarge, EarlyCellsAreTheSameWhateverTheKernelAndTheOrder) {
+  for (const int dimension : {2, 3}) {
+    const auto points = make_cloud("uniform", dimension, 3000, 9);
+    const auto a = assign("stripes", points, 3, 1);
+    SplayOptions options;
+    options.dimension = dimension;
+    options.reduce = true;
+    options.early_unit = 100;
+    const auto one = splay(points, a.tile_of, a.boxes, options);
+    options.kernel = KernelKind::flat;
+    options.seed = 77;
+    options.sleep = true;
+    const auto other = splay(points, a.tile_of, a.boxes, options);
+    ASSERT_EQ(one.size(), other.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      EXPECT_EQ(one[i].cells, other[i].cells);
+      EXPECT_EQ(one[i].neighbors, other[i].neighbors);
+      EXPECT_EQ(one[i].ids, other[i].ids);
+      EXPECT_EQ(one[i].cell_ghost, other[i].cell_ghost);
+    }
   }
 }
 
@@ -170,8 +197,8 @@ TEST(Stop, EndsWhateverATileIsAt) {
         }
       };
       stopped_at("triangulate", [&] { tile.triangulate(own, ids); });
-      FinalCells finals;
-      stopped_at("reduce", [&] { finals = tile.reduce(own, box); });
+      KeptFinals finals;
+      stopped_at("reduce", [&] { finals.cells = tile.reduce(own, box); });
       stopped_at("receive", [&] { ASSERT_TRUE(tile.receive(TileId{1}, others)); });
       stopped_at("introduce", [&] { tile.introduce(); });
       stopped_at("collect", [&] { tile.collect(own, ids, std::move(finals)); });

@@ -21,17 +21,33 @@ class Ranks {
   void count() {
     for (std::size_t w = 0; w < bits_.size(); ++w) before_[w + 1] = before_[w] + ones(bits_[w]);
   }
-  bool operator[](Word slot) const { return (bits_[slot / 64] >> slot % 64 & 1) != 0; }
-  Word before(Word slot) const {
-    return before_[slot / 64] + ones(bits_[slot / 64] & ((std::uint64_t{1} << slot % 64) - 1));
+  [[gnu::always_inline]] bool operator[](Word slot) const { return (bits_[slot / 64] >> slot % 64 & 1) != 0; }
+  [[gnu::always_inline]] Word before(Word slot) const {
+    const std::uint64_t lower = bits_[slot / 64] & ((std::uint64_t{1} << slot % 64) - 1);
+    return before_[slot / 64] + ones(lower);
   }
   Word all() const { return before_.back(); }
 
  private:
-  static Word ones(std::uint64_t bits) { return static_cast<Word>(std::popcount(bits)); }
+  [[gnu::always_inline]] static Word ones(std::uint64_t bits) { return static_cast<Word>(std::popcount(bits)); }
   std::vector<std::uint64_t> bits_;
   std::vector<Word> before_;
 };
+
+// Counting bits is one instruction where there is one; a compiler that may not take it for granted calls a function.
+#if defined(__x86_64__)
+template <class Do>
+[[gnu::target("popcnt")]] void with_popcnt(const Do& work) {
+  work();
+}
+#endif
+template <class Do>
+void counting_fast(const Do& work) {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("popcnt")) return with_popcnt(work);
+#endif
+  work();
+}
 
 // One pass in the order of the slots: the cells around an edge lie near each other there, so a small table of the last
 // edges spares most of the visits that would repeat one.
@@ -146,7 +162,7 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
 }
 
 // One pass in the order of the slots: a bit a cell and their ranks tell every cell's new number, so no cell needs to be
-// read twice, and what has been passed can be given back at once.
+// read twice, and final ones stay in the array that they are in.
 template <class Mesh>
 FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is_final) {
   check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
@@ -161,31 +177,32 @@ FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is
   }
   open.count();
   const Word frozen = n - open.all();
-  FinalCells out;
-  out.vertices.reserve(std::size_t{corners} * frozen);
-  out.neighbors.reserve(std::size_t{corners} * frozen);
   Array<Cell> rest;
   rest.reserve(2 * std::size_t{open.all()} + 64);
-  constexpr Word chunk = Word{1} << 18;
-  for (Word slot = 0; slot < n; ++slot) {
-    Cell c = old[slot];
-    if (open[slot]) {
-      for (Word& across : c.n) {
-        const Word to = across >> 2, facet = across & 3, rank = open.before(to);
-        across = open[to] ? 4 * rank + facet : frozen_bit | (corners * (to - rank) + facet);
-      }
-      rest.push_back(c);
-    } else {
-      for (Word i = 0; i < corners; ++i) {
-        const Word to = c.n[i] >> 2;
-        out.vertices.push_back(c.v[i]);
-        out.neighbors.push_back(open[to] ? FinalCells::open : to - open.before(to));
+  rest.resize(open.all());
+  counting_fast([&]() __attribute__((always_inline)) {
+    Cell *final = old.data(), *other = rest.data();
+    for (Word slot = 0; slot < n; ++slot) {
+      Cell c = old[slot];
+      if (open[slot]) {
+        for (Word& across : c.n) {
+          const Word to = across >> 2, facet = across & 3, rank = open.before(to);
+          across = open[to] ? 4 * rank + facet : frozen_bit | (corners * (to - rank) + facet);
+        }
+        *other++ = c;
+      } else {
+        for (Word& across : c.n) {
+          const Word to = across >> 2;
+          across = open[to] ? FinalCells::open : 4 * (to - open.before(to)) + (across & 3);
+        }
+        *final++ = c;
       }
     }
-    if (slot % chunk == chunk - 1) old.release_front(slot);
-  }
+  });
+  old.resize(frozen);
+  old.trim();
   mesh_.adopt(std::move(rest), frozen);
-  return out;
+  return {old.template take_as<CellRow>(), open.all()};
 }
 
 }  // namespace tessera::flat

@@ -16,6 +16,7 @@ class Array {
   static_assert(std::is_trivially_copyable_v<T>);
 
  public:
+  using value_type = T;
   Array() = default;
   Array(Array&& other) noexcept { swap(other); }
   Array& operator=(Array&& other) noexcept {

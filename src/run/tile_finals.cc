@@ -1,0 +1,81 @@
+// The final cells of a tile that is reduced: stored early, kept, or on scratch.
+#include <utility>
+
+#include "src/base/flat_codec.h"
+#include "src/run/tile_state.h"
+
+namespace tessera {
+
+// `at_once`: the tile is collected now, and what it has kept need not be read.
+Status TileState::keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once) {
+  finals_ = std::make_unique<KeptFinals>();
+  stored_early_ = {};
+  if (early()) {
+    auto sorted = std::make_shared<const EarlyFinals>(context_.dimension, loaded.ids, std::move(finals),
+                                                      context_.early_unit, context_.stop);
+    *finals_ = sorted->left();
+    if (sorted->early() > 0) {
+      storing_ = context_.storage->store_early(self_.tile, std::move(sorted));
+    }
+  } else {
+    finals_->cells = std::move(finals);
+  }
+  return context_.reduce && !at_once ? put_finals() : Status(success());
+}
+
+Status TileState::await_stored() {
+  if (!storing_.valid()) return success();
+  auto stored = storing_.get();
+  if (!stored) return stored.error();
+  stored_early_ = std::move(stored).value();
+  return success();
+}
+
+Status TileState::put_finals() {
+  BOOST_OUTCOME_TRYV(await_stored());
+  FlatWriter out;
+  out.reserve(finals_->bytes() + stored_early_.size() + 64);
+  out.value(finals_->early);
+  out.list(finals_->place);
+  out.list(finals_->frozen);
+  out.list(finals_->cells.rows);
+  out.list(stored_early_);
+  finals_.reset();
+  stored_early_ = {};
+  return context_.storage->write(self_.tile, ScratchKind::finals, out.take());
+}
+
+bool TileState::decode_finals(std::span<const std::byte> bytes) {
+  auto finals = std::make_unique<KeptFinals>();
+  FlatReader in(bytes);
+  const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
+                    in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
+  if (!read || !finals->sound(context_.dimension, own_points_)) return false;
+  finals_ = std::move(finals);
+  return true;
+}
+
+// Of an earlier process, or another node. False when the tile cannot go on from them.
+Result<bool> TileState::restore_finals(std::span<const std::byte> bytes, bool at_once) {
+  if (!decode_finals(bytes)) return false;
+  // What they were stored as depends on these, and others may have been in force then.
+  const bool placed = !finals_->place.empty() || finals_->early > 0;
+  if (placed != early() && (placed || finals_->cells.rows.size() > 0)) return false;
+  if (finals_->early > 0 && !context_.storage->take_early(self_.tile, stored_early_)) return false;
+  if (context_.reduce && !at_once) {
+    BOOST_OUTCOME_TRYV(put_finals());
+  }
+  return true;
+}
+
+Result<KeptFinals> TileState::take_finals() {
+  if (!finals_) {
+    BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::finals));
+    if (pieces.size() != 1 || !decode_finals(pieces[0])) return damaged("list of final cells");
+  }
+  KeptFinals taken = std::move(*finals_);
+  finals_.reset();
+  return taken;
+}
+
+}  // namespace tessera
