@@ -38,7 +38,8 @@ Error listen_error(const ListenOptions& listen, const ErrorCode& failed) {
 
 struct Server::Impl {
   struct Listener {
-    Listener(asio::io_context& io, bool operations) : acceptor(io), operations(operations) {}
+    // What closes it must not run beside what accepts, which looks at it between two connections.
+    Listener(asio::io_context& io, bool operations) : acceptor(asio::make_strand(io)), operations(operations) {}
     tcp::acceptor acceptor;
     bool operations;
   };
@@ -205,7 +206,8 @@ Status Server::listen() {
   for (const ListenOptions& listen : my.options.listeners) {
     BOOST_OUTCOME_TRYV(my.listen(listen));
   }
-  for (const auto& listener : my.listeners) asio::co_spawn(my.io, my.accept_all(*listener), asio::detached);
+  for (const auto& listener : my.listeners)
+    asio::co_spawn(listener->acceptor.get_executor(), my.accept_all(*listener), asio::detached);
   for (std::uint32_t at = 0; at < std::max(1U, my.options.threads); ++at)
     my.threads.emplace_back([&my] {
       name_thread("http");
