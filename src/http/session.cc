@@ -23,7 +23,7 @@ using asio::redirect_error;
 using asio::use_awaitable;
 
 constexpr std::size_t read_bytes = 8 << 10;
-constexpr std::size_t lingering_max = 1 << 20;
+constexpr std::size_t lingering_max = 64 << 20;  // a refused upload goes on until its sender looks at the answer
 constexpr std::chrono::milliseconds lingering{2000};
 
 std::string lower_case(beast::string_view text) {

@@ -100,7 +100,7 @@ class Promises(DaemonTest):
             daemon = self.start("--uploads")
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, before)
-        status, _, problem = daemon.request("PUT", "/v1/uploads/a/large.las", b"x" * (4 << 20))
+        status, _, problem = daemon.request("PUT", "/v1/uploads/a/large.las", b"x" * (32 << 20))  # most of it after the answer
         self.assertEqual((status, problem["cause"]), (507, 4), problem)
         self.assertEqual(daemon.request("PUT", "/v1/uploads/a/small.las", b"x")[0], 204)
         self.assertEqual(daemon.end(), 0)
