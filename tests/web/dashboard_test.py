@@ -101,7 +101,7 @@ class Dashboard(looking.LookingTest):
         b.look(self, "job-failed")
 
     def test_a_job_is_stopped_and_resumed(self):
-        self.make_cloud(2_000_000)  # some seconds' work for one thread: far longer than it takes to stop it
+        self.make_cloud(4_000_000)  # a quarter of a minute's work for one thread: far longer than it takes to stop it
         self.serve()
         self.enter()
         b = self.browser
@@ -128,6 +128,20 @@ class Dashboard(looking.LookingTest):
         b.press("Forget the job", "dialog")
         b.until_text("No jobs yet")
         self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}")[0], 410)
+
+    def test_a_job_that_ends_before_it_is_stopped_is_not_forgotten(self):
+        self.make_cloud(300_000)
+        self.serve()
+        self.enter()
+        b = self.browser
+        job = self.submit(inputs="cloud.npy", output="cloud", threads="1")
+        b.press("Stop")
+        b.until("return document.querySelector('dialog[open]')")
+        b.until_text("Done", ".status-line")
+        b.press("Stop the job", "dialog")
+        b.until("return !document.querySelector('dialog[open]')")
+        b.until_text("successful", ".log")
+        self.assertEqual(self.daemon.request("GET", f"/v1/jobs/{job}")[2]["status"], "successful")
 
     def test_mail_between_tiles_is_seen_while_a_job_runs_and_not_at_its_end(self):
         self.make_cloud(2_000_000)

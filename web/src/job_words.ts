@@ -1,5 +1,5 @@
 // What is said of a job, on all pages alike.
-import {Job, ended, address, mayChange, Caller, send} from "./api";
+import {Job, ended, address, get, mayChange, Caller, send} from "./api";
 import {confirmed, h, say} from "./dom";
 import {duration, secondsBetween, sentence, words} from "./format";
 
@@ -55,5 +55,10 @@ export async function doIt(deed: Deed, job: Job): Promise<Job | null> {
     : await confirmed(`Forget ${nameOf(job)}?`,
       "The job goes from the list with its log, and with what could be resumed of it. A finished result stays.", "Forget the job");
   if (!sure) return null;
+  // It may have ended while the question stood there: to stop it would be to forget it.
+  if (deed === "cancel") {
+    const now = await get<Job>(url);
+    if (ended(now)) return now;
+  }
   return await (await send("DELETE", url)).json() as Job;
 }
