@@ -98,6 +98,16 @@ TEST(SplayLarge, FinalCellsTakenOutEarlyComeBackInTheResult) {
   }
 }
 
+void expect_same(const std::vector<TileMesh>& one, const std::vector<TileMesh>& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].cells, other[i].cells);
+    EXPECT_EQ(one[i].neighbors, other[i].neighbors);
+    EXPECT_EQ(one[i].ids, other[i].ids);
+    EXPECT_EQ(one[i].cell_ghost, other[i].cell_ghost);
+  }
+}
+
 TEST(SplayLarge, ReducingChangesNoMesh) {
   const auto points = make_cloud("lattice", 3, 3000, 9);
   const auto a = assign("stripes", points, 3, 1);
@@ -107,13 +117,7 @@ TEST(SplayLarge, ReducingChangesNoMesh) {
   options.kernel = KernelKind::flat;  // the mesh does not tell what made it
   options.seed = 77;
   const auto reduced = splay(points, a.tile_of, a.boxes, options);
-  ASSERT_EQ(whole.size(), reduced.size());
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    EXPECT_EQ(whole[i].cells, reduced[i].cells);
-    EXPECT_EQ(whole[i].neighbors, reduced[i].neighbors);
-    EXPECT_EQ(whole[i].ids, reduced[i].ids);
-    EXPECT_EQ(whole[i].cell_ghost, reduced[i].cell_ghost);
-  }
+  expect_same(whole, reduced);
 }
 
 // Early cells come first, those that bordered others next; so the mesh depends on the unit, but on nothing else.
@@ -130,13 +134,7 @@ TEST(SplayLarge, EarlyCellsAreTheSameWhateverTheKernelAndTheOrder) {
     options.seed = 77;
     options.sleep = true;
     const auto other = splay(points, a.tile_of, a.boxes, options);
-    ASSERT_EQ(one.size(), other.size());
-    for (std::size_t i = 0; i < one.size(); ++i) {
-      EXPECT_EQ(one[i].cells, other[i].cells);
-      EXPECT_EQ(one[i].neighbors, other[i].neighbors);
-      EXPECT_EQ(one[i].ids, other[i].ids);
-      EXPECT_EQ(one[i].cell_ghost, other[i].cell_ghost);
-    }
+    expect_same(one, other);
   }
 }
 
