@@ -177,12 +177,6 @@ void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexce
   mapping.touched = std::min(from, mapping.touched);
 }
 
-void release_pages(const Mapping& mapping, std::size_t bytes) noexcept {
-  if (is_small(mapping)) return;
-  const std::size_t whole = std::min(bytes, mapping.reserved) / page * page;
-  if (whole > 0) madvise(mapping.at, whole, MADV_DONTNEED);
-}
-
 MemoryPoolShare::MemoryPoolShare(std::size_t bytes) : bytes_(bytes) { pool().add_share(bytes); }
 
 MemoryPoolShare::~MemoryPoolShare() { pool().remove_share(bytes_); }

@@ -33,7 +33,5 @@ class MemoryPoolShare {
 };
 // Gives the pages behind the first `kept` of `used` bytes back to the system.
 void shrink_mapping(Mapping& mapping, std::size_t kept, std::size_t used) noexcept;
-// Gives the whole pages among the first `bytes` back to the system.
-void release_pages(const Mapping& mapping, std::size_t bytes) noexcept;
 
 }  // namespace tessera

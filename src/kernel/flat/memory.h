@@ -69,8 +69,6 @@ class Array {
     shrink_mapping(mapping_, bytes(), high_ * sizeof(T));
     high_ = size_;
   }
-  // Gives back the pages of the first n elements, which must not be read any more.
-  void release_front(std::size_t n) { release_pages(mapping_, n * sizeof(T)); }
   void clear() {
     unmap_memory(mapping_, high_ * sizeof(T));
     size_ = high_ = 0;
