@@ -8,7 +8,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 base=${1:-docker.io/library/debian:12-slim}
 folder=$(mktemp -d)
-manifests=("$PWD/deploy/kubernetes-data.yaml" "$PWD/deploy/kubernetes.yaml")
+manifests=("$PWD/deploy/kubernetes-data.yaml" "$folder/kubernetes.yaml")
+sed "s#path: /srv/lidar,#path: $PWD/data/ign,#" deploy/kubernetes.yaml > "${manifests[1]}"
 
 clean() {
   podman rm -f -t 30 tesserad-try || true

@@ -21,6 +21,24 @@ POD = {"automountServiceAccountToken", "enableServiceLinks", "terminationGracePe
        "volumes"}
 
 
+def check_rights(case, pod):
+    """That a namespace where Kubernetes enforces "restricted" takes the pod, and that no start opens its files to the group."""
+    context = dict(pod["securityContext"])
+    case.assertEqual(context.pop("seccompProfile"), {"type": "RuntimeDefault"})
+    case.assertEqual(context.pop("fsGroupChangePolicy"), "OnRootMismatch")
+    case.assertIs(context.pop("runAsNonRoot"), True)
+    case.assertEqual(set(context), {"runAsUser", "runAsGroup", "fsGroup"})
+    case.assertEqual(len(set(context.values())), 1)
+    case.assertIs(pod["automountServiceAccountToken"], False)
+    for container in pod["containers"]:
+        case.assertEqual(container["securityContext"],
+                         {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}})
+        case.assertIn("memory", container["resources"]["limits"])
+    for volume in pod["volumes"]:
+        if "hostPath" in volume:
+            case.assertEqual(volume["hostPath"]["type"], "Directory")
+
+
 class Manifest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -75,10 +93,8 @@ class Manifest(unittest.TestCase):
         self.assertEqual(set(self.settings) - sample, set())
 
     def test_it_runs_without_rights(self):
+        check_rights(self, self.pod)
         user = self.pod["securityContext"]["runAsUser"]
-        self.assertTrue(self.pod["securityContext"]["runAsNonRoot"])
-        self.assertEqual(self.container["securityContext"],
-                         {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}})
         self.assertIn(f"\nUSER {user}:{user}\n", (SOURCE / "deploy/Containerfile").read_text())
         annotations = self.claim["metadata"]["annotations"]
         self.assertEqual(annotations["volume.podman.io/uid"], str(user))
@@ -89,58 +105,94 @@ class Manifest(unittest.TestCase):
 
 
 class Cluster(unittest.TestCase):
-    """The nodes beside it."""
+    """The coordinator and its nodes, in place of the one daemon."""
 
     @classmethod
     def setUpClass(cls):
         cls.text = (SOURCE / "deploy/kubernetes-cluster.yaml").read_text()
-        documents = list(yaml.safe_load_all(cls.text))
-        cls.services = {document["metadata"]["name"]: document["spec"] for document in documents if document["kind"] == "Service"}
-        (cls.set,) = [document["spec"] for document in documents if document["kind"] == "StatefulSet"]
-        cls.pod = cls.set["template"]["spec"]
-        (cls.container,) = cls.pod["containers"]
+        cls.objects = {(document["kind"], document["metadata"]["name"]): document for document in yaml.safe_load_all(cls.text)}
+        cls.coordinator = cls.objects["StatefulSet", "tesserad-coordinator"]["spec"]
+        cls.nodes = cls.objects["StatefulSet", "tesserad-node"]["spec"]
+        cls.pods = [held["template"]["spec"] for held in (cls.coordinator, cls.nodes)]
+        (cls.container,) = cls.pods[1]["containers"]
         cls.options = dict(zip(cls.container["args"][::2], cls.container["args"][1::2]))
+        cls.settings = tomllib.loads(cls.objects["ConfigMap", "tesserad-coordinator"]["data"]["tesserad.toml"])
+
+    def service(self, name):
+        return self.objects["Service", name]["spec"]
 
     def test_the_options_are_the_daemons(self):
         sample = set(re.findall(r"(?m)^# ([a-z-]+) = ", (SOURCE / "config/tesserad.toml").read_text()))
         self.assertEqual({option.removeprefix("--") for option in self.options} - sample, set())
-        commented = set(re.findall(r"(?m)^#   ([a-z-]+) = ", self.text))
-        self.assertEqual(commented, {"cluster", "advertise", "certs", "roles"})
-        self.assertEqual(commented - sample, set())
+        self.assertEqual(set(self.settings) - sample, set())
+        self.assertEqual(self.settings["roles"], ["coordinator"])
+
+    def test_there_is_one_coordinator_and_never_a_second_beside_one_that_cannot_be_reached(self):
+        self.assertEqual(self.coordinator["replicas"], 1)
+        self.assertEqual({kind for kind, _ in self.objects}, {"ConfigMap", "Service", "StatefulSet", "PodDisruptionBudget",
+                                                              "NetworkPolicy"})
 
     def test_names_agree(self):
-        labels = self.set["template"]["metadata"]["labels"]
-        self.assertEqual(self.set["selector"]["matchLabels"], labels)
-        self.assertEqual(self.services[self.set["serviceName"]]["selector"], labels)
-        self.assertTrue(self.services[self.set["serviceName"]]["publishNotReadyAddresses"])
-        deployment = next(document for document in yaml.safe_load_all(TEXT) if document["kind"] == "Deployment")
+        for held in (self.coordinator, self.nodes):
+            labels = held["template"]["metadata"]["labels"]
+            self.assertEqual(held["selector"]["matchLabels"], labels)
+            # Found also when it is not ready: a coordinator whose disk is full still has nodes.
+            governing = self.service(held["serviceName"])
+            self.assertEqual(governing["selector"], labels)
+            self.assertEqual(governing["clusterIP"], "None")
+            self.assertIs(governing["publishNotReadyAddresses"], True)
+            pod = held["template"]["spec"]
+            (container,) = pod["containers"]
+            mounts = {mount["name"]: mount["mountPath"] for mount in container["volumeMounts"]}
+            volumes = {volume["name"]: volume for volume in pod["volumes"]}
+            self.assertEqual(set(mounts), set(volumes))
+            given = self.settings if held is self.coordinator else {key[2:]: value for key, value in self.options.items()}
+            self.assertEqual((given["data"], given["certs"]), (mounts["data"], mounts["certs"]))
+            self.assertEqual(volumes["data"]["persistentVolumeClaim"]["claimName"], yaml.safe_load(DATA)["metadata"]["name"])
+            self.assertIn(f"create secret generic {volumes['certs']['secret']['secretName']} ", self.text)
+            self.assertEqual(volumes["certs"]["secret"]["defaultMode"], 0o440)
+        self.assertEqual(self.options["--join"], self.settings["advertise"])
         host, port = self.options["--join"].split(":")
-        self.assertEqual(self.services[host]["selector"], deployment["spec"]["template"]["metadata"]["labels"])
-        self.assertEqual(self.options["--advertise"], f"$(POD).{self.set['serviceName']}:{port}")
-        mounts = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
-        volumes = {volume["name"]: volume for volume in self.pod["volumes"]}
-        self.assertEqual(set(mounts), set(volumes))
-        for name in ("data", "scratch", "certs"):
-            self.assertEqual(self.options[f"--{name}"], mounts[name])
-        self.assertEqual(volumes["data"]["persistentVolumeClaim"]["claimName"], yaml.safe_load(DATA)["metadata"]["name"])
-        self.assertIn(f"create secret generic {volumes['certs']['secret']['secretName']} ", self.text)
-        self.assertEqual(volumes["certs"]["secret"]["defaultMode"], 0o440)
+        self.assertEqual(host, self.coordinator["serviceName"])
+        self.assertEqual(self.options["--advertise"], f"$(POD).{self.nodes['serviceName']}:{port}")
+        self.assertEqual(self.options["--scratch"], "/scratch")
+        self.assertEqual(self.service("tesserad")["selector"], self.service(host)["selector"])
 
     def test_a_node_has_the_time_to_hand_its_tiles_over(self):
         drain = re.search(r'(?m)^# drain-timeout = "(\d+)s"$', (SOURCE / "config/tesserad.toml").read_text())
-        self.assertGreater(self.pod["terminationGracePeriodSeconds"], int(drain[1]))
+        self.assertGreater(self.pods[1]["terminationGracePeriodSeconds"], int(drain[1]))
+
+    def test_machines_are_emptied_one_node_after_the_other(self):
+        budget = self.objects["PodDisruptionBudget", "tesserad-node"]["spec"]
+        self.assertEqual(budget["maxUnavailable"], 1)
+        self.assertEqual(budget["selector"], self.nodes["selector"])
+
+    def test_only_its_own_pods_may_call_the_cluster(self):
+        policy = self.objects["NetworkPolicy", "tesserad"]["spec"]
+        ours = {"matchExpressions": [{"key": "app", "operator": "In", "values": ["tesserad-coordinator", "tesserad-node"]}]}
+        self.assertEqual(policy["podSelector"], ours)
+        self.assertEqual(policy["policyTypes"], ["Ingress"])
+        who = {port["port"]: rule.get("from") for rule in policy["ingress"] for port in rule["ports"]}
+        self.assertEqual(set(who), {"cluster", "metrics", "https"})
+        self.assertEqual(who["cluster"], [{"podSelector": ours}])
+        self.assertEqual([list(one) for one in who["metrics"]], [["namespaceSelector"]])
+        self.assertIsNone(who["https"])
+        for pod in self.pods:
+            (container,) = pod["containers"]
+            self.assertLessEqual({port["name"] for port in container["ports"]}, set(who))
 
     def test_its_health_is_asked_where_it_is_told(self):
-        ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
-        self.assertEqual(self.options["--metrics"], f"0.0.0.0:{ports['metrics']}")
-        for probe, path in (("readinessProbe", "/readyz"), ("livenessProbe", "/livez")):
-            self.assertEqual(self.container[probe]["httpGet"], {"path": path, "port": "metrics"})
+        for pod, metrics in zip(self.pods, (self.settings["metrics"], self.options["--metrics"])):
+            (container,) = pod["containers"]
+            ports = {port["name"]: port["containerPort"] for port in container["ports"]}
+            self.assertEqual(metrics, f"0.0.0.0:{ports['metrics']}")
+            for probe, path in (("readinessProbe", "/readyz"), ("livenessProbe", "/livez")):
+                self.assertEqual(container[probe]["httpGet"], {"path": path, "port": "metrics"})
 
     def test_it_runs_without_rights(self):
-        self.assertTrue(self.pod["securityContext"]["runAsNonRoot"])
-        self.assertEqual(self.container["securityContext"],
-                         {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True, "capabilities": {"drop": ["ALL"]}})
-        self.assertIn("memory", self.container["resources"]["limits"])
+        for pod in self.pods:
+            check_rights(self, pod)
+        self.assertNotIn("insecure", self.text)
 
 
 if __name__ == "__main__":

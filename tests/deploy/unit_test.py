@@ -38,10 +38,32 @@ class Unit(unittest.TestCase):
     def test_systemd_understands_every_line(self):
         self.assertEqual(self.verify(self.unit.read_text()), (0, []))
 
-    def test_the_one_of_a_node_is_understood_and_comes_back(self):
+    def node(self):
         text = (SOURCE / "deploy/tesserad-node.service").read_text()
-        self.assertEqual(self.verify(re.sub(r"^ExecStart=/usr/bin/tesserad", "ExecStart=/bin/true", text, flags=re.MULTILINE)), (0, []))
-        self.assertIn("\nRestart=always\n", text)
+        return re.sub(r"^ExecStart=/usr/bin/tesserad", "ExecStart=/bin/true", text, flags=re.MULTILINE)
+
+    def test_the_one_of_a_node_is_understood_and_comes_back(self):
+        self.assertEqual(self.verify(self.node()), (0, []))
+        self.assertIn("\nRestart=always\n", self.node())
+
+    def test_the_one_of_a_node_is_as_strict(self):
+        path = self.unit.with_name("tesserad-node.service")
+        path.write_text(self.node())
+        done = analyze("security", "--offline=yes", "--json=short", str(path))
+        left = {entry["json_field"] for entry in json.loads(done.stdout) if entry["set"] is False and entry["exposure"]}
+        self.assertEqual(left, LEFT)
+        # What differs is where a node reads and writes, and whom it hears.
+        section = r"(?ms)^\[Service\]$(.*?)^\["
+        rules = [{line for line in re.search(section, text)[1].splitlines() if "=" in line and line[0] != "#"}
+                 for text in (self.text, self.node())]
+        looser = {line.split("=")[0] for line in rules[0] - rules[1]}
+        self.assertEqual(looser, {"ExecStart", "ExecReload", "Environment", "Restart", "TimeoutStopSec", "KillMode", "DynamicUser",
+                                  "StateDirectory", "StateDirectoryMode", "CacheDirectory", "IPAddressAllow"})
+
+    def test_what_a_daemon_prints_reaches_no_journal(self):
+        for text in (self.text, self.node()):
+            self.assertRegex(text, r"(?m)^StandardOutput=null$")
+            self.assertRegex(text, r"(?m)^StandardError=journal$")
 
     def test_a_node_has_the_time_to_hand_its_tiles_over(self):
         stop = re.search(r"(?m)^TimeoutStopSec=(\d+)s$", (SOURCE / "deploy/tesserad-node.service").read_text())
