@@ -15,6 +15,7 @@
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/run/disk_parts.h"
 #include "src/run/terms.h"
 #include "src/store/tile_store.h"
@@ -84,12 +85,7 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.term = term;
   job.take_over = true;
   job.replaced = [folder = run.folder, term] { return is_replaced(folder, term); };
-  job.is_settled = [folder = run.folder]() -> Result<bool> {
-    std::error_code failed;
-    const bool settled = std::filesystem::exists(settled_marker(folder), failed);
-    if (failed) return error(Errc::io, settled_marker(folder).string() + ": cannot be looked at: " + failed.message());
-    return settled;
-  };
+  job.is_settled = [folder = run.folder] { return is_there(settled_marker(folder)); };
   job.stored = [out = std::filesystem::path(job.spec.out_folder)] {
     return stored_tiles(out, [](TileId) { return true; });
   };

@@ -13,6 +13,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/files/there.h"
 #include "src/job/arguments.h"
 #include "src/report/human.h"
 
@@ -41,8 +42,8 @@ Status run_generate(Settings& settings, const std::string& kind) {
   BOOST_OUTCOME_TRY(output, output_options(settings));
   const std::filesystem::path target = settings.text("output").value_or("");
   if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
-  std::error_code ec;
-  if (!overwrite && std::filesystem::is_regular_file(target, ec)) {
+  BOOST_OUTCOME_TRY(there, is_regular(target));
+  if (there && !overwrite) {
     return error(Errc::usage, target.string() + ": exists already; --overwrite replaces it");
   }
   if (output.verbose) log_everything();
@@ -50,7 +51,8 @@ Status run_generate(Settings& settings, const std::string& kind) {
   const Interrupt interrupt;
   const auto stop = interrupt.token();
   BOOST_OUTCOME_TRYV(generate(options, target, [&](std::uint64_t) { return !stop.stop_requested(); }));
-  const auto bytes = std::filesystem::file_size(target, ec);
+  BOOST_OUTCOME_TRY(written, bytes_if_there(target));
+  const auto bytes = written.value_or(0);  // a device has none
   if (output.json) {
     const nlohmann::ordered_json object{
         {"event", "generated"}, {"output", target.string()}, {"points", options.points}, {"bytes", bytes}};

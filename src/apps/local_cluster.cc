@@ -16,6 +16,7 @@
 #include "src/client/address.h"
 #include "src/files/names.h"
 #include "src/files/process.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -106,15 +107,16 @@ Result<LocalCluster> new_local_cluster(const fs::path& folder, std::uint32_t nod
   BOOST_OUTCOME_TRY(ports, free_ports(nodes + 1));
   cluster.api = ports.back();
   const fs::path certs = local_certificates_folder(folder);
-  std::error_code missing;  // whatever else is wrong is told when it is made
-  if (!fs::exists(authority_file(certs), missing)) {
+  BOOST_OUTCOME_TRY(authority, is_there(authority_file(certs)));
+  if (!authority) {
     BOOST_OUTCOME_TRYV(make_authority(certs));
   }
   for (std::uint32_t i = 0; i < nodes; ++i) {
     LocalNode node;
     node.name = "node-" + std::to_string(i + 1);
     node.port = ports[i];
-    if (!fs::exists(node_certificate_file(certs, node.name), missing)) {
+    BOOST_OUTCOME_TRY(certificate, is_there(node_certificate_file(certs, node.name)));
+    if (!certificate) {
       BOOST_OUTCOME_TRYV(make_node(certs, node.name));
     }
     cluster.nodes.push_back(std::move(node));
@@ -125,11 +127,8 @@ Result<LocalCluster> new_local_cluster(const fs::path& folder, std::uint32_t nod
 
 Result<std::optional<LocalCluster>> read_local_cluster(const fs::path& folder) {
   const fs::path file = local_cluster_file(folder);
-  std::error_code failed;
-  if (!fs::exists(file, failed)) {
-    if (failed) return error(Errc::io, file.string() + ": cannot be looked at: " + failed.message());
-    return std::optional<LocalCluster>();
-  }
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) return std::optional<LocalCluster>();
   BOOST_OUTCOME_TRY(bytes, read_whole(file));
   LocalCluster cluster;
   cluster.folder = folder;

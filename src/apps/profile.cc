@@ -13,6 +13,7 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/terrain_commands.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
@@ -40,9 +41,8 @@ Status write(const std::string& csv, const std::string& target, bool overwrite) 
     if (std::fwrite(csv.data(), 1, csv.size(), stdout) == csv.size() && std::fflush(stdout) == 0) return success();
     return error(Errc::io, "standard output: cannot be written");
   }
-  std::error_code code;
-  if (!overwrite && std::filesystem::exists(target, code))
-    return error(Errc::usage, target + ": exists already; --overwrite replaces it");
+  BOOST_OUTCOME_TRY(there, is_there(target));
+  if (there && !overwrite) return error(Errc::usage, target + ": exists already; --overwrite replaces it");
   return write_whole(target, csv);
 }
 

@@ -14,6 +14,7 @@
 #include "src/apps/watching.h"
 #include "src/base/option.h"
 #include "src/client/written.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -33,13 +34,13 @@ Result<proto::StatusInfo> submit(Server& server, const std::string& process, con
 }
 
 Status check_target(const Settings& settings, const fs::path& target) {
-  std::error_code none;
-  if (fs::is_directory(target, none)) return error(Errc::usage, target.string() + ": is a folder");
+  BOOST_OUTCOME_TRY(found, look_at(target));
+  if (found && S_ISDIR(found->st_mode)) return error(Errc::usage, target.string() + ": is a folder");
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
-  if (!overwrite && fs::exists(target, none))
-    return error(Errc::usage, target.string() + ": exists already; --overwrite replaces it");
+  if (found && !overwrite) return error(Errc::usage, target.string() + ": exists already; --overwrite replaces it");
   const auto beside = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  if (!fs::is_directory(beside, none)) return error(Errc::io, beside.string() + ": there is no such folder");
+  BOOST_OUTCOME_TRY(place, is_folder(beside));
+  if (!place) return error(Errc::io, beside.string() + ": there is no such folder");
   return success();
 }
 

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "src/files/there.h"
 #include "src/job/arguments.h"
 
 namespace tessera {
@@ -95,8 +96,8 @@ Error advise_upload(Error refused, const std::vector<std::string>& inputs) {
   refused = in_flags(std::move(refused));
   if (!refused.where.starts_with("inputs:")) return refused;
   for (const auto& input : inputs) {
-    std::error_code none;
-    if (!std::filesystem::is_regular_file(input, none)) continue;
+    const auto here = is_regular(input);  // what cannot be looked at is no help to a caller
+    if (!here || !here.value()) continue;
     refused.where += "; " + input + " is a file here, which 'tessera upload' sends to the daemon";
     break;
   }
@@ -104,10 +105,9 @@ Error advise_upload(Error refused, const std::vector<std::string>& inputs) {
 }
 
 Error advise_here(Error refused, const std::string& name) {
-  std::error_code none;
   refused = in_flags(std::move(refused));
-  if (refused.code == Errc::usage && refused.where.starts_with("triangulation:") &&
-      std::filesystem::is_directory(name, none))
+  if (refused.code != Errc::usage || !refused.where.starts_with("triangulation:")) return refused;
+  if (const auto here = is_folder(name); here && here.value())
     refused.where += "; " + name + " is a folder here: with --server '' the command works on it";
   return refused;
 }

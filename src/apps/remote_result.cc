@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 
 #include "src/apps/interrupt.h"
@@ -14,6 +13,7 @@
 #include "src/apps/watching.h"
 #include "src/base/option.h"
 #include "src/client/written.h"
+#include "src/files/there.h"
 #include "src/job/describe.h"
 
 namespace tessera {
@@ -83,9 +83,9 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
                        const OutputOptions& output) {
   BOOST_OUTCOME_TRY(detach, settings.on("detach"));
   BOOST_OUTCOME_TRY(target, find_export_target(path, options));
-  std::error_code none;
   const auto beside = target.path.has_parent_path() ? target.path.parent_path() : fs::path(".");
-  if (!detach && !fs::is_directory(beside, none)) return error(Errc::io, beside.string() + ": there is no such folder");
+  BOOST_OUTCOME_TRY(place, is_folder(beside));
+  if (!detach && !place) return error(Errc::io, beside.string() + ": there is no such folder");
   BOOST_OUTCOME_TRY(inputs, remote_inputs(settings, *proto::ExportInputs::descriptor(), only_here({})));
   inputs["triangulation"] = without_slash(name);
   auto file = fs::absolute(target.path).lexically_normal().filename();

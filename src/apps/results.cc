@@ -17,6 +17,7 @@
 #include "src/apps/remote_result.h"
 #include "src/apps/server_options.h"
 #include "src/client/fetch.h"
+#include "src/files/there.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -45,16 +46,19 @@ Status fetch_of_job(Server& server, const std::string& id, const std::filesystem
                      "', and no job of this id that exports or draws one; 'tessera results' lists results");
   if (job.value().status() != "successful")
     return error(Errc::usage, "job " + id + " is " + job.value().status() + ": there is nothing to fetch of it");
-  std::error_code none;
+  const auto taken = error(Errc::usage, path.string() + ": exists already; name something new");
+  BOOST_OUTCOME_TRY(there, is_there(path));
   if (is_drawing(job.value())) {
-    if (std::filesystem::exists(path, none))
-      return error(Errc::usage, path.string() + ": exists already; name something new");
+    if (there) return taken;
     return fetch_drawing(server, job.value(), path, output, stop);
   }
-  const bool folder = !path.has_filename() || !path.has_extension() || std::filesystem::is_directory(path, none);
-  if (folder ? std::filesystem::exists(path, none) && !std::filesystem::is_empty(path, none)
-             : std::filesystem::exists(path, none))
-    return error(Errc::usage, path.string() + ": exists already; name something new");
+  BOOST_OUTCOME_TRY(stands, is_folder(path));
+  const bool folder = !path.has_filename() || !path.has_extension() || stands;
+  if (there && !stands) return taken;
+  if (stands) {
+    BOOST_OUTCOME_TRY(empty, is_empty_folder(path));
+    if (!empty) return taken;
+  }
   const ExportTarget target{.path = path.has_filename() ? path : path.parent_path(), .folder = folder};
   return fetch_export(server, job.value(), target, std::nullopt, output, stop);
 }

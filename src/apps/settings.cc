@@ -12,6 +12,7 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
+#include "src/files/there.h"
 #include "src/job/arguments.h"
 
 namespace tessera {
@@ -109,15 +110,13 @@ Status Settings::exclusive(const std::string& a, const std::string& b) {
 }
 
 Status load_settings_file(const std::filesystem::path& path, const std::vector<Settings*>& commands) {
+  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   std::ifstream file(path, std::ios::binary);
-  std::error_code ec;
-  if (!file || !std::filesystem::is_regular_file(path, ec)) {
-    return error(Errc::io, path.string() + ": the configuration file cannot be read");
-  }
+  if (!file) return error(Errc::io, path.string() + ": the configuration file cannot be read");
   constexpr std::size_t bytes_max = 1 << 20;  // a thousand times what it needs
   std::string content;
-  std::copy_n(std::istreambuf_iterator<char>(file),
-              std::min<std::uintmax_t>(std::filesystem::file_size(path, ec), bytes_max), std::back_inserter(content));
+  std::copy_n(std::istreambuf_iterator<char>(file), std::min<std::uint64_t>(bytes, bytes_max),
+              std::back_inserter(content));
   const auto at_line = [&](const toml::source_region& source) {
     return path.string() + ", line " + std::to_string(source.begin.line) + ": ";
   };

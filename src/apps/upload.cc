@@ -15,6 +15,7 @@
 #include "src/apps/log.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/server_options.h"
+#include "src/files/there.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -25,9 +26,9 @@ namespace fs = std::filesystem;
 Status check_files(const std::vector<std::string>& files) {
   std::set<std::string> names;
   for (const auto& file : files) {
-    std::error_code code;
-    if (fs::is_directory(file, code)) return error(Errc::usage, file + ": is a folder; name the files in it");
-    if (!fs::exists(file, code)) return error(Errc::io, file + ": there is no such file");
+    BOOST_OUTCOME_TRY(found, look_at(file));
+    if (found && S_ISDIR(found->st_mode)) return error(Errc::usage, file + ": is a folder; name the files in it");
+    if (!found) return error(Errc::io, file + ": there is no such file");
     if (!names.insert(fs::path(file).filename()).second)
       return error(Errc::usage, file + ": another file to send has the same name; send them to two folders");
   }
@@ -46,8 +47,8 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
   const Interrupt interrupt;
   for (const auto& file : files) {
     const auto name = fs::path(file).filename().string();
-    std::error_code unknown;
-    const auto size = fs::file_size(file, unknown);
+    BOOST_OUTCOME_TRY(there, bytes_if_there(file));
+    const auto size = there.value_or(0);  // a pipe's is not known
     const auto line = percent_line("sending " + name + ":", output);
     const auto sent = upload(
         server, file, folder, name, [&](std::uint64_t bytes) { line(bytes, size); }, interrupt.token());

@@ -13,6 +13,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 
 namespace tessera {
 namespace {
@@ -72,11 +73,6 @@ Status refusal(X509_STORE_CTX& verification, const fs::path& authority, const fs
                                 X509_verify_cert_error_string(reason));
 }
 
-bool is_there(const fs::path& file) {
-  std::error_code unknown;
-  return fs::exists(file, unknown) || unknown;  // check_node() tells why it cannot be read
-}
-
 }  // namespace
 
 Status check_node(const fs::path& authority, const fs::path& certificate, const fs::path& key) {
@@ -119,8 +115,10 @@ Result<NodeCertificate> node_certificate_in(const fs::path& folder) {
                                   node_key_file("", "NAME").string());
   // What was copied with a chain or an old certificate has no key beside it.
   std::vector<std::string> whole;
-  std::copy_if(nodes.begin(), nodes.end(), std::back_inserter(whole),
-               [&](const auto& node) { return is_there(node_key_file(folder, node)); });
+  for (const auto& node : nodes) {
+    BOOST_OUTCOME_TRY(with_key, is_there(node_key_file(folder, node)));
+    if (with_key) whole.push_back(node);
+  }
   if (whole.size() > 1) {
     std::sort(whole.begin(), whole.end());
     std::string names;
@@ -133,8 +131,10 @@ Result<NodeCertificate> node_certificate_in(const fs::path& folder) {
 Result<NodeCertificate> node_certificate_in(const fs::path& folder, const std::string& name) {
   BOOST_OUTCOME_TRYV(check_node_name(name));
   NodeCertificate node{authority_file(folder), node_certificate_file(folder, name), node_key_file(folder, name)};
-  for (const auto& file : {node.authority, node.certificate, node.key})
-    if (!is_there(file)) return error(Errc::usage, file.string() + ": is missing");
+  for (const auto& file : {node.authority, node.certificate, node.key}) {
+    BOOST_OUTCOME_TRY(there, is_there(file));
+    if (!there) return error(Errc::usage, file.string() + ": is missing");
+  }
   return node;
 }
 

@@ -15,6 +15,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder_lock.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -126,11 +127,8 @@ Status write_both(const fs::path& certificate_file, const X509& certificate, con
 
 Status check_new(std::initializer_list<fs::path> files, const char* what) {
   for (const auto& file : files) {
-    std::error_code failed;
-    const auto status = fs::symlink_status(file, failed);
-    if (status.type() == fs::file_type::not_found) continue;
-    if (failed) return io_error(file, "cannot open", failed.value());
-    return error(Errc::usage, file.string() + ": exists already; " + what);
+    BOOST_OUTCOME_TRY(there, is_there(file, FollowLinks::no));
+    if (there) return error(Errc::usage, file.string() + ": exists already; " + what);
   }
   return success();
 }
@@ -143,8 +141,8 @@ struct Authority {
 // Of the certificates in the file, the one whose key is there.
 Result<Authority> read_authority(const fs::path& folder, system_clock::time_point now) {
   const fs::path file = authority_file(folder), key_file = authority_key_file(folder);
-  std::error_code failed;
-  if (!fs::exists(file, failed) && !failed)
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there)
     return error(Errc::usage,
                  folder.string() + ": holds no authority of a cluster: there is no " + file.filename().string());
   BOOST_OUTCOME_TRY(all, read_certificates(file));

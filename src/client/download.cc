@@ -12,6 +12,7 @@
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -103,9 +104,7 @@ Status receive(Server& server, const RemoteFile& file, const fs::path& partial,
 }
 
 Status check_received(const RemoteFile& file, const fs::path& partial) {
-  std::error_code code;
-  const auto bytes = fs::file_size(partial, code);
-  if (code) return io_error(partial, "cannot be looked at", code.value());
+  BOOST_OUTCOME_TRY(bytes, file_bytes(partial));
   if (file.bytes && bytes != *file.bytes) {
     return error(Errc::corrupt, name_of(file) + ": has " + std::to_string(bytes) + " bytes on the server, not " +
                                     std::to_string(*file.bytes) + " as it says itself");
@@ -123,8 +122,7 @@ Status download(Server& server, const RemoteFile& file, const fs::path& to,
                 const std::function<void(std::uint64_t)>& on_bytes, const std::stop_token& stop) {
   const auto partial = temporary_name(to);
   while (true) {
-    std::error_code none;
-    const bool went_on = fs::exists(partial, none);
+    BOOST_OUTCOME_TRY(went_on, is_there(partial));
     auto received = receive(server, file, partial, on_bytes, stop);
     if (received) received = check_received(file, partial);
     if (received) return publish(partial, to);

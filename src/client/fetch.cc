@@ -17,6 +17,7 @@
 #include "src/files/folder_lock.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -54,15 +55,17 @@ Result<RemoteManifest> remote_manifest(Server& server, const std::string& triang
 enum class Target : std::uint8_t { fresh, unfinished, same };
 
 Result<Target> inspect(const fs::path& folder, const Bytes& manifest) {
-  std::error_code code;
-  if (!fs::exists(folder, code)) return Target::fresh;
-  if (!fs::is_directory(folder, code)) return error(Errc::usage, folder.string() + ": is no folder");
-  if (fs::exists(manifest_file(folder), code)) {
+  BOOST_OUTCOME_TRY(found, look_at(folder));
+  if (!found) return Target::fresh;
+  if (!S_ISDIR(found->st_mode)) return error(Errc::usage, folder.string() + ": is no folder");
+  BOOST_OUTCOME_TRY(whole, is_there(manifest_file(folder)));
+  if (whole) {
     BOOST_OUTCOME_TRY(text, read_whole(manifest_file(folder)));
     if (text == manifest) return Target::same;
     return error(Errc::usage, folder.string() + ": holds another result; name a new or empty folder");
   }
-  if (fs::exists(temporary_name(manifest_file(folder)), code)) return Target::unfinished;
+  BOOST_OUTCOME_TRY(begun, is_there(temporary_name(manifest_file(folder))));
+  if (begun) return Target::unfinished;
   FolderReader reader(folder);
   while (const char* name = reader.next()) {
     if (!is_lock_name(name)) return error(Errc::usage, folder.string() + ": is not empty; name a new or empty folder");
@@ -98,10 +101,9 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
 }
 
 // Whether the file is there, and is that of the manifest.
-Result<bool> is_there(const Wanted& wanted) {
-  std::error_code code;
-  const auto bytes = fs::file_size(wanted.to, code);
-  if (code || (wanted.file.bytes && bytes != *wanted.file.bytes)) return false;
+Result<bool> is_fetched(const Wanted& wanted) {
+  BOOST_OUTCOME_TRY(bytes, bytes_if_there(wanted.to));
+  if (!bytes || (wanted.file.bytes && *bytes != *wanted.file.bytes)) return false;
   BOOST_OUTCOME_TRY(sum, checksum_file(wanted.to, wanted.file.sum));
   return sum == *wanted.file.xxh3;
 }
@@ -109,8 +111,8 @@ Result<bool> is_there(const Wanted& wanted) {
 // For people: a result is whole without it.
 Status fetch_report(Server& server, const std::string& triangulation, const fs::path& folder,
                     const std::stop_token& stop) {
-  std::error_code code;
-  if (fs::exists(report_file(folder), code)) return success();
+  BOOST_OUTCOME_TRY(there, is_there(report_file(folder)));
+  if (there) return success();
   const RemoteFile report{.triangulation = triangulation, .path = report_file("").string(), .bytes = {}, .xxh3 = {}};
   const auto fetched = download(
       server, report, report_file(folder), [](std::uint64_t) {}, stop);
@@ -152,7 +154,7 @@ Result<Fetched> fetch_result(Server& server, const std::string& triangulation, c
   for (const auto& wanted : list) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted");
     BOOST_OUTCOME_TRYV(check_held(lock.file()));
-    BOOST_OUTCOME_TRY(there, is_there(wanted));
+    BOOST_OUTCOME_TRY(there, is_fetched(wanted));
     const auto before = progress.bytes;
     if (!there) {
       BOOST_OUTCOME_TRYV(download(
@@ -166,8 +168,8 @@ Result<Fetched> fetch_result(Server& server, const std::string& triangulation, c
     // What was sent twice counts once.
     progress.bytes = before + wanted.file.bytes.value_or(0);
     on_progress(progress);
-    std::error_code code;
-    fetched.bytes += fs::file_size(wanted.to, code);
+    BOOST_OUTCOME_TRY(bytes, file_bytes(wanted.to));
+    fetched.bytes += bytes;
   }
   BOOST_OUTCOME_TRYV(fetch_report(server, triangulation, folder, stop));
   if (target != Target::same) {

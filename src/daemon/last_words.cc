@@ -21,6 +21,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/files/process.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -64,8 +65,8 @@ std::optional<std::uint64_t> kills_in(const std::string& group) {
 }
 
 std::uint64_t identity_of(const std::string& folder) {
-  struct stat found {};
-  return ::stat(folder.c_str(), &found) == 0 ? found.st_ino : 0;
+  const auto found = look_at(folder);  // what cannot be told is told apart from nothing
+  return found && found.value() ? found.value()->st_ino : 0;
 }
 
 // Those around this process, the innermost first.

@@ -12,9 +12,11 @@
 #include "src/crs/crs.h"
 #include "src/export/mesh_reader.h"
 #include "src/export/target.h"
+#include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -30,6 +32,8 @@ Status check_leftovers(const fs::path& folder, const Format& format, const std::
   while (const char* name = reader.next())
     if (fs::path(name).extension() == format.ending && !names.contains(name))
       return error(Errc::usage, (folder / name).string() + ": would stay among the new files; remove it first");
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(folder, "cannot be listed", reader.error().value());
   return success();
 }
 
@@ -44,16 +48,16 @@ class NewFolder {
 
   // As a whole when there is none of that name; else file by file into it.
   Status publish() {
-    std::error_code code;
-    if (!fs::exists(target_, code)) {
-      fs::rename(path(), target_, code);
+    BOOST_OUTCOME_TRY(there, is_there(target_));
+    if (!there) {
+      BOOST_OUTCOME_TRYV(rename_file(path(), target_));
     } else {
       FolderReader reader(path());
-      const char* name = nullptr;
-      while (!code && (name = reader.next()) != nullptr) fs::rename(path() / name, target_ / name, code);
-      if (!code) code = reader.error();
+      while (const char* name = reader.next()) {
+        BOOST_OUTCOME_TRYV(rename_file(path() / name, target_ / name));
+      }
+      if (reader.error()) return io_error(target_, "cannot be written", reader.error().value());
     }
-    if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
     return sync_folder(target_);
   }
 
@@ -130,6 +134,7 @@ Result<Exported> export_arrays(const Format& format, const MeshHead& head, const
   std::set<std::string> names;
   FolderReader reader(folder.path());
   while (const char* name = reader.next()) names.insert(name);
+  if (reader.error()) return io_error(target.path, "cannot be written", reader.error().value());
   BOOST_OUTCOME_TRYV(check_leftovers(target.path, format, names));
   exported.files = names.size();
   BOOST_OUTCOME_TRYV(folder.publish());

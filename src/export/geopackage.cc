@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera::exports {
@@ -94,9 +95,7 @@ Result<std::uint64_t> GeoPackage::finish(const char* statement) {
     gdal_.GDALDatasetReleaseResultSet(dataset_, gdal_.GDALDatasetExecuteSQL(dataset_, statement, nullptr, nullptr));
   release();  // makes the spatial indices; their errors are told by the message alone
   if (*gdal_.CPLGetLastErrorMsg() != '\0') return refused("cannot write");
-  std::error_code code;
-  const auto bytes = fs::file_size(temporary_.path(), code);
-  if (code) return error(Errc::io, path_.string() + ": cannot write: " + code.message());
+  BOOST_OUTCOME_TRY(bytes, file_bytes(temporary_.path()));
   BOOST_OUTCOME_TRYV(publish(temporary_.path(), path_));
   temporary_.keep();
   BOOST_OUTCOME_TRYV(sync_folder(path_.parent_path()));

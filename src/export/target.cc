@@ -4,10 +4,10 @@
 #include <cctype>
 #include <cmath>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/files/there.h"
 
 namespace tessera::exports {
 
@@ -28,10 +28,10 @@ const Format* find_format(const std::string& name, const std::string& ending) {
 }
 
 Result<Target> find_target(const fs::path& path, const std::string& name) {
-  std::error_code code;
   Target target{.path = path.has_filename() ? path : path.parent_path()};
   const std::string ending = lower(path.extension().string());
-  target.folder = !path.has_filename() || ending.empty() || fs::is_directory(path, code);
+  BOOST_OUTCOME_TRY(folder, is_folder(path));
+  target.folder = !path.has_filename() || ending.empty() || folder;
   if (name.empty() && target.folder)
     return error(Errc::usage, path.string() + ": is a folder or has no ending, so give " + option("format") + ": " +
                                   export_format_names());
@@ -49,22 +49,33 @@ Result<Target> find_target(const fs::path& path, const std::string& name) {
 }
 
 Status check_free(const Target& target, bool overwrite) {
-  std::error_code code;
-  if (!target.folder && target.format->index_of_one && fs::is_directory(index_beside(target), code))
-    return error(Errc::usage,
-                 index_beside(target).string() + ": is a folder, and a file of that name is to be written");
+  const bool with_index = !target.folder && target.format->index_of_one;
+  if (with_index) {
+    BOOST_OUTCOME_TRY(in_the_way, is_folder(index_beside(target)));
+    if (in_the_way)
+      return error(Errc::usage,
+                   index_beside(target).string() + ": is a folder, and a file of that name is to be written");
+  }
   if (overwrite) return success();
   const auto taken = [](const fs::path& path) {
     return error(Errc::usage, path.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   };
+  BOOST_OUTCOME_TRY(there, is_there(target.path));
   if (target.folder) {
-    if (fs::exists(target.path, code) && !fs::is_empty(target.path, code))
+    if (!there) return success();
+    BOOST_OUTCOME_TRY(folder, is_folder(target.path));
+    if (!folder) return taken(target.path);
+    BOOST_OUTCOME_TRY(empty, is_empty_folder(target.path));
+    if (!empty)
       return error(Errc::usage, target.path.string() + ": is not empty; " + option("overwrite", "true") +
                                     " replaces files of the same names");
     return success();
   }
-  if (fs::exists(target.path, code)) return taken(target.path);
-  if (target.format->index_of_one && fs::exists(index_beside(target), code)) return taken(index_beside(target));
+  if (there) return taken(target.path);
+  if (with_index) {
+    BOOST_OUTCOME_TRY(index, is_there(index_beside(target)));
+    if (index) return taken(index_beside(target));
+  }
   return success();
 }
 

@@ -21,6 +21,7 @@
 #include "src/files/lock_owner.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 
 namespace tessera {
 
@@ -126,7 +127,7 @@ struct FolderLock::Impl {
     if (errno == EEXIST || errno == ENOTEMPTY) return false;
     // A network file system may have done it and lost its answer.
     const int reason = errno;
-    if (fs::exists(file)) return true;
+    if (const auto there = is_there(file); there && there.value()) return true;
     return io_error(lock, "cannot be made", reason);
   }
 
@@ -154,8 +155,10 @@ struct FolderLock::Impl {
       const bool answers = here && other->may_be_alive() && other->pid_namespace == owner.pid_namespace;
       const bool silent = !answers && now - *changed > options.silence_max;
       if (!dead && !silent) return locked(out, name);
-      if (std::rename(held.c_str(), file.c_str()) == 0 || fs::exists(file)) return success();
-      if (errno != ENOENT) return io_error(lock, "cannot be taken over", errno);
+      if (std::rename(held.c_str(), file.c_str()) == 0) return success();
+      const int reason = errno;
+      if (const auto there = is_there(file); there && there.value()) return success();
+      if (reason != ENOENT) return io_error(lock, "cannot be taken over", reason);
     }
     return error(Errc::usage, out.string() + ": other processes lock it again and again");
   }

@@ -10,6 +10,7 @@
 
 #include "src/base/random_token.h"
 #include "src/files/handed_file.h"
+#include "src/files/there.h"
 
 namespace tessera {
 
@@ -88,9 +89,11 @@ fs::path tile_file(const fs::path& out, TileId tile, int format) {
   return numbered(tiles_folder(out), tile, format == 1 ? ".vtkhdf" : ".vtu");
 }
 fs::path stored_tile_file(const fs::path& out, TileId tile) {
-  std::error_code code;
-  for (const int format : {newest_format, 1})
-    if (fs::path file = tile_file(out, tile, format); fs::exists(file, code)) return file;
+  for (const int format : {newest_format, 1}) {
+    // One that cannot be looked at, too: opening it tells why.
+    fs::path file = tile_file(out, tile, format);
+    if (const auto there = is_there(file); !there || there.value()) return file;
+  }
   return tile_file(out, tile);
 }
 fs::path done_file(const fs::path& out, NodeId node) { return numbered(tiles_folder(out), node, done_ending); }

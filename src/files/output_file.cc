@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -22,9 +23,8 @@ OutputFile::OutputFile(std::filesystem::path path, TemporaryFile temporary, File
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored))
-    return error(Errc::io, path.string() + ": cannot be written: it is a directory");
+  BOOST_OUTCOME_TRY(folder, is_folder(path));
+  if (folder) return error(Errc::io, path.string() + ": cannot be written: it is a directory");
   TemporaryFile temporary(temporary_name_of_process(path));
   FileHandle file(::open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (file.get() < 0) {

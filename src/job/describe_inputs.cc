@@ -155,7 +155,12 @@ Described describe_each(const std::vector<std::string>& inputs, const JobOptions
 
 Described describe(const std::vector<std::string>& what, JobOptions options, const DescribeOptions& how,
                    const std::stop_token& stop) {
-  const bool folder = std::any_of(what.begin(), what.end(), [](const auto& path) { return is_result_folder(path); });
+  bool folder = false;
+  for (const auto& path : what) {
+    const auto result = is_result_folder(path);
+    if (!result) return {.error = result.error()};
+    folder = folder || result.value();
+  }
   if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
     return {.error = error(Errc::usage, "give one result folder, or input files, not both")};
   auto described = folder ? describe_result(what.front(), how.json) : describe_together(what, options, how, stop);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/files/there.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
@@ -145,13 +146,15 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
   std::error_code ignored;
   auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
   if (!place.has_filename()) place = place.parent_path();  // "out/"
-  options.cloud.spool_folder = std::filesystem::is_directory(place, ignored) ? place : place.parent_path();
+  BOOST_OUTCOME_TRY(stands, is_folder(place));
+  options.cloud.spool_folder = stands ? place : place.parent_path();
   BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
   BOOST_OUTCOME_TRYV(folder.discard_runs());
   if (folder.resuming() && folder.state() == FolderState::finished) {
     remove_side_files(folder.path());
-    if (!folder.has_run()) {
+    BOOST_OUTCOME_TRY(run_is_left, folder.has_run());
+    if (!run_is_left) {
       BOOST_OUTCOME_TRYV(check_finished(cloud, folder));
       BOOST_OUTCOME_TRYV(folder.finish());  // what is left of a run folder that was being removed
       return std::nullopt;

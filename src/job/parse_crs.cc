@@ -1,9 +1,9 @@
 #include "src/job/parse_crs.h"
 
-#include <filesystem>
 #include <string_view>
 
 #include "src/crs/crs.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -20,15 +20,16 @@ std::string trimmed(std::string_view text) {
 
 Result<std::string> parse_crs(const std::string& text) {
   std::string crs = text;
-  std::error_code ignored;
-  if (!looks_like_crs(crs) && std::filesystem::exists(crs, ignored)) {
+  if (!looks_like_crs(crs)) {
+    const auto there = is_there(crs);
+    if (!there || !there.value())
+      return error(Errc::usage, "'" + text + "' is neither EPSG:n, nor WKT, nor a file with one of them" +
+                                    (there ? "" : "; as a file: " + there.error().where));
     BOOST_OUTCOME_TRY(content, read_whole(crs));
     crs = trimmed(as_text(content));
     if (!looks_like_crs(crs))
       return error(Errc::usage, "'" + text + "' is a file, but what it holds is neither WKT nor EPSG:n");
   }
-  if (!looks_like_crs(crs))
-    return error(Errc::usage, "'" + text + "' is neither EPSG:n, nor WKT, nor a file with one of them");
   if (const auto understood = check_crs(crs); !understood)
     return error(Errc::usage, "'" + text + "': " + understood.error().where);
   return crs;

@@ -12,6 +12,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_store.h"
 
@@ -19,23 +20,24 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_run(const fs::path& folder) {
-  std::error_code ec;
-  return fs::is_regular_file(plan_file(folder), ec);
-}
+Result<bool> is_run(const fs::path& folder) { return is_regular(plan_file(folder)); }
 
 template <class Ours>
-bool holds_only(const fs::path& folder, Ours ours) {
+Result<bool> holds_only(const fs::path& folder, Ours ours) {
   FolderReader reader(folder);
   while (const char* name = reader.next()) {
     if (!ours(name)) return false;
   }
-  return !reader.error();
+  if (reader.error() == std::errc::not_a_directory) return false;
+  if (reader.error()) return io_error(folder, "cannot be read", reader.error().value());
+  return true;
 }
 
 // Other programs have folders named .run.
-bool is_part_of_run(const fs::path& entry) {
-  return is_new_run_name(entry) || (entry.filename() == run_folder("") && holds_only(entry, is_run_name));
+Result<bool> is_part_of_run(const fs::path& entry) {
+  if (is_new_run_name(entry)) return true;
+  if (entry.filename() != run_folder("")) return false;
+  return holds_only(entry, is_run_name);
 }
 
 Error refused_by_system(const fs::path& path, const std::string& reason) {
@@ -50,26 +52,28 @@ Status remove_folder(const fs::path& folder) {
 }  // namespace
 
 Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overwrite) {
-  std::error_code ec;
-  const auto status = fs::status(out, ec);
-  if (!fs::exists(status)) {
-    if (ec && ec != std::errc::no_such_file_or_directory) return refused_by_system(out, ec.message());
+  BOOST_OUTCOME_TRY(found, look_at(out));
+  if (!found) {
+    std::error_code ec;
     auto parent = fs::absolute(out, ec);
+    if (ec) return refused_by_system(out, ec.message());
     if (!parent.has_filename()) parent = parent.parent_path();  // "out/"
     parent = parent.parent_path();
-    if (!fs::is_directory(parent, ec)) return refused_by_system(out, "the folder it would stand in does not exist");
+    BOOST_OUTCOME_TRY(place, is_folder(parent));
+    if (!place) return refused_by_system(out, "the folder it would stand in does not exist");
     return ResultFolder(std::move(out), FolderState::absent, false);
   }
-  if (!fs::is_directory(status)) return refused_by_system(out, "is not a folder");
+  if (!S_ISDIR(found->st_mode)) return refused_by_system(out, "is not a folder");
 
   bool anything = false, part_of_run = false;
   FolderReader reader(out);
   while (const char* name = reader.next()) {
     anything = anything || (!is_new_run_name(name) && !is_lock_name(name));
-    part_of_run = part_of_run || is_part_of_run(out / name);
+    BOOST_OUTCOME_TRY(part, is_part_of_run(out / name));
+    part_of_run = part_of_run || part;
   }
   if (reader.error()) return refused_by_system(out, "cannot be read: " + reader.error().message());
-  const bool manifest = fs::exists(manifest_file(out), ec);
+  BOOST_OUTCOME_TRY(manifest, is_there(manifest_file(out)));
   if (manifest) {
     // A damaged or newer manifest is nothing to build on, nor to delete: its owner decides.
     const auto read = read_manifest(out);
@@ -81,7 +85,8 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
     }
     return ResultFolder(std::move(out), FolderState::finished, false);
   }
-  if (is_run(run_folder(out))) {
+  BOOST_OUTCOME_TRY(routed, is_run(run_folder(out)));
+  if (routed) {
     if (!resume && !overwrite) {
       return error(Errc::usage, out.string() + ": holds an unfinished run; " + option("resume", "true") +
                                     " continues it, " + option("overwrite", "true") + " starts again");
@@ -101,7 +106,7 @@ Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overw
   return ResultFolder(std::move(out), FolderState::empty, false);
 }
 
-bool ResultFolder::has_run() const { return is_run(run()); }
+Result<bool> ResultFolder::has_run() const { return is_run(run()); }
 
 Status ResultFolder::claim() {
   std::error_code ec;
@@ -143,14 +148,17 @@ Status ResultFolder::remove_result() const {
   fs::remove(manifest_file(out_), ec);
   if (ec) return refused_by_system(manifest_file(out_), "cannot be removed: " + ec.message());
   const auto remove_from = [&](const fs::path& folder, bool (*ours)(const fs::path&)) -> Status {
-    if (!fs::is_directory(fs::symlink_status(folder, ec))) return success();
+    BOOST_OUTCOME_TRY(there, is_folder(folder, FollowLinks::no));
+    if (!there) return success();
     FolderReader reader(folder);
     while (const char* name = reader.next()) {
       const auto file = folder / name;
-      if (!ec && !fs::is_directory(fs::symlink_status(file, ec)) && ours(file)) fs::remove(file, ec);
+      if (!ours(file)) continue;
+      BOOST_OUTCOME_TRY(below, is_folder(file, FollowLinks::no));
+      if (below) continue;
+      BOOST_OUTCOME_TRYV(remove_file(file));
     }
-    if (reader.error()) ec = reader.error();
-    if (ec) return refused_by_system(folder, "cannot be cleared: " + ec.message());
+    if (reader.error()) return refused_by_system(folder, "cannot be cleared: " + reader.error().message());
     return success();
   };
   BOOST_OUTCOME_TRYV(remove_from(out_, is_result_name));
@@ -196,7 +204,8 @@ void ResultFolder::remove_unfinished() {
 }
 
 bool ResultFolder::interrupted() {
-  if (has_run()) return true;
+  // What nobody can tell stays.
+  if (const auto run = has_run(); !run || run.value()) return true;
   abandon();
   return false;
 }

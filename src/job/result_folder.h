@@ -40,7 +40,7 @@ class ResultFolder {
   std::filesystem::path new_run() const { return new_run_folder(out_); }
 
   // Whether there is a run that is routed.
-  bool has_run() const;
+  Result<bool> has_run() const;
 
   // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when
   // another process works in it.
@@ -59,7 +59,7 @@ class ResultFolder {
   // Removes everything this job has made; the folder too when it was absent. Keeps an old result that still stands, and
   // a run that this job resumed. Never fails: the error that led here is the one to tell.
   void abandon() noexcept;
-  // After an interruption: true when the run can be resumed; else as abandon().
+  // After an interruption: true when the run can be resumed, or cannot be looked at; else as abandon().
   bool interrupted();
 
  private:

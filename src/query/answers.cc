@@ -9,6 +9,7 @@
 
 #include "src/base/option.h"
 #include "src/export/output.h"
+#include "src/files/there.h"
 
 namespace tessera {
 
@@ -94,8 +95,8 @@ Result<std::unique_ptr<Answers>> Answers::open(const AnswerOptions& options) {
       return error(Errc::usage, "an array needs a file to be written to: add -o FILE");
     return std::unique_ptr<Answers>(std::make_unique<ToStandardOutput>(options));
   }
-  std::error_code code;
-  if (!options.overwrite && std::filesystem::exists(options.target, code))
+  BOOST_OUTCOME_TRY(there, is_there(options.target));
+  if (there && !options.overwrite)
     return error(Errc::usage,
                  options.target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   BOOST_OUTCOME_TRY(file, exports::OutputFile::create(options.target));

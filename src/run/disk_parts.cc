@@ -16,6 +16,7 @@
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/run/disk_storage.h"
 #include "src/run/touching.h"
@@ -60,8 +61,8 @@ std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedRun>& run, co
 // Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
 Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage,
                      const std::function<bool(TileId)>& here) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(settled_marker(run.folder), ignored)) return false;
+  BOOST_OUTCOME_TRY(marked, is_there(settled_marker(run.folder)));
+  if (!marked) return false;
   std::set<TileId> stored;
   for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {

@@ -13,6 +13,7 @@
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
 #include "src/files/handed_file.h"
+#include "src/files/there.h"
 #include "src/store/early_cells.h"
 
 namespace tessera {
@@ -27,13 +28,6 @@ Status make_folder_of(const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path(), failed);
   if (failed) return refused(file.parent_path(), "make the folder", failed);
   return success();
-}
-
-Result<bool> is_there(const std::filesystem::path& file) {
-  std::error_code failed;
-  const bool there = std::filesystem::exists(file, failed);
-  if (failed) return refused(file, "look at it", failed);
-  return there;
 }
 
 Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, ScratchKind kind) {

@@ -10,6 +10,7 @@
 #include "src/files/folder.h"
 #include "src/files/frame.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -25,31 +26,37 @@ Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
   const std::lock_guard lock(mutex_);  // a write that is cut short goes on at the end of the file
   index_.reset();
   BOOST_OUTCOME_TRYV(make_directories(folder_));
+  appended_ = true;
   return append_frame(own_, ScratchKind::settled, payload);
 }
 
 Status SettledFiles::sync() {
   const std::lock_guard lock(mutex_);
-  std::error_code failed;
-  if (!std::filesystem::exists(own_, failed)) return success();
+  if (!appended_) {  // an earlier process of this node may have
+    BOOST_OUTCOME_TRY(there, is_there(own_));
+    if (!there) return success();
+  }
   BOOST_OUTCOME_TRYV(sync_files(std::span(&own_, 1)));
   return sync_folder(folder_);
 }
 
-std::uint64_t SettledFiles::bytes_there() const {
+Result<std::uint64_t> SettledFiles::bytes_there() const {
   std::uint64_t bytes = 0;
   FolderReader reader(folder_);
   while (const char* file = reader.next()) {
-    std::error_code gone;
-    const auto size = is_settled_name(file) ? std::filesystem::file_size(folder_ / file, gone) : 0;
-    if (!gone) bytes += size;
+    if (!is_settled_name(file)) continue;
+    BOOST_OUTCOME_TRY(size, bytes_if_there(folder_ / file));
+    bytes += size.value_or(0);
   }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(folder_, "cannot be read", reader.error().value());
   return bytes;
 }
 
 Result<SettledFiles::Index> SettledFiles::read_index() const {
   Index index;
-  index.bytes = bytes_there();
+  BOOST_OUTCOME_TRY(bytes, bytes_there());
+  index.bytes = bytes;
   FolderReader reader(folder_);
   while (const char* file = reader.next()) {
     if (!is_settled_name(file)) continue;
@@ -64,7 +71,12 @@ Result<SettledFiles::Index> SettledFiles::read_index() const {
 
 Result<std::optional<SettledFiles::Place>> SettledFiles::find(TileId tile) {
   const std::lock_guard lock(mutex_);
-  if (!index_ || (!index_->places.contains(tile) && index_->bytes != bytes_there())) {
+  bool old = !index_;
+  if (index_ && !index_->places.contains(tile)) {
+    BOOST_OUTCOME_TRY(bytes, bytes_there());
+    old = bytes != index_->bytes;
+  }
+  if (old) {
     BOOST_OUTCOME_TRY(index, read_index());
     index_ = std::move(index);
   }

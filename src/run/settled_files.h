@@ -43,10 +43,11 @@ class SettledFiles {
   };
   Result<std::optional<Place>> find(TileId tile);
   Result<Index> read_index() const;
-  std::uint64_t bytes_there() const;
+  Result<std::uint64_t> bytes_there() const;
 
   std::filesystem::path folder_, own_;
   std::mutex mutex_;
+  bool appended_ = false;  // by this object
   // Made when it is asked for, and again when a tile is missing and the files have grown.
   std::optional<Index> index_;
 };

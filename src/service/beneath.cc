@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 namespace tessera {
 namespace fs = std::filesystem;
@@ -25,18 +26,26 @@ int openat2(int folder, const char* path, int flags, Links links) {
 
 }  // namespace
 
-Result<FileHandle> open_beneath(const FileHandle& folder, const std::string& path, int flags, Links links) {
+Result<std::optional<FileHandle>> open_if_there(const FileHandle& folder, const std::string& path, int flags,
+                                                Links links) {
   if (path.find('\0') != std::string::npos) return error(Errc::usage, path + ": holds a zero byte");
   const int no_waiting = (flags & O_PATH) != 0 ? 0 : O_NOCTTY | O_NONBLOCK;  // openat2 refuses flags without a meaning
   const int fd = openat2(folder.get(), path.c_str(), flags | no_waiting, links);
-  if (fd >= 0) return FileHandle(fd);
+  if (fd >= 0) return std::optional(FileHandle(fd));
   const int number = errno;
+  if (number == ENOENT || number == ENOTDIR) return std::optional<FileHandle>();
   if (number == EXDEV) return error(Errc::usage, path + ": leads out of the folder it has to stay in");
   if (number == ELOOP) {
     return error(Errc::usage,
                  path + (links == Links::refused ? ": is, or goes through, a link" : ": goes round links"));
   }
   return io_error(path, "cannot be opened", number);
+}
+
+Result<FileHandle> open_beneath(const FileHandle& folder, const std::string& path, int flags, Links links) {
+  BOOST_OUTCOME_TRY(opened, open_if_there(folder, path, flags, links));
+  if (!opened) return io_error(path, "cannot be opened", ENOENT);
+  return *std::move(opened);
 }
 
 Result<FileHandle> open_folder(const fs::path& folder) { return open_handle(folder, O_PATH | O_DIRECTORY); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "src/base/result.h"
@@ -14,6 +15,10 @@ enum class Links : bool { refused, followed_beneath };
 // `path` from the open folder on; `flags` as of open(2), O_CLOEXEC added. Errors name `path`: usage when it leads out
 // of the folder, by "..", by a link or by being absolute, or holds a zero byte; io. Never waits (of a FIFO, for one).
 Result<FileHandle> open_beneath(const FileHandle& folder, const std::string& path, int flags, Links links);
+
+// The same; nothing when the system says that nothing is there.
+Result<std::optional<FileHandle>> open_if_there(const FileHandle& folder, const std::string& path, int flags,
+                                                Links links);
 
 // To look for files in, not to list it. Error io.
 Result<FileHandle> open_folder(const std::filesystem::path& folder);

@@ -42,13 +42,17 @@ std::optional<Collections::Place> Collections::place_of(const Results::Held& hel
   return place;
 }
 
-std::optional<FeatureCollection> Collections::make(const std::string& name, const std::string& kind,
-                                                   const Results::Held& held) {
+Result<std::optional<FeatureCollection>> Collections::make(const std::string& name, const std::string& kind,
+                                                           const Results::Held& held) {
+  const std::optional<FeatureCollection> none;
   const auto place = place_of(held);
-  if (!place) return std::nullopt;
+  if (!place) return none;
   if (kind == "contours") {
-    if (!results_.export_exists(name, contours_of_result("").filename().string())) return std::nullopt;
-    if (!terrain::LineReader::open(contours_of_result(path_of(held.folder)))) return std::nullopt;
+    BOOST_OUTCOME_TRY(there, results_.export_exists(name, contours_of_result("").filename().string()));
+    if (!there) return none;
+    const auto lines = terrain::LineReader::open(contours_of_result(path_of(held.folder)));
+    if (!lines && lines.error().code == Errc::io) return lines.error();
+    if (!lines) return none;
   }
   FeatureCollection made{.id = name + "." + kind,
                          .triangulation = name,
@@ -59,16 +63,19 @@ std::optional<FeatureCollection> Collections::make(const std::string& name, cons
   made.description = kind == "tiles"  ? "The parts of space that the tiles of the triangulation " + name + " have"
                      : kind == "hull" ? "The convex hull of the points of " + name + " in the plane"
                                       : "The contour lines of the surface " + name;
-  return made;
+  return std::optional(std::move(made));
 }
 
 Reply<std::vector<FeatureCollection>> Collections::list() {
   std::vector<FeatureCollection> all;
-  for (const auto& name : results_.names()) {
+  const auto names = results_.names();
+  if (!names) return problem_of(names.error());
+  for (const auto& name : names.value()) {
+    // Gone since, or damaged, or not to be looked at: it must not hide the others, and find() tells why.
     const auto held = results_.hold(name);
-    if (!held) continue;  // gone since, or damaged: it must not hide the others
+    if (!held) continue;
     for (const char* kind : kinds)
-      if (auto made = make(name, kind, held.value())) all.push_back(*std::move(made));
+      if (auto made = make(name, kind, held.value()); made && made.value()) all.push_back(*std::move(made).value());
   }
   return all;
 }
@@ -79,11 +86,13 @@ Reply<FeatureCollection> Collections::find(std::string_view id) {
   const std::string name(id.substr(0, dot)), kind(id.substr(dot + 1));
   bool known = false;
   for (const char* one : kinds) known = known || kind == one;
-  if (!known || !check_name(name) || !results_.exists(name)) return nothing(id);
-  const auto held = results_.hold(name);
-  if (!held) return results_.exists(name) ? problem_of(held.error()) : nothing(id);
-  auto made = make(name, kind, held.value());
-  return made ? Reply<FeatureCollection>(*std::move(made)) : nothing(id);
+  if (!known) return nothing(id);
+  const auto held = results_.find(name);
+  if (!held) return problem_of(held.error());
+  if (!held.value()) return nothing(id);
+  auto made = make(name, kind, *held.value());
+  if (!made) return problem_of(made.error());
+  return made.value() ? Reply<FeatureCollection>(*std::move(made).value()) : nothing(id);
 }
 
 Reply<std::array<double, 4>> Collections::map_extent(std::string_view name) {
@@ -94,12 +103,13 @@ Reply<std::array<double, 4>> Collections::map_extent(std::string_view name) {
                        dem_of_result("").filename().string() + " and the coordinates have a system",
                    Errc::usage);
   };
-  if (!check_name(name) || !results_.exists(name))
-    return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
-  if (!results_.export_exists(name, dem_of_result("").filename().string())) return missing();
-  const auto held = results_.hold(name);
-  if (!held) return results_.exists(name) ? problem_of(held.error()) : missing();
-  const auto raster = terrain::HeightRaster::open(dem_of_result(path_of(held.value().folder)));
+  const auto held = results_.find(name);
+  if (!held) return problem_of(held.error());
+  if (!held.value()) return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+  const auto drawn = results_.export_exists(name, dem_of_result("").filename().string());
+  if (!drawn) return problem_of(drawn.error());
+  if (!drawn.value()) return missing();
+  const auto raster = terrain::HeightRaster::open(dem_of_result(path_of(held.value()->folder)));
   if (!raster) return raster.error().code == Errc::usage ? missing() : problem_of(raster.error());
   return raster.value()->extent();
 }

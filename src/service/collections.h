@@ -30,7 +30,8 @@ class Collections {
   };
   // None when that is not known, or cannot be asked.
   std::optional<Place> place_of(const Results::Held& held);
-  std::optional<FeatureCollection> make(const std::string& name, const std::string& kind, const Results::Held& held);
+  Result<std::optional<FeatureCollection>> make(const std::string& name, const std::string& kind,
+                                                const Results::Held& held);
 
   Results& results_;
   std::mutex mutex_;

@@ -5,12 +5,12 @@
 #include <cerrno>
 #include <charconv>
 #include <string>
-#include <system_error>
 
 #include "src/base/random_token.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -23,8 +23,8 @@ constexpr int newest = 1;
 
 Status check_data_format(const std::filesystem::path& data) {
   const auto file = data_format_file(data);
-  std::error_code missing;
-  if (!std::filesystem::exists(file, missing)) return write_whole(file, std::to_string(newest) + "\n");
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) return write_whole(file, std::to_string(newest) + "\n");
   BOOST_OUTCOME_TRY(bytes, read_whole(file));
   const auto text = as_text(bytes);
   int format = 0;
@@ -40,8 +40,8 @@ Status check_data_format(const std::filesystem::path& data) {
 
 Result<std::string> data_identity(const std::filesystem::path& data) {
   const auto file = data_identity_file(data);
-  std::error_code missing;
-  if (!std::filesystem::exists(file, missing)) {
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) {
     TemporaryFile temporary(temporary_name_of_process(file));
     BOOST_OUTCOME_TRYV(write_whole(temporary.path(), random_token() + random_token() + "\n"));
     // The first wins, and all read the same.

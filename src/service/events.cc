@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/thread_name.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -39,9 +40,9 @@ class Events::Listener {
 
 Result<std::unique_ptr<Events>> Events::open(fs::path numbers) {
   std::unique_ptr<Events> events(new Events(std::move(numbers)));
-  std::error_code failed;
   std::uint64_t from = 1;
-  if (fs::exists(events->numbers_, failed)) {
+  BOOST_OUTCOME_TRY(there, is_there(events->numbers_));
+  if (there) {
     BOOST_OUTCOME_TRY(bytes, read_whole(events->numbers_));
     const auto text = as_text(bytes);
     const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), from);

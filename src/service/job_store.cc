@@ -10,6 +10,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/service/json.h"
 #include "src/service/naming.h"
@@ -44,8 +45,8 @@ fs::path JobStore::folder(const std::string& id) const { return job_folder(data_
 
 Result<std::set<std::string>> JobStore::read_forgotten() const {
   std::set<std::string> ids;
-  std::error_code failed;
-  if (!fs::exists(forgotten_jobs_file(data_), failed)) return ids;
+  BOOST_OUTCOME_TRY(there, is_there(forgotten_jobs_file(data_)));
+  if (!there) return ids;
   BOOST_OUTCOME_TRY(bytes, read_whole(forgotten_jobs_file(data_)));
   auto text = as_text(bytes);
   while (!text.empty()) {
@@ -67,15 +68,15 @@ Result<JobStore::Loaded> JobStore::load() {
   for (const auto& name : names) {
     if (!JobIds::is_id(name)) continue;
     loaded.last_id = std::max(loaded.last_id, name);
-    std::error_code failed;
-    const bool accepted = fs::exists(job_record_file(folder(name)), failed);
+    BOOST_OUTCOME_TRY(accepted, is_there(job_record_file(folder(name))));
     if (!accepted || loaded.forgotten.contains(name)) {
       if (const auto removed = remove_files(name); !removed) loaded.warnings.push_back(removed.error().where);
       continue;
     }
-    const auto bytes = read_whole(job_record_file(folder(name)));
+    // A disk that does not give it may give it to the next start; a job that is passed over is lost.
+    BOOST_OUTCOME_TRY(bytes, read_whole(job_record_file(folder(name))));
     proto::JobRecord job;
-    const auto read = bytes ? from_json(as_text(bytes.value()), job) : Status(bytes.error());
+    const auto read = from_json(as_text(bytes), job);
     if (!read || job.id() != name) {
       loaded.warnings.push_back(job_record_file(folder(name)).string() +
                                 ": is not the record of a job, and is left alone" +
@@ -112,8 +113,8 @@ Status JobStore::forget(const std::string& id) {
 
 Status JobStore::remove_files(const std::string& id) const {
   const auto job = folder(id);
-  std::error_code failed;
-  if (!fs::exists(fs::symlink_status(job, failed))) return success();
+  BOOST_OUTCOME_TRY(there, is_there(job, FollowLinks::no));
+  if (!there) return success();
   // The record last: what is left before has still a job to belong to, or is forgotten.
   BOOST_OUTCOME_TRY(names, names_in(job));
   for (const auto& name : names) {
@@ -121,7 +122,8 @@ Status JobStore::remove_files(const std::string& id) const {
     BOOST_OUTCOME_TRYV(remove_file(job / name));
   }
   BOOST_OUTCOME_TRYV(remove_file(job_record_file(job)));
-  fs::remove(job, failed);  // stays when somebody else's files are in it
+  std::error_code foreign;
+  fs::remove(job, foreign);  // stays when somebody else's files are in it
   return success();
 }
 

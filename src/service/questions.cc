@@ -83,18 +83,24 @@ Status Questions::open() {
 }
 
 Reply<std::string> Questions::identity(std::string_view name) {
-  if (!check_name(name) || !results_.exists(name)) return no_triangulation(name);
-  const auto held = results_.hold(name);
-  if (!held) return results_.exists(name) ? problem_of(held.error()) : no_triangulation(name);
-  return held.value().identity + "-" + version();
+  const auto held = results_.find(name);
+  if (!held) return problem_of(held.error());
+  if (!held.value()) return no_triangulation(name);
+  return held.value()->identity + "-" + version();
 }
 
 Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const std::string& name = question.triangulation;
-  if (!check_name(name) || !results_.exists(name)) return no_triangulation(name);
+  const auto missing = [&]() -> std::optional<proto::Problem> {
+    const auto there = results_.exists(name);
+    if (!there) return problem_of(there.error());
+    if (!there.value()) return no_triangulation(name);
+    return std::nullopt;
+  };
+  if (const auto none = missing()) return *none;
   auto opened = readers_.open(name);
   if (!opened) {
-    if (!results_.exists(name)) return no_triangulation(name);
+    if (const auto none = missing()) return *none;
     return problem_of(in_callers_words(opened.error(), results_.folder(name).string(), name));
   }
   const auto& reader = *opened.value();

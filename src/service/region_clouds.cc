@@ -1,16 +1,16 @@
 #include "src/service/region_clouds.h"
-
-#include <sys/stat.h>
+#include "src/files/there.h"
 
 #include <algorithm>
 
 namespace tessera {
 namespace {
 
-// The file as it is now; one that is missing differs from all.
-std::string state_of(const std::string& file) {
-  struct stat status {};
-  if (::stat(file.c_str(), &status) != 0) return file + "\nmissing\n";
+// The file as it is now.
+Result<std::string> state_of(const std::string& file) {
+  BOOST_OUTCOME_TRY(found, look_at(file));
+  if (!found) return file + "\nmissing\n";
+  const struct stat& status = *found;
   std::string state = file;
   for (const std::int64_t part :
        {static_cast<std::int64_t>(status.st_dev), static_cast<std::int64_t>(status.st_ino),
@@ -25,7 +25,10 @@ std::string state_of(const std::string& file) {
 Result<RegionClouds::Lent> RegionClouds::lend(const std::vector<std::string>& files, const RegionJobOptions& options,
                                               const std::string& words, const std::stop_token& stop) {
   std::string key = words + '\n';
-  for (const auto& file : files) key += state_of(file);
+  for (const auto& file : files) {
+    BOOST_OUTCOME_TRY(state, state_of(file));
+    key += state;
+  }
   {
     const std::lock_guard lock(mutex_);
     const auto known = std::find_if(clouds_.begin(), clouds_.end(), [&](const Lent& lent) { return lent.key == key; });

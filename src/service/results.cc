@@ -12,6 +12,7 @@
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/service/beneath.h"
 #include "src/service/naming.h"
@@ -23,11 +24,6 @@ namespace {
 
 constexpr const char* program = "tesserad";
 constexpr std::size_t manifests_max = 16;
-
-bool is_folder(const fs::path& path) {
-  std::error_code failed;
-  return fs::is_directory(fs::symlink_status(path, failed));
-}
 
 Result<std::vector<std::string>> names_in(const fs::path& folder) {
   std::vector<std::string> names;
@@ -47,7 +43,8 @@ Status remove_result(const fs::path& folder) {
   BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));
   BOOST_OUTCOME_TRYV(tree(exports_folder(folder)));
   BOOST_OUTCOME_TRYV(tree(run_folder(folder)));
-  if (is_folder(tiles_folder(folder))) {
+  BOOST_OUTCOME_TRY(with_tiles, is_folder(tiles_folder(folder), FollowLinks::no));
+  if (with_tiles) {
     BOOST_OUTCOME_TRY(tiles, names_in(tiles_folder(folder)));
     for (const auto& name : tiles) {
       if (!is_tile_name(name)) continue;
@@ -151,50 +148,65 @@ Status Results::open(const std::set<std::string>& jobs) {
     return success();
   };
   BOOST_OUTCOME_TRYV(clear(results_));
-  for (const auto& name : names()) {
-    if (!is_folder(exports_folder(folder(name)))) continue;
+  BOOST_OUTCOME_TRY(results, names());
+  for (const auto& name : results) {
+    BOOST_OUTCOME_TRY(with_exports, is_folder(exports_folder(folder(name)), FollowLinks::no));
+    if (!with_exports) continue;
     BOOST_OUTCOME_TRYV(clear(exports_folder(folder(name))));
   }
   return success();
 }
 
-std::vector<std::string> Results::names() const {
-  std::vector<std::string> names;
-  FolderReader reader(results_);
-  while (const char* name = reader.next())
-    if (check_name(name) && exists(name)) names.emplace_back(name);
-  std::sort(names.begin(), names.end());
-  return names;
+Result<std::vector<std::string>> Results::names() const {
+  BOOST_OUTCOME_TRY(names, names_in(results_));
+  std::vector<std::string> results;
+  for (const auto& name : names) {
+    // One that cannot be looked at is listed: whoever asks for it hears why.
+    const auto there = exists(name);
+    if (!there || there.value()) results.push_back(name);
+  }
+  return results;
 }
 
-bool Results::exists(std::string_view name) const {
-  std::error_code failed;
-  return is_folder(folder(name)) && fs::exists(manifest_file(folder(name)), failed);
+Result<bool> Results::exists(std::string_view name) const {
+  if (!check_name(name)) return false;
+  BOOST_OUTCOME_TRY(there, is_folder(folder(name), FollowLinks::no));
+  if (!there) return false;
+  return is_there(manifest_file(folder(name)));
 }
 
-bool Results::export_exists(std::string_view name, const std::string& file) const {
-  std::error_code failed;
-  return fs::exists(fs::symlink_status(exports_folder(folder(name)) / file, failed));
+Result<bool> Results::export_exists(std::string_view name, const std::string& file) const {
+  return is_there(exports_folder(folder(name)) / file, FollowLinks::no);
 }
 
 std::vector<std::string> Results::command_of(const std::string& job, const std::string& process) {
   return {program, process, job};
 }
 
-bool Results::made_by(std::string_view name, const std::string& job) const {
-  if (!exists(name)) return false;
+Result<bool> Results::made_by(std::string_view name, const std::string& job) const {
+  BOOST_OUTCOME_TRY(there, exists(name));
+  if (!there) return false;
   const auto manifest = read_manifest(folder(name));
+  if (!manifest && manifest.error().code == Errc::io) return manifest.error();
   return manifest && manifest.value().command.size() == 3 && manifest.value().command.front() == program &&
          manifest.value().command.back() == job;
 }
 
+Result<bool> Results::is_published(const std::string& job, std::string_view name) const {
+  BOOST_OUTCOME_TRY(unpublished, is_there(unfinished(job), FollowLinks::no));
+  if (unpublished) return false;
+  return made_by(name, job);
+}
+
 Result<fs::path> Results::publish(const std::string& job, const std::string& name, bool overwrite) {
   const auto made = unfinished(job);
-  std::error_code failed;
-  if (!is_folder(made) && made_by(name, job)) return fs::path();  // before a crash
+  BOOST_OUTCOME_TRY(published, is_published(job, name));
+  if (published) return fs::path();  // before a crash
   fs::path replaced;
-  if (fs::exists(fs::symlink_status(folder(name), failed))) {
-    if (!overwrite || !exists(name))
+  BOOST_OUTCOME_TRY(anything, is_there(folder(name), FollowLinks::no));
+  if (anything) {
+    BOOST_OUTCOME_TRY(result, exists(name));
+    if (!overwrite || !result)
       return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
     replaced = removed_folder(results_, random_token());
     BOOST_OUTCOME_TRYV(rename_file(folder(name), replaced));
@@ -214,7 +226,8 @@ Status Results::publish_export(const std::string& job, const std::string& name) 
   const auto to = exports_folder(folder(name));
   BOOST_OUTCOME_TRY(names, names_in(made));
   for (const auto& file : names) {
-    if (is_folder(to / file)) {  // cannot be renamed over
+    BOOST_OUTCOME_TRY(in_the_way, is_folder(to / file, FollowLinks::no));
+    if (in_the_way) {  // cannot be renamed over
       BOOST_OUTCOME_TRYV(remove_export(name, file));
     }
     BOOST_OUTCOME_TRYV(rename_file(made / file, to / file));
@@ -263,6 +276,17 @@ Result<Results::Held> Results::hold(std::string_view name) {
   return held;
 }
 
+Result<std::optional<Results::Held>> Results::find(std::string_view name) {
+  BOOST_OUTCOME_TRY(there, exists(name));
+  if (!there) return std::optional<Held>();
+  auto held = hold(name);
+  if (held) return std::optional(std::move(held).value());
+  // It may have been removed just now.
+  BOOST_OUTCOME_TRY(still_there, exists(name));
+  if (still_there) return held.error();
+  return std::optional<Held>();
+}
+
 Result<std::shared_ptr<const Manifest>> Results::manifest(std::string_view name) {
   BOOST_OUTCOME_TRY(held, hold(name));
   return held.manifest;
@@ -270,10 +294,11 @@ Result<std::shared_ptr<const Manifest>> Results::manifest(std::string_view name)
 
 Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
   const auto nothing = [&] { return problem(404, "there is no triangulation '" + std::string(name) + "'"); };
-  if (!check_name(name) || !exists(name)) return nothing();
-  const auto held = hold(name);
-  if (!held) return exists(name) ? problem_of(held.error()) : nothing();
-  const Manifest& manifest = *held.value().manifest;
+  const auto found = find(name);
+  if (!found) return problem_of(found.error());
+  if (!found.value()) return nothing();
+  const Held& held = *found.value();
+  const Manifest& manifest = *held.manifest;
   proto::TriangulationInfo info;
   info.set_name(std::string(name));
   info.set_dimension(manifest.dimension);
@@ -284,9 +309,11 @@ Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
   for (const auto& tile : manifest.tiles) bytes += tile.bytes;
   info.set_bytes(bytes);
   if (manifest.digest) info.set_digest(digest_text(*manifest.digest));
-  info.set_created(held.value().created);
+  info.set_created(held.created);
   info.set_crs(manifest.crs);
-  info.set_tileset(export_exists(name, tileset_of_result("").filename().string()));
+  const auto tileset = export_exists(name, tileset_of_result("").filename().string());
+  if (!tileset) return problem_of(tileset.error());
+  info.set_tileset(tileset.value());
   const auto& box = manifest.bounds;
   if (!box.empty()) {
     for (const Point& corner : {box.lo, box.hi})
@@ -300,16 +327,20 @@ Reply<ServedFile> Results::file(std::string_view name, std::string_view path) {
     return problem(404, "there is no file '" + std::string(path) + "' of a triangulation '" + std::string(name) + "'");
   };
   const fs::path inside{std::string(path)};
-  if (!check_name(name) || !is_served(inside) || !exists(name)) return nothing();
-  const auto held = hold(name);
-  if (!held) return exists(name) ? problem_of(held.error()) : nothing();
-  auto opened = open_beneath(held.value().folder, inside.string(), O_RDONLY, Links::refused);
-  if (!opened) return nothing();
+  if (!is_served(inside)) return nothing();
+  const auto found = find(name);
+  if (!found) return problem_of(found.error());
+  if (!found.value()) return nothing();
+  const Held& held = *found.value();
+  auto opened = open_if_there(held.folder, inside.string(), O_RDONLY, Links::refused);
+  if (!opened && opened.error().code == Errc::io) return problem_of(opened.error());
+  if (!opened || !opened.value()) return nothing();
   struct stat status {};
-  if (::fstat(opened.value().get(), &status) != 0 || !S_ISREG(status.st_mode)) return nothing();
-  auto sum = checksum_in(*held.value().manifest, inside);
+  if (::fstat(opened.value()->get(), &status) != 0) return problem_of(io_error(inside, "cannot be looked at", errno));
+  if (!S_ISREG(status.st_mode)) return nothing();
+  auto sum = checksum_in(*held.manifest, inside);
   const bool page = inside == report_file("");
-  auto sent = served(std::move(opened).value(), inside, page ? "text/html; charset=utf-8" : media_type_of(inside),
+  auto sent = served(*std::move(opened).value(), inside, page ? "text/html; charset=utf-8" : media_type_of(inside),
                      sum.empty() ? "file-" + identity(status) : "xxh3-" + sum);
   if (!sent) return problem_of(sent.error());
   return sent.value();

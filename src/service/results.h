@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -32,11 +33,14 @@ class Results {
   std::filesystem::path unfinished(const std::string& job) const;
   std::filesystem::path unfinished_export(std::string_view name, const std::string& job) const;
 
-  bool exists(std::string_view name) const;
-  bool export_exists(std::string_view name, const std::string& file) const;
+  // False also for what can be no name. Error io, here and below.
+  Result<bool> exists(std::string_view name) const;
+  Result<bool> export_exists(std::string_view name, const std::string& file) const;
   // The command in the manifest of what this job makes; by it a result is known to be the job's.
   static std::vector<std::string> command_of(const std::string& job, const std::string& process);
-  bool made_by(std::string_view name, const std::string& job) const;
+  Result<bool> made_by(std::string_view name, const std::string& job) const;
+  // Whether the job's folder has become the result already: before a crash.
+  Result<bool> is_published(const std::string& job, std::string_view name) const;
 
   // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
   // when one stands there that may not be replaced.
@@ -48,7 +52,7 @@ class Results {
   Result<std::filesystem::path> take_away(std::string_view name);
   static Status discard(const std::filesystem::path& folder);
 
-  std::vector<std::string> names() const;  // sorted
+  Result<std::vector<std::string>> names() const;  // sorted
   Reply<proto::TriangulationInfo> info(std::string_view name);
   Reply<ServedFile> file(std::string_view name, std::string_view path);
   // Error io when there is none, corrupt.
@@ -61,6 +65,8 @@ class Results {
     std::string created;
   };
   Result<Held> hold(std::string_view name);
+  // Nothing when there is no such result.
+  Result<std::optional<Held>> find(std::string_view name);
 
  private:
   std::filesystem::path results_;

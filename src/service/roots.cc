@@ -50,13 +50,21 @@ struct Found {
   fs::path real;
 };
 
-Result<Found> look_at(const FileHandle& root, const std::string& path) {
-  BOOST_OUTCOME_TRY(opened, open_beneath(root, path, O_PATH, Links::followed_beneath));
+// Nothing when nothing is there.
+Result<std::optional<Found>> look_for(const FileHandle& root, const std::string& path) {
+  BOOST_OUTCOME_TRY(opened, open_if_there(root, path, O_PATH, Links::followed_beneath));
+  if (!opened) return std::optional<Found>();
   struct stat status {};
-  if (::fstat(opened.get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
-  BOOST_OUTCOME_TRY(real, real_path(opened));
+  if (::fstat(opened->get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
+  BOOST_OUTCOME_TRY(real, real_path(*opened));
   const Kind kind = S_ISREG(status.st_mode) ? Kind::file : S_ISDIR(status.st_mode) ? Kind::folder : Kind::other;
-  return Found{kind, std::move(real)};
+  return std::optional(Found{kind, std::move(real)});
+}
+
+Result<Found> look_at(const FileHandle& root, const std::string& path) {
+  BOOST_OUTCOME_TRY(found, look_for(root, path));
+  if (!found) return io_error(path, "cannot be opened", ENOENT);
+  return *std::move(found);
 }
 
 // What a pattern means below a root, in no order; nothing found is nothing wrong.
@@ -71,12 +79,12 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
         next.push_back(below(folder, name));
         continue;
       }
-      const auto names = names_in(root, folder);
-      if (!names) {
-        // A file where the pattern wants a folder, or one that leads out: neither matches.
-        continue;
-      }
-      for (const auto& candidate : names.value())
+      // A file where the pattern wants a folder, or one that leads out: neither matches.
+      const auto looked = look_for(root, folder);
+      if (!looked && looked.error().code != Errc::usage) return looked.error();
+      if (!looked || !looked.value() || looked.value()->kind != Kind::folder) continue;
+      BOOST_OUTCOME_TRY(names, names_in(root, folder));
+      for (const auto& candidate : names)
         if (::fnmatch(name.c_str(), candidate.c_str(), FNM_PERIOD) == 0) next.push_back(below(folder, candidate));
       if (next.size() > files_max) return error(Errc::usage, pattern + ": means too many files");
     }
@@ -85,8 +93,7 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
   std::vector<std::string> there;
   for (const auto& path : found) {
     // What the pattern means and the root does not hold is told; what is not there is not meant.
-    const auto looked = look_at(root, path);
-    if (!looked && looked.error().code == Errc::usage) return looked.error();
+    BOOST_OUTCOME_TRY(looked, look_for(root, path));
     if (looked) there.push_back(path);
   }
   return there;
@@ -97,10 +104,12 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
   for (const auto& name : names) {
     const std::string path = below(folder, name);
     // Links between folders may go round in a circle, and those that lead out are told when the file is opened.
-    const auto plain = open_beneath(root, path, O_PATH | O_DIRECTORY, Links::refused);
-    if (plain) {
-      BOOST_OUTCOME_TRY(real, real_path(plain.value()));
-      if (recursive && !is_result_folder(real)) {
+    const auto plain = open_if_there(root, path, O_PATH | O_DIRECTORY, Links::refused);
+    if (!plain && plain.error().code != Errc::usage) return plain.error();
+    if (plain && plain.value()) {
+      BOOST_OUTCOME_TRY(real, real_path(*plain.value()));
+      BOOST_OUTCOME_TRY(result, is_result_folder(real));
+      if (recursive && !result) {
         BOOST_OUTCOME_TRYV(add_folder(root, path, recursive, files));
       }
     } else if (has_point_file_name(path)) {
@@ -114,7 +123,13 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
 // Real paths of the files, sorted by what they were called below the root.
 Result<std::vector<std::string>> files_below(const FileHandle& root, const std::string& input, bool recursive) {
   std::vector<std::string> paths{input.empty() ? "." : input};
-  if (has_pattern(input) && !look_at(root, input)) {
+  bool pattern = has_pattern(input);
+  if (pattern) {  // a name may hold the characters of one
+    const auto named = look_for(root, input);
+    if (!named && named.error().code != Errc::usage) return named.error();
+    pattern = !named || !named.value();
+  }
+  if (pattern) {
     BOOST_OUTCOME_TRY(expanded, expand(root, input));
     if (expanded.empty()) return error(Errc::io, input + ": no file matches this pattern");
     paths = std::move(expanded);
@@ -128,7 +143,8 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
       files.push_back(found.real.string());
       continue;
     }
-    if (is_result_folder(found.real))
+    BOOST_OUTCOME_TRY(result, is_result_folder(found.real));
+    if (result)
       return error(Errc::usage, path + ": is a result folder, and holds no input; exporting it makes point files");
     std::vector<std::string> inside;
     BOOST_OUTCOME_TRYV(add_folder(root, path, recursive, inside));

@@ -5,6 +5,7 @@
 
 #include "actors/cluster/seat.h"
 #include "src/base/thread_name.h"
+#include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
@@ -94,6 +95,7 @@ Status Service::Impl::load() {
   // Of jobs whose record cannot be read nothing is removed.
   FolderReader reader(jobs_folder(options.data));
   while (const char* name = reader.next()) known.insert(name);
+  if (reader.error()) return io_error(jobs_folder(options.data), "cannot be read", reader.error().value());
   return results.open(known);
 }
 

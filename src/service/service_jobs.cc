@@ -278,7 +278,9 @@ Reply<ServedFile> Service::report(std::string_view id) {
       return problem(404, "job " + std::string(id) + " makes no report: it is no triangulation", Errc::usage);
     name = job->record.triangulation();
   }
-  if (!impl_->results.made_by(name, std::string(id)))
+  const auto own = impl_->results.made_by(name, std::string(id));
+  if (!own) return problem_of(own.error());
+  if (!own.value())
     return problem(410, "the triangulation of job " + std::string(id) + " was removed or replaced", Errc::usage);
   return impl_->results.file(name, report_file("").string());
 }

@@ -38,7 +38,9 @@ std::set<std::string> exports_in(const std::string& outcome) {
 }  // namespace
 
 Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std::string_view after) {
-  const auto names = impl_->results.names();
+  const auto found = impl_->results.names();
+  if (!found) return problem_of(found.error());
+  const auto& names = found.value();
   proto::TriangulationList list;
   list.set_number_matched(names.size());
   for (auto name = std::upper_bound(names.begin(), names.end(), after); name != names.end(); ++name) {
@@ -65,8 +67,9 @@ Reply<void> Service::remove_triangulation(std::string_view name, const Caller& c
   std::filesystem::path gone;
   {
     const std::lock_guard changes(impl.changing);
-    if (!check_name(name) || !impl.results.exists(name))
-      return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
+    const auto there = impl.results.exists(name);
+    if (!there) return problem_of(there.error());
+    if (!there.value()) return problem(404, "there is no triangulation '" + std::string(name) + "'", Errc::usage);
     const std::lock_guard lock(impl.mutex);
     for (const auto& id : impl.active) {
       if (impl.jobs.at(id)->record.triangulation() == name)
@@ -92,7 +95,13 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
   auto& impl = *impl_;
   const std::string triangulation(name), output(file);
   const std::lock_guard changes(impl.changing);
-  if (!check_name(name) || !check_name(file) || !impl.results.exists(name) || !impl.results.export_exists(name, output))
+  const auto there = [&]() -> Result<bool> {
+    BOOST_OUTCOME_TRY(result, impl.results.exists(name));
+    if (!result || !check_name(file)) return false;
+    return impl.results.export_exists(name, output);
+  }();
+  if (!there) return problem_of(there.error());
+  if (!there.value())
     return problem(404, "triangulation '" + triangulation + "' has no export '" + output + "'", Errc::usage);
   std::string last;  // the job that has made it
   {
@@ -112,7 +121,9 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
   std::set<std::string> names{output};
   if (const auto found = outcome(last)) names.merge(exports_in(found.value()));
   for (const auto& each : names) {
-    if (!impl.results.export_exists(name, each)) continue;
+    const auto stands = impl.results.export_exists(name, each);
+    if (!stands) return problem_of(stands.error());
+    if (!stands.value()) continue;
     if (const auto removed = impl.results.remove_export(name, each); !removed) return problem_of(removed.error());
   }
   return success();

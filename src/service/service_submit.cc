@@ -31,7 +31,9 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
   const auto read_from = [&](const std::string& name) -> std::optional<proto::Problem> {
     if (const auto bad = check_field_name("triangulation", name)) return bad;
     triangulation = name;
-    if (results.exists(name)) return std::nullopt;
+    const auto there = results.exists(name);
+    if (!there) return problem_of(there.error());
+    if (there.value()) return std::nullopt;
     return problem(422, "triangulation: there is none called '" + name + "'", Errc::usage);
   };
   if (inputs.of_case() == proto::Inputs::OF_NOT_SET)
@@ -163,10 +165,21 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   if (of_caller >= options.limits.jobs_of_a_caller) {
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
   }
-  if (makes_result(inputs) && !name.empty() && !overwrites(inputs) && results.exists(name) &&
-      !results.made_by(name, job.id()))
-    return clash("output: there is a triangulation called '" + name + "' already; overwrite: true replaces it");
-  if (output && !overwrites(inputs) && results.export_exists(name, *output))
+  if (overwrites(inputs)) return std::nullopt;
+  if (makes_result(inputs) && !name.empty()) {
+    const auto taken = [&]() -> Result<bool> {
+      BOOST_OUTCOME_TRY(there, results.exists(name));
+      if (!there) return false;
+      BOOST_OUTCOME_TRY(own, results.made_by(name, job.id()));
+      return !own;
+    }();
+    if (!taken) return problem_of(taken.error());
+    if (taken.value())
+      return clash("output: there is a triangulation called '" + name + "' already; overwrite: true replaces it");
+  }
+  const auto taken = output ? results.export_exists(name, *output) : Result<bool>(false);
+  if (!taken) return problem_of(taken.error());
+  if (taken.value())
     return clash("output: '" + name + "' has an export of this name already; overwrite: true replaces it");
   return std::nullopt;
 }

@@ -1,7 +1,6 @@
 #include "src/service/uploads.h"
 
 #include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -12,6 +11,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/report/human.h"
 #include "src/service/naming.h"
@@ -22,15 +22,9 @@ namespace fs = std::filesystem;
 namespace {
 
 // 0 when there is no such file.
-std::uint64_t bytes_of(const fs::path& file) {
-  struct stat status {};
-  return ::lstat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) ? static_cast<std::uint64_t>(status.st_size)
-                                                                        : 0;
-}
-
-bool is_file(const fs::path& file) {
-  std::error_code failed;
-  return fs::is_regular_file(fs::symlink_status(file, failed));
+Result<std::uint64_t> bytes_of(const fs::path& file) {
+  BOOST_OUTCOME_TRY(bytes, bytes_if_there(file, FollowLinks::no));
+  return bytes.value_or(0);
 }
 
 }  // namespace
@@ -62,7 +56,7 @@ class Uploads::Sending final : public Service::Upload {
 
   Reply<void> finish() override {
     const auto finished = [&]() -> Status {
-      const auto replaced = bytes_of(path_);
+      BOOST_OUTCOME_TRY(replaced, bytes_of(path_));
       BOOST_OUTCOME_TRYV(publish(part_file(path_), path_));
       {
         const std::lock_guard lock(uploads_.mutex_);
@@ -86,19 +80,26 @@ fs::path Uploads::folder() const { return uploads_folder(data_); }
 
 Status Uploads::open() {
   BOOST_OUTCOME_TRYV(make_directories(folder()));
-  used_ = used();
+  BOOST_OUTCOME_TRY(bytes, used());
+  used_ = bytes;
   return success();
 }
 
-std::uint64_t Uploads::used() const {
+Result<std::uint64_t> Uploads::used() const {
   std::uint64_t bytes = 0;
   FolderReader folders(folder());
   while (const char* name = folders.next()) {
-    std::error_code failed;
-    if (!fs::is_directory(fs::symlink_status(folder() / name, failed))) continue;
-    FolderReader files(folder() / name);
-    while (const char* file = files.next()) bytes += bytes_of(folder() / name / file);
+    const auto below = folder() / name;
+    BOOST_OUTCOME_TRY(is_one, is_folder(below, FollowLinks::no));
+    if (!is_one) continue;
+    FolderReader files(below);
+    while (const char* file = files.next()) {
+      BOOST_OUTCOME_TRY(more, bytes_of(below / file));
+      bytes += more;
+    }
+    if (files.error()) return io_error(below, "cannot be listed", files.error().value());
   }
+  if (folders.error()) return io_error(folder(), "cannot be listed", folders.error().value());
   return bytes;
 }
 
@@ -112,8 +113,11 @@ Reply<fs::path> Uploads::path_of(std::string_view folder, std::string_view file)
 
 Reply<std::uint64_t> Uploads::uploaded(std::string_view folder, std::string_view file) const {
   BOOST_OUTCOME_TRY(path, path_of(folder, file));
-  if (is_file(part_file(path))) return bytes_of(part_file(path));
-  if (is_file(path)) return bytes_of(path);
+  for (const auto& file : {part_file(path), path}) {
+    const auto bytes = bytes_if_there(file, FollowLinks::no);
+    if (!bytes) return problem_of(bytes.error());
+    if (bytes.value()) return *bytes.value();
+  }
   return problem(404, "there is no upload '" + std::string(folder) + "/" + std::string(file) + "'", Errc::usage);
 }
 
@@ -122,7 +126,9 @@ Reply<std::unique_ptr<Service::Upload>> Uploads::begin(std::string_view folder, 
   BOOST_OUTCOME_TRY(path, path_of(folder, file));
   const std::lock_guard lock(mutex_);
   if (active_.contains(path)) return problem(409, "this file is being sent already", Errc::usage);
-  const auto there = bytes_of(part_file(path));
+  const auto sent = bytes_of(part_file(path));
+  if (!sent) return problem_of(sent.error());
+  const auto there = sent.value();
   if (offset != 0 && offset != there) {
     return problem(409, "offset " + std::to_string(offset) + ": " + std::to_string(there) + " bytes have come so far",
                    Errc::usage);

@@ -31,7 +31,7 @@ class Uploads {
  private:
   class Sending;
   Reply<std::filesystem::path> path_of(std::string_view folder, std::string_view file) const;
-  std::uint64_t used() const;
+  Result<std::uint64_t> used() const;
 
   std::filesystem::path data_;
   std::uint64_t bytes_max_;

@@ -6,6 +6,7 @@
 
 #include "src/base/option.h"
 #include "src/files/folder.h"
+#include "src/files/there.h"
 #include "src/job/describe.h"
 #include "src/job/estimate.h"
 #include "src/job/job.h"
@@ -27,9 +28,8 @@ namespace {
 // Of a result that was complete when its job went on.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
   const auto unfinished = shop.results.unfinished(job.id());
-  std::error_code failed;
-  const auto folder =
-      std::filesystem::exists(unfinished, failed) ? unfinished : shop.results.folder(job.triangulation());
+  BOOST_OUTCOME_TRY(unpublished, is_there(unfinished));
+  const auto folder = unpublished ? unfinished : shop.results.folder(job.triangulation());
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
   auto summary = summary_of(options, job.triangulation(), manifest, RunSummary{});
   summary.duplicates = manifest.duplicates;
@@ -75,9 +75,9 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   options.value().cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);
   // Complete, and given its name, just before an earlier process ended.
   const auto path = shop.results.unfinished(job.id());
-  std::error_code failed;
-  if (!std::filesystem::exists(path, failed) && job.starts() > 1 &&
-      shop.results.made_by(job.triangulation(), job.id())) {
+  const auto published = job.starts() > 1 ? shop.results.is_published(job.id(), job.triangulation()) : false;
+  if (!published) return problem_of(published.error());
+  if (published.value()) {
     auto summary = summary_of_stored(shop, options.value(), job);
     if (!summary) return problem_of(summary.error());
     return done_with(std::move(summary).value(), job);
@@ -139,8 +139,8 @@ Result<std::string> describe_inputs(const Workshop& shop, const proto::InfoInput
   DescribeOptions how{.json = true, .statistics = inputs.stats(), .names = field_name};
   if (!inputs.triangulation().empty()) {
     if (inputs.inputs_size() > 0) return error(Errc::usage, "inputs: give them, or a triangulation, not both");
-    if (!check_name(inputs.triangulation()) || !shop.results.exists(inputs.triangulation()))
-      return error(Errc::usage, "triangulation: there is none called '" + inputs.triangulation() + "'");
+    BOOST_OUTCOME_TRY(there, shop.results.exists(inputs.triangulation()));
+    if (!there) return error(Errc::usage, "triangulation: there is none called '" + inputs.triangulation() + "'");
     return describe_result(shop.results.folder(inputs.triangulation()), true);
   }
   BOOST_OUTCOME_TRY(cloud, cloud_of(inputs));

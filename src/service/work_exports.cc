@@ -11,6 +11,7 @@
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/service/drawing_options.h"
 #include "src/service/kinds.h"
@@ -34,15 +35,14 @@ Result<Json> written_files(const std::filesystem::path& folder) {
     FolderReader reader(folder / inside);
     while (const char* name = reader.next()) {
       const auto path = inside / name;
-      std::error_code failed;
-      if (std::filesystem::is_directory(folder / path, failed)) {
+      BOOST_OUTCOME_TRY(below, is_folder(folder / path));
+      if (below) {
         folders.push_back(path);
         continue;
       }
       BOOST_OUTCOME_TRY(sum, checksum_file(folder / path));
-      list.push_back({{"path", (exports_folder("") / path).string()},
-                      {"bytes", std::filesystem::file_size(folder / path, failed)},
-                      {"xxh3", checksum_text(sum)}});
+      BOOST_OUTCOME_TRY(bytes, file_bytes(folder / path));
+      list.push_back({{"path", (exports_folder("") / path).string()}, {"bytes", bytes}, {"xxh3", checksum_text(sum)}});
     }
     if (reader.error()) return io_error(folder / inside, "cannot be listed", reader.error().value());
   }

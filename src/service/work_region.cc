@@ -67,9 +67,9 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
     work.progress.points_triangulated = points;
   };
   const auto path = shop.results.unfinished(job.id());
-  std::error_code failed;
-  if (!std::filesystem::exists(path, failed) && job.starts() > 1 &&
-      shop.results.made_by(job.triangulation(), job.id())) {
+  const auto published = job.starts() > 1 ? shop.results.is_published(job.id(), job.triangulation()) : false;
+  if (!published) return problem_of(published.error());
+  if (published.value()) {
     auto told = outcome_of_stored(shop, job.triangulation());
     if (!told) return problem_of(told.error());
     return JobDone{std::move(told).value(), 0, {}};

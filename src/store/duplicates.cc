@@ -9,6 +9,7 @@
 
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/direct_writer.h"
 
@@ -48,8 +49,8 @@ Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs)
 Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out) {
   std::vector<DuplicatePair> pairs;
   const auto path = duplicates_file(out);
-  std::error_code code;
-  if (!fs::exists(path, code)) return pairs;
+  BOOST_OUTCOME_TRY(there, is_there(path));
+  if (!there) return pairs;
   BOOST_OUTCOME_TRY(bytes, read_whole(path));
   if (bytes.size() % 16 != 0) return error(Errc::corrupt, path.string() + ": ends in the middle of a pair");
   pairs.resize(bytes.size() / 16);

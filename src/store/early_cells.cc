@@ -13,6 +13,7 @@
 #include "src/files/folder_lock.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/packed_array.h"
 #include "src/store/tile_layout.h"
@@ -134,9 +135,7 @@ Result<EarlyCells> write_early_cells(const fs::path& out, TileId tile, const Ear
 Status take_early_cells(const fs::path& out, TileId tile, EarlyCells& early, const StoreOptions& options) {
   const fs::path there = early_file(out, tile, early.node), here = early_file(out, tile, options.node);
   BOOST_OUTCOME_TRYV(check_held(options.lock_file));
-  std::error_code missing;
-  const auto bytes = fs::file_size(there, missing);
-  if (missing) return io_error(there, "cannot be looked at", missing.value());
+  BOOST_OUTCOME_TRY(bytes, file_bytes(there));
   BOOST_OUTCOME_TRY(sum, checksum_file(there, SumOf::pieces));
   if (bytes != early.begun.bytes || sum != checksum(std::as_bytes(std::span(early.begun.sums))))
     return error(Errc::corrupt, there.string() + ": is not what was written early of the tile");

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <optional>
 
+#include "src/files/there.h"
 #include "src/store/hdf5_handle.h"
 #include "src/store/mesh_checks.h"
 #include "src/store/tile_layout.h"
@@ -72,10 +73,8 @@ class TileReader {
   }
 
   Status open() {
-    struct stat status {};
-    if (::stat(path_.c_str(), &status) != 0)
-      return error(Errc::io, path_.string() + ": cannot open: " + std::strerror(errno));
-    bytes_ = static_cast<std::uint64_t>(status.st_size);
+    BOOST_OUTCOME_TRY(bytes, file_bytes(path_));
+    bytes_ = bytes;
     file_ = {H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
     if (!file_.ok())
       return error(Errc::corrupt, path_.string() + ": is not a tile file, or damaged (" + hdf5_reason() + ")");

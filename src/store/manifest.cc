@@ -7,6 +7,7 @@
 
 #include "src/files/checksum.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_layout.h"
 #include "src/store/vtk_xml.h"
@@ -228,9 +229,8 @@ std::string manifest_to_text(const Manifest& manifest) {
 
 Result<Manifest> read_manifest(const fs::path& out) {
   const auto path = manifest_file(out);
-  std::error_code code;
-  if (!fs::exists(path, code))
-    return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+  BOOST_OUTCOME_TRY(there, is_there(path));
+  if (!there) return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
   BOOST_OUTCOME_TRY(bytes, read_whole(path));
   const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
   const char* text = reinterpret_cast<const char*>(bytes.data());

@@ -8,9 +8,11 @@
 #include <system_error>
 
 #include "src/files/checksum.h"
+#include "src/files/descriptor.h"
 #include "src/files/disk_file.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/manifest.h"
 
@@ -56,10 +58,10 @@ std::optional<TileEntry> read_done(std::string_view line) {
 // Which of the entries, all of one tile, tells of the file that is there. A file that is missing, unreadable or damaged
 // is made again.
 const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entries) {
-  std::error_code missing;
-  const auto bytes = fs::file_size(tile, missing);
-  const auto tells = [&](const TileEntry& entry) { return entry.bytes == bytes; };
-  if (missing || std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
+  const auto bytes = bytes_if_there(tile);
+  if (!bytes || !bytes.value()) return nullptr;
+  const auto tells = [&](const TileEntry& entry) { return entry.bytes == *bytes.value(); };
+  if (std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
   const auto sum = checksum_file(tile, SumOf::pieces);
   const auto found = std::find_if(entries.begin(), entries.end(), [&](const TileEntry& entry) {
     return sum && tells(entry) && entry.xxh3 == sum.value();
@@ -101,6 +103,8 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::func
       if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
     }
   }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(tiles_folder(out), "cannot be listed", reader.error().value());
   std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   std::vector<TileEntry> stored;
   for (std::size_t i = 0, end = 0; i < entries.size(); i = end) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/terrain/gdal_choices.h"
 
@@ -170,9 +171,7 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
   if (cog != nullptr) gdal_.GDALClose(cog);  // its errors are told by the message alone
   if (stopped) return error(Errc::interrupted, "interrupted while writing the raster");
   if (cog == nullptr || gdal_.CPLGetLastErrorType() >= CE_Failure) return refused(quiet);
-  std::error_code code;
-  const auto bytes = fs::file_size(cog_.path(), code);
-  if (code) return error(Errc::io, target_.string() + ": cannot be written: " + code.message());
+  BOOST_OUTCOME_TRY(bytes, file_bytes(cog_.path()));
   BOOST_OUTCOME_TRYV(publish(cog_.path(), target_));
   cog_.keep();
   BOOST_OUTCOME_TRYV(sync_folder(target_.has_parent_path() ? target_.parent_path() : fs::path(".")));

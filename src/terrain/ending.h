@@ -4,10 +4,10 @@
 #include <cctype>
 #include <filesystem>
 #include <string>
-#include <system_error>
 
 #include "src/base/option.h"
 #include "src/base/result.h"
+#include "src/files/there.h"
 
 namespace tessera::terrain {
 
@@ -20,9 +20,9 @@ inline std::string ending_of(const std::filesystem::path& target) {
 
 // Error usage when it is a folder, or a file that may not be overwritten.
 inline Status check_free(const std::filesystem::path& target, bool overwrite) {
-  std::error_code code;
-  if (std::filesystem::is_directory(target, code)) return error(Errc::usage, target.string() + ": is a folder");
-  if (!overwrite && std::filesystem::exists(target, code))
+  BOOST_OUTCOME_TRY(found, look_at(target));
+  if (found && S_ISDIR(found->st_mode)) return error(Errc::usage, target.string() + ": is a folder");
+  if (found && !overwrite)
     return error(Errc::usage, target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
   return success();
 }

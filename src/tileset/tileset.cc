@@ -14,6 +14,7 @@
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/store/tile_store.h"
 #include "src/tileset/columns.h"
@@ -170,18 +171,24 @@ class Making {
   std::uint64_t done_ = 0, triangles_ = 0, left_out_ = 0;  // cells
 };
 
-bool is_tileset(const fs::path& folder) {
-  std::error_code code;
-  return fs::is_regular_file(tileset_file(folder), code) && fs::is_directory(tileset_nodes_folder(folder), code);
+Result<bool> is_tileset(const fs::path& folder) {
+  BOOST_OUTCOME_TRY(document, is_regular(tileset_file(folder)));
+  if (!document) return false;
+  return is_folder(tileset_nodes_folder(folder));
 }
 
 Status check_target(const fs::path& target, bool overwrite) {
-  std::error_code code;
-  if (!fs::exists(fs::symlink_status(target, code))) return success();
-  if (fs::is_directory(target, code) && fs::is_empty(target, code)) return success();
+  BOOST_OUTCOME_TRY(there, is_there(target, FollowLinks::no));
+  if (!there) return success();
+  BOOST_OUTCOME_TRY(folder, is_folder(target));
+  if (folder) {
+    BOOST_OUTCOME_TRY(empty, is_empty_folder(target));
+    if (empty) return success();
+  }
   if (!overwrite)
     return error(Errc::usage, target.string() + ": exists already; " + option("overwrite", "true") + " replaces it");
-  if (!is_tileset(target)) return error(Errc::usage, target.string() + ": is no tileset, and is not replaced");
+  BOOST_OUTCOME_TRY(replaceable, is_tileset(target));
+  if (!replaceable) return error(Errc::usage, target.string() + ": is no tileset, and is not replaced");
   return success();
 }
 

@@ -12,6 +12,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/disk_file.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/tiling/json_read.h"
 
@@ -249,9 +250,7 @@ Status read_segments(RoutedRun& run, std::uint64_t written) {
 }
 
 Status check_size(const std::filesystem::path& path, std::uint64_t records, std::size_t record_bytes) {
-  std::error_code failed;
-  const std::uint64_t bytes = std::filesystem::file_size(path, failed);
-  if (failed) return io_error(path, "cannot read its size", failed.value());
+  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   // Divided, not multiplied: the number comes from a file.
   if (bytes % record_bytes == 0 && bytes / record_bytes == records) return success();
   return damaged_run(path, "has " + std::to_string(bytes) + " bytes, but " + std::to_string(records) + " records of " +

@@ -12,6 +12,7 @@
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
+#include "src/files/there.h"
 #include "src/store/manifest.h"
 #include "src/store/vtk_xml.h"
 
@@ -67,8 +68,9 @@ Status check_files(const fs::path& out, const Manifest& manifest) {
   const auto duplicates = duplicates_file(out);
   if (manifest.duplicates_xxh3 != 0) {
     BOOST_OUTCOME_TRYV(check_sum(duplicates, manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
-  } else if (std::error_code code; fs::exists(duplicates, code)) {
-    return corrupt(duplicates, "has no checksum in the manifest");
+  } else {
+    BOOST_OUTCOME_TRY(there, is_there(duplicates));
+    if (there) return corrupt(duplicates, "has no checksum in the manifest");
   }
   return check_listed(out, manifest);
 }
@@ -76,8 +78,8 @@ Status check_files(const fs::path& out, const Manifest& manifest) {
 Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Manifest& manifest) {
   const auto path = tile_file(out, entry.tile, manifest.format_version);
   BOOST_OUTCOME_TRYV(check_sum(path, entry.xxh3, data_sum_of(manifest.format_version)));
-  std::error_code code;
-  if (const auto bytes = fs::file_size(path, code); !code && bytes != entry.bytes)
+  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
+  if (bytes != entry.bytes)
     return corrupt(path, "has " + std::to_string(bytes) + " bytes, the manifest says " + std::to_string(entry.bytes));
   // With the values of the attributes, though nothing is known of them: each vertex must have one.
   BOOST_OUTCOME_TRY(tile, read_tile(out, entry.tile, true));

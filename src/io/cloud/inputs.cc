@@ -1,9 +1,9 @@
 #include "src/io/cloud/inputs.h"
 
 #include <glob.h>
-#include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -11,6 +11,7 @@
 #include "src/base/option.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/io/bytes/line_reader.h"
 #include "src/io/format.h"
 
@@ -18,17 +19,17 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-bool exists(const std::string& path) {
-  struct stat status {};
-  return ::lstat(path.c_str(), &status) == 0;
-}
+// Whether glob() stops at a folder that it cannot read.
+int stops_at(const char*, int number) { return number != ENOENT && number != ENOTDIR ? 1 : 0; }
 
 // The files and folders a pattern stands for.
 Result<std::vector<std::string>> expand_pattern(const std::string& pattern) {
   // A name may hold the characters of a pattern; what exists is meant literally.
-  if (exists(pattern) || pattern.find_first_of("*?[") == std::string::npos) return std::vector{pattern};
+  if (pattern.find_first_of("*?[") == std::string::npos) return std::vector{pattern};
+  BOOST_OUTCOME_TRY(literally, is_there(pattern, FollowLinks::no));
+  if (literally) return std::vector{pattern};
   glob_t found{};
-  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, nullptr, &found);
+  const int code = ::glob(pattern.c_str(), GLOB_NOSORT, stops_at, &found);
   std::vector<std::string> paths(found.gl_pathv, found.gl_pathv + (code == 0 ? found.gl_pathc : 0));
   ::globfree(&found);
   if (code == GLOB_NOMATCH || (code == 0 && paths.empty()))
@@ -44,11 +45,13 @@ Status add_folder(const fs::path& folder, bool recursive, std::vector<std::strin
   while (const char* name = reader.next()) {
     const fs::path path = folder / name;
     if (name[0] == '.') continue;
-    std::error_code gone;  // or a link to nothing: the file then says so when it is opened
-    if (fs::is_directory(path, gone)) {
+    BOOST_OUTCOME_TRY(below, is_folder(path));  // not a link to nothing: the file says so when it is opened
+    if (below) {
       subfolders = true;
       // Links between folders may go round in a circle.
-      if (recursive && !fs::is_symlink(path, gone) && !is_result_folder(path)) {
+      BOOST_OUTCOME_TRY(itself, is_folder(path, FollowLinks::no));
+      BOOST_OUTCOME_TRY(result, is_result_folder(path));
+      if (recursive && itself && !result) {
         BOOST_OUTCOME_TRYV(add_folder(path, recursive, files, subfolders));
       }
     } else if (has_point_file_name(path)) {
@@ -60,7 +63,8 @@ Status add_folder(const fs::path& folder, bool recursive, std::vector<std::strin
 }
 
 Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool recursive) {
-  if (is_result_folder(folder))
+  BOOST_OUTCOME_TRY(result, is_result_folder(folder));
+  if (result)
     return error(Errc::usage, folder + ": is a result folder, and holds no input; exporting it makes point files");
   std::vector<std::string> files;
   bool subfolders = false;
@@ -77,8 +81,8 @@ Result<std::vector<std::string>> files_of_folder(const std::string& folder, bool
 Status add_inputs(const std::string& pattern, bool recursive, std::vector<InputName>& to) {
   BOOST_OUTCOME_TRY(paths, expand_pattern(pattern));
   for (const auto& path : paths) {
-    std::error_code gone;
-    if (!fs::is_directory(path, gone)) {
+    BOOST_OUTCOME_TRY(folder, is_folder(path));
+    if (!folder) {
       to.push_back({.path = path});
       continue;
     }
@@ -123,13 +127,17 @@ Status add_list(const std::string& list, bool recursive, Spool& spool, std::vect
 
 }  // namespace
 
-bool is_result_folder(const fs::path& folder) {
-  std::error_code gone;
+Result<bool> is_result_folder(const fs::path& folder) {
+  for (const auto& inside : {run_folder(folder), lock_folder(folder)}) {
+    BOOST_OUTCOME_TRY(there, is_folder(inside));
+    if (there) return true;
+  }
   // Others have files named manifest.json, too.
-  const bool manifest = fs::exists(manifest_file(folder), gone);
-  return (manifest && (fs::exists(master_file(folder), gone) || fs::exists(master_file(folder, 1), gone) ||
-                       fs::is_directory(tiles_folder(folder), gone))) ||
-         fs::is_directory(run_folder(folder), gone) || fs::is_directory(lock_folder(folder), gone);
+  for (const auto& beside : {master_file(folder), master_file(folder, 1), tiles_folder(folder)}) {
+    BOOST_OUTCOME_TRY(there, is_there(beside));
+    if (there) return is_there(manifest_file(folder));
+  }
+  return false;
 }
 
 Result<std::vector<InputName>> find_inputs(const InputQuestion& question, Spool& spool) {

@@ -32,6 +32,6 @@ struct InputQuestion {
 Result<std::vector<InputName>> find_inputs(const InputQuestion& question, Spool& spool);
 
 // Whether a triangulation, or a part of one, is in this folder.
-bool is_result_folder(const std::filesystem::path& folder);
+Result<bool> is_result_folder(const std::filesystem::path& folder);
 
 }  // namespace tessera
