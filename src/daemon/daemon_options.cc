@@ -1,6 +1,7 @@
 #include "src/daemon/daemon_options.h"
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -15,6 +16,8 @@
 
 namespace tessera {
 namespace {
+
+constexpr std::uint64_t data_lease_min_s = 2, data_lease_max_s = 3600;
 
 Result<std::string> as_text(const std::string& text) { return text; }
 
@@ -94,7 +97,7 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add_option(app, top, "log", "text|json", "default: text");
   add_cluster_options(app, top);
   // Of these there are variables and keys alone: nobody types them.
-  for (const char* key : {"queued", "jobs", "points", "disk"}) settings.limits.declare(key);
+  for (const char* key : {"queued", "jobs", "points", "disk", "data-lease"}) settings.limits.declare(key);
 }
 
 Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
@@ -108,6 +111,10 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
 
   DaemonOptions out;
   BOOST_OUTCOME_TRYV(read_limits(settings.limits, out.service.limits));
+  BOOST_OUTCOME_TRY(data_lease, settings.limits.get("data-lease", parse_duration));
+  if (data_lease && (*data_lease < data_lease_min_s || *data_lease > data_lease_max_s))
+    return error(Errc::usage, "limits.data-lease: must be 2s to 1h");
+  if (data_lease) out.service.data_lease = std::chrono::seconds(*data_lease);
   BOOST_OUTCOME_TRY(data, top.get("data", as_text));
   if (!data || data->empty()) return error(Errc::usage, "--data DIR is needed: where jobs and results are");
   BOOST_OUTCOME_TRY(inputs, top.get("inputs", parse_names));

@@ -85,6 +85,29 @@ class Life {
     });
   }
 
+  // Whether no signal to end has come until then. REQUIRES: it does not run yet.
+  bool pause(std::chrono::milliseconds time) {
+    bool goes_on = true;
+    const std::function<void()> listen = [&] {
+      signals_.async_wait([&](const boost::system::error_code& error, int signal) {
+        if (error) return;
+        if (signal == SIGHUP) return listen();
+        goes_on = false;
+        context_.stop();
+      });
+    };
+    listen();
+    timer_.expires_after(time);
+    timer_.async_wait([&](const boost::system::error_code&) { context_.stop(); });
+    context_.run();
+    signals_.cancel();
+    timer_.cancel();
+    context_.restart();
+    context_.poll();  // what was cancelled
+    context_.restart();
+    return goes_on;
+  }
+
   // The service is asked something that needs its lock: a daemon that hangs is not alive.
   void beat(std::chrono::microseconds pause) {
     (void)service_->figures();
@@ -102,10 +125,46 @@ class Life {
   boost::asio::steady_timer timer_{context_};
 };
 
-Status serve_api(DaemonOptions options) {
+// Waits for a data folder that another process has, until that one ends or is silent for long enough.
+class Turn {
+ public:
+  Turn(Life& life, std::chrono::milliseconds lease) : life_(life), until_(Clock::now() + lease * 5 / 4) {}
+
+  bool wait(const Error& why) {
+    constexpr std::chrono::seconds between_looks{1};
+    if (!told_) spdlog::info("{}; waits until that one ends, or is heard of no more", why.where);
+    told_ = true;
+    if (Clock::now() >= until_) return false;
+    given_up_ = !life_.pause(between_looks);
+    return !given_up_;
+  }
+  // By a signal.
+  bool given_up() const { return given_up_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Life& life_;
+  const Clock::time_point until_;
+  bool told_ = false, given_up_ = false;
+};
+
+// What this process believes of its data folder is wrong from now on, so that it must not even end in order.
+[[noreturn]] void end_without_data_folder(const Error& why, LastWords* words) {
+  spdlog::critical("{}; ends with status {}", why.where, static_cast<int>(why.code));
+  spdlog::default_logger()->flush();
+  if (words) words->ends(Status(why));
+  std::_Exit(static_cast<int>(why.code));
+}
+
+Status serve_api(DaemonOptions options, LastWords* words) {
   Life life;
+  Turn turn(life, options.service.data_lease);
+  options.service.locked = [&turn](const Error& why) { return turn.wait(why); };
+  options.service.lost = [words](const Error& why) { end_without_data_folder(why, words); };
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
-  BOOST_OUTCOME_TRY(service, Service::open(std::move(options.service)));
+  auto opened = Service::open(std::move(options.service));
+  if (!opened && turn.given_up()) return success();
+  BOOST_OUTCOME_TRY(service, std::move(opened));
   BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
   const std::string address = address_of(options.http, server->ports().front());
   // On stdout, once, for the one who started it; never in the log.
@@ -125,7 +184,7 @@ Status serve_api(DaemonOptions options) {
 
 Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   start_daemon_log(options.json_log, options.http.insecure);
-  if (!options.service.cluster) return serve_api(std::move(options));
+  if (!options.service.cluster) return serve_api(std::move(options), nullptr);
   ClusterOptions& cluster = *options.service.cluster;
   BOOST_OUTCOME_TRY(lock, take_scratch(cluster.scratch));
   [[maybe_unused]] const FolderLock scratch_is_ours = std::move(lock);
@@ -134,8 +193,8 @@ Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
   cluster.expelled = [](const std::string& why, bool) { spdlog::warn("this process takes no more work: it {}", why); };
   const bool is_node_alone = !cluster.coordinator;
-  Status served =
-      is_node_alone ? serve_node(options.service, options.http, *words, begin_anew) : serve_api(std::move(options));
+  Status served = is_node_alone ? serve_node(options.service, options.http, *words, begin_anew)
+                                : serve_api(std::move(options), words.get());
   words->ends(served);
   return served;
 }

@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstdio>
+#include <ctime>
 #include <mutex>
 #include <optional>
 #include <stop_token>
@@ -51,11 +53,50 @@ Result<std::string> owner_name(const fs::path& lock) {
   return std::string();
 }
 
+std::string words_for(const std::string& owner_name) {
+  const auto owner = LockOwner::from_name(owner_name);
+  return owner ? ": process " + std::to_string(owner->process) + " on " + owner->host : "";
+}
+
 Error locked(const fs::path& out, const std::string& name) {
-  const auto owner = LockOwner::from_name(name);
-  std::string sentence = out.string() + ": another tessera is at work in it";
-  if (owner) sentence += ": process " + std::to_string(owner->process) + " on " + owner->host;
-  return error(Errc::usage, std::move(sentence));
+  return error(Errc::usage, out.string() + ": another tessera is at work in it" + words_for(name));
+}
+
+// Runs on while the machine is suspended.
+nanoseconds boot_time() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + nanoseconds(now.tv_nsec);
+}
+
+// What the owner's file is called for the moment in which the owner renames it and back.
+std::string name_for_a_moment(std::string name) { return std::move(name) + "+"; }
+
+// Whether the file is in its folder. The folder is listed: a name would be looked up in what this machine remembers of
+// the folder, which after a suspension is old.
+Result<bool> is_listed(const fs::path& file) {
+  const std::string name = file.filename().string(), for_a_moment = name_for_a_moment(name);
+  FolderReader reader(file.parent_path());
+  while (const char* entry = reader.next())
+    if (entry == name || entry == for_a_moment) return true;
+  const auto failed = reader.error();
+  if (failed && failed != std::errc::no_such_file_or_directory && failed != std::errc::not_a_directory)
+    return io_error(file.parent_path(), "cannot be read", failed.value());
+  return false;
+}
+
+// Why the lock is not its owner's any more.
+Error lost_lock(const fs::path& out, const fs::path& lock) {
+  const auto name = owner_name(lock);
+  if (name && !name.value().empty()) {
+    return error(Errc::io, out.string() + ": was silent for so long that another process has taken its lock" +
+                               words_for(name.value()));
+  }
+  FolderReader reader(out);
+  reader.next();
+  if (reader.error() == std::errc::no_such_file_or_directory)
+    return error(Errc::io, out.string() + ": the folder was removed or renamed while it was in use");
+  return error(Errc::io, out.string() + ": its lock was removed while it was in use");
 }
 
 enum class Flock { held, refused, unknown };
@@ -76,7 +117,12 @@ struct FolderLock::Impl {
   FileHandle folder;  // with flock(), where it works
   LockOwner owner;
   fs::path file;
-  std::chrono::milliseconds heartbeat{};
+  LockOptions options;
+  nanoseconds patience{};              // of the owner with its own silence: less than that of others
+  std::atomic<nanoseconds> touched{};  // just before the last touch that went well, by boot_time()
+  std::mutex losing;
+  std::atomic<bool> is_lost = false;
+  Error why = {};  // with `losing`
   std::mutex mutex;
   std::condition_variable_any woken;
   std::jthread thread;  // last: ends before what it uses
@@ -93,10 +139,58 @@ struct FolderLock::Impl {
 
   void beat(const std::stop_token& stop) {
     std::unique_lock guard(mutex);
-    while (!woken.wait_for(guard, stop, heartbeat, [&] { return stop.stop_requested(); })) {
-      // Errors pass: a server that does not answer for a while. Whether the lock is lost, check_held() finds out.
-      ::utimensat(AT_FDCWD, file.c_str(), nullptr, 0);
+    while (!woken.wait_for(guard, stop, options.heartbeat, [&] { return stop.stop_requested(); })) {
+      // Errors pass: a server that does not answer for a while. When that lasts, check() finds the lock lost.
+      if (check()) touch();
+      if (is_lost) return;
     }
+  }
+
+  void touch() {
+    const auto before = boot_time();
+    if (::utimensat(AT_FDCWD, file.c_str(), nullptr, 0) == 0) touched = before;
+  }
+
+  bool was_heard() const { return boot_time() - touched.load() <= patience; }
+
+  Status check() {
+    if (!is_lost && was_heard()) {
+      BOOST_OUTCOME_TRY(listed, is_listed(file));
+      if (listed) return success();
+    }
+    {
+      const std::lock_guard guard(losing);
+      if (is_lost) return why;
+      if (was_heard()) {  // another thread may have renewed the lock meanwhile
+        BOOST_OUTCOME_TRY(listed, is_listed(file));
+        if (listed) return success();
+        why = lost_lock(out, lock);
+      } else {
+        const Status renewed = renew();
+        if (renewed) return success();
+        why = renewed.error();
+      }
+      is_lost = true;
+    }
+    if (options.lost) options.lost(why);
+    return why;
+  }
+
+  // After a long silence: by what only one of all can do who want the lock. REQUIRES: `losing` is held.
+  Status renew() {
+    const auto before = boot_time();
+    const fs::path moment = lock / name_for_a_moment(owner.name());
+    if (std::rename(file.c_str(), moment.c_str()) != 0 || std::rename(moment.c_str(), file.c_str()) != 0) {
+      const int reason = errno;
+      if (reason == ENOENT || reason == ENOTDIR) return lost_lock(out, lock);
+      const auto silence = std::chrono::duration_cast<std::chrono::seconds>(before - touched.load());
+      return io_error(lock,
+                      "cannot be reached after a silence of " + std::to_string(silence.count()) +
+                          " s, in which another process may have taken it",
+                      reason);
+    }
+    touched = before;
+    return success();
   }
 
   // What processes that are dead were making when they were killed.
@@ -116,6 +210,7 @@ struct FolderLock::Impl {
   Result<bool> make(nanoseconds& now) {
     BOOST_OUTCOME_TRY(made, TemporaryFolder::make(new_lock_folder(out, owner.name())));
     const auto path = made.path() / owner.name();
+    touched = boot_time();
     BOOST_OUTCOME_TRY(created, open_handle(path, O_WRONLY | O_CREAT | O_EXCL));
     struct stat status {};
     if (::fstat(created.get(), &status) != 0) return io_error(path, "cannot be examined", errno);
@@ -131,7 +226,7 @@ struct FolderLock::Impl {
     return io_error(lock, "cannot be made", reason);
   }
 
-  Status take(const LockOptions& options) {
+  Status take() {
     BOOST_OUTCOME_TRY(opened, open_handle(out, O_RDONLY | O_DIRECTORY));
     folder = std::move(opened);
     const Flock flock = try_flock(folder, options.use_flock);
@@ -155,6 +250,7 @@ struct FolderLock::Impl {
       const bool answers = here && other->may_be_alive() && other->pid_namespace == owner.pid_namespace;
       const bool silent = !answers && now - *changed > options.silence_max;
       if (!dead && !silent) return locked(out, name);
+      touched = boot_time();
       if (std::rename(held.c_str(), file.c_str()) == 0) return success();
       const int reason = errno;
       if (const auto there = is_there(file); there && there.value()) return success();
@@ -173,10 +269,16 @@ Result<FolderLock> FolderLock::take(const fs::path& out, const LockOptions& opti
   auto impl = std::make_unique<Impl>();
   impl->out = out;
   impl->owner = LockOwner::this_process();
-  impl->heartbeat = options.heartbeat;
+  impl->options = options;
+  impl->patience = options.silence_max * 3 / 4;
   impl->lock = lock_folder(out);
   impl->file = impl->lock / impl->owner.name();
-  BOOST_OUTCOME_TRYV(impl->take(options));
+  while (true) {
+    const Status taken = impl->take();
+    if (taken) break;
+    const bool another_has_it = taken.error().code == Errc::usage;
+    if (!another_has_it || !options.locked || !options.locked(taken.error())) return taken.error();
+  }
   impl->remove_remains();
   impl->thread = std::jthread([held = impl.get()](const std::stop_token& stop) { held->beat(stop); });
   return FolderLock(std::move(impl));
@@ -184,12 +286,15 @@ Result<FolderLock> FolderLock::take(const fs::path& out, const LockOptions& opti
 
 const fs::path& FolderLock::file() const { return impl_->file; }
 
+Status FolderLock::check() const { return impl_->check(); }
+
+Status FolderLock::heard() const { return !impl_->is_lost && impl_->was_heard() ? success() : impl_->check(); }
+
 Status check_held(const fs::path& file) {
-  // Opened, as in last_change(). Other errors pass, as in beat().
-  if (file.empty() || FileHandle(::open(file.c_str(), O_RDONLY | O_CLOEXEC)).get() >= 0 || errno != ENOENT)
-    return success();
-  return error(Errc::io, file.parent_path().parent_path().string() +
-                             ": was silent for so long that another process has taken its lock");
+  if (file.empty()) return success();
+  const auto listed = is_listed(file);
+  if (!listed || listed.value()) return success();
+  return lost_lock(file.parent_path().parent_path(), file.parent_path());
 }
 
 }  // namespace tessera

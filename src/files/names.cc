@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <iterator>
 #include <string>
@@ -25,6 +26,7 @@ constexpr const char* settled_ending = ".bin";
 constexpr const char* new_run = ".run.new";
 constexpr const char* unfinished = ".unfinished-";
 constexpr const char* removed = ".removed-";
+constexpr const char* desk = ".desk-";
 constexpr const char* authority = "ca";
 constexpr const char* certificate_ending = ".pem";
 constexpr const char* key_ending = ".key";
@@ -136,6 +138,7 @@ fs::path handed_file(const fs::path& run, TileId tile) { return numbered(run / "
 fs::path settled_marker(const fs::path& run) { return run / "settled.done"; }
 fs::path terms_folder(const fs::path& run) { return run / "terms"; }
 
+fs::path data_reserve_file(const fs::path& data) { return data / "reserve"; }
 fs::path data_format_file(const fs::path& data) { return data / "format"; }
 fs::path part_scratch_folder(const fs::path& scratch, std::uint64_t number) {
   return scratch / ("part-" + std::to_string(number));
@@ -167,6 +170,16 @@ fs::path part_file(const fs::path& final_name) {
   return final_name.parent_path() / ("." + final_name.filename().string() + ".part");
 }
 fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
+fs::path desk_folder(const fs::path& folder, std::uint64_t term) { return folder / (desk + std::to_string(term)); }
+std::optional<std::uint64_t> term_of_desk(const fs::path& file) {
+  const std::string name = file.filename().string(), begin = desk;
+  std::uint64_t term = 0;
+  const char* const last = name.data() + name.size();
+  if (!name.starts_with(begin)) return std::nullopt;
+  const auto [end, wrong] = std::from_chars(name.data() + begin.size(), last, term);
+  if (wrong != std::errc{} || end != last) return std::nullopt;
+  return term;
+}
 fs::path removed_folder(const fs::path& folder, const std::string& token) { return folder / (removed + token); }
 
 fs::path tileset_file(const fs::path& tileset) { return tileset / "tileset.json"; }
@@ -243,7 +256,11 @@ bool is_job_name(const fs::path& file) {
   return name == job_record_file("") || name == job_log_file("") || name == job_outcome_file("");
 }
 
-bool is_removed_name(const fs::path& file) { return file.filename().string().starts_with(removed); }
+std::optional<std::string> token_of_removed(const fs::path& file) {
+  const std::string name = file.filename().string(), begin = removed;
+  if (!name.starts_with(begin)) return std::nullopt;
+  return name.substr(begin.size());
+}
 
 std::string node_of_certificate(const fs::path& file) {
   if (file.extension() != certificate_ending || file.stem() == authority) return "";

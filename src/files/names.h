@@ -26,6 +26,7 @@
 // and in the data folder of a service:
 //
 //   DATA/format                    the number of the format of all this
+//   DATA/reserve                   takes room that a start on a full disk needs
 //   DATA/id                        tells this data folder from any other: nodes of a cluster share one
 //   DATA/scratch/NODE/             tiles that a node of a cluster without a disk of its own does not have in memory
 //   DATA/jobs/ID/                  a job: job.json, what it is; log.txt; outcome.json, what it found
@@ -38,6 +39,8 @@
 //   .../exports/3dtiles/           its tileset, which the dashboard shows
 //   .../.unfinished-ID             what job ID makes, until it is whole
 //   .../.removed-...               what is being removed
+//   .../.desk-7/                   what daemon number 7 of this data folder is just putting there (src/service/desk.h)
+//   DATA/terms/7                   says that there was a daemon number 7
 //
 // and in a tileset (src/tileset):
 //
@@ -59,6 +62,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "src/base/ids.h"
@@ -117,6 +121,7 @@ std::filesystem::path settled_marker(const std::filesystem::path& run);
 std::filesystem::path terms_folder(const std::filesystem::path& run);
 
 // The data folder of a service.
+std::filesystem::path data_reserve_file(const std::filesystem::path& data);
 std::filesystem::path data_format_file(const std::filesystem::path& data);
 std::filesystem::path part_scratch_folder(const std::filesystem::path& scratch, std::uint64_t number);
 // Of what waits for another node.
@@ -149,6 +154,8 @@ std::filesystem::path part_file(const std::filesystem::path& final_name);
 // In `folder`, where it will be renamed to the final name.
 std::filesystem::path unfinished_folder(const std::filesystem::path& folder, const std::string& job);
 // What is renamed to this is nobody's any more; `token`: no two have the same.
+std::filesystem::path desk_folder(const std::filesystem::path& folder, std::uint64_t term);
+std::optional<std::uint64_t> term_of_desk(const std::filesystem::path& file);
 std::filesystem::path removed_folder(const std::filesystem::path& folder, const std::string& token);
 
 // Tilesets.
@@ -190,7 +197,8 @@ bool is_lock_name(const std::filesystem::path& file);
 bool is_new_run_name(const std::filesystem::path& file);
 // What stands directly in the folder of a job, files on their way included.
 bool is_job_name(const std::filesystem::path& file);
-bool is_removed_name(const std::filesystem::path& file);
+// Nothing for any other name.
+std::optional<std::string> token_of_removed(const std::filesystem::path& file);
 // The node of a node_certificate_file(); empty for other names, the authority's too.
 std::string node_of_certificate(const std::filesystem::path& file);
 // The job of an unfinished_folder(); empty for other names.

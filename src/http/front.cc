@@ -106,7 +106,10 @@ Admitted Front::admit(Request& request, std::string_view target, Place place) {
 
 Answer Front::answer(const Request& request, const Admitted& admitted) {
   try {
-    return admitted.route->handler({request, admitted.arguments, context_});
+    Answer answer = admitted.route->handler({request, admitted.arguments, context_});
+    // Asked last: what is answered was true while the data folder was this daemon's.
+    const auto lost = context_.backend ? context_.backend->lost() : std::nullopt;
+    return lost ? problem(503, *lost, static_cast<int>(Errc::io)) : std::move(answer);
   } catch (const std::exception& failure) {
     spdlog::error("{} {}: {}", request.method, request.target.path, failure.what());
     return problem(500, "the service failed at it; its log says more", static_cast<int>(Errc::internal));

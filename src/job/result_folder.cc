@@ -115,7 +115,7 @@ Status ResultFolder::claim() {
     if (ec) return refused_by_system(out_, "cannot be made: " + ec.message());
   }
   if (access(out_.c_str(), W_OK | X_OK) != 0) return io_error(out_, "cannot be written", errno);
-  BOOST_OUTCOME_TRY(lock, FolderLock::take(out_));
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(out_, how_to_lock_));
   lock_ = std::move(lock);
   old_result_stands_ = state_ == FolderState::finished;
   return success();

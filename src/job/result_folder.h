@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include "src/base/result.h"
 #include "src/files/folder_lock.h"
@@ -42,6 +43,8 @@ class ResultFolder {
   // Whether there is a run that is routed.
   Result<bool> has_run() const;
 
+  // How claim() locks; as all do by default.
+  void lock_with(LockOptions how) { how_to_lock_ = std::move(how); }
   // Creates the folder if absent, tries that it can be written, and locks it until destruction. Error usage when
   // another process works in it.
   Status claim();
@@ -75,6 +78,7 @@ class ResultFolder {
   bool created_ = false;
   bool old_result_stands_ = false;
   bool complete_ = false;
+  LockOptions how_to_lock_;
   std::optional<FolderLock> lock_;
 };
 

@@ -1,13 +1,16 @@
 #include "src/run/terms.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
@@ -18,15 +21,20 @@
 namespace tessera {
 namespace {
 
-std::uint64_t highest_term(const std::filesystem::path& run) {
-  std::uint64_t highest = 0;
+template <class Each>
+void for_each_term(const std::filesystem::path& run, const Each& each) {
   FolderReader reader(terms_folder(run));
   while (const char* name = reader.next()) {
     std::uint64_t term = 0;
     const char* const last = name + std::strlen(name);
     const auto [end, wrong] = std::from_chars(name, last, term);
-    if (wrong == std::errc{} && end == last) highest = std::max(highest, term);
+    if (wrong == std::errc{} && end == last) each(term);
   }
+}
+
+std::uint64_t highest_term(const std::filesystem::path& run) {
+  std::uint64_t highest = 0;
+  for_each_term(run, [&](std::uint64_t term) { highest = std::max(highest, term); });
   return highest;
 }
 
@@ -39,6 +47,14 @@ Result<std::uint64_t> claim_term(const std::filesystem::path& run) {
     if (::mkdir(folder.c_str(), 0777) == 0) return term;  // what was there before is another's
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
+}
+
+void forget_terms(const std::filesystem::path& run, std::uint64_t below) {
+  std::vector<std::uint64_t> old;
+  for_each_term(run, [&](std::uint64_t term) {
+    if (term < below) old.push_back(term);
+  });
+  for (const std::uint64_t term : old) ::rmdir((terms_folder(run) / std::to_string(term)).c_str());
 }
 
 bool is_replaced(const std::filesystem::path& run, std::uint64_t term) { return highest_term(run) > term; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +15,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint64_t reserved_at_once = 1'000'000;
+constexpr std::uint64_t number_max = std::uint64_t{1} << 53;  // as JSON tells them
+
+// More than the numbers that any daemon has given: a million a second is beyond them all.
+std::uint64_t microseconds_since_1970() {
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(now).count());
+}
 
 }  // namespace
 
@@ -38,18 +46,28 @@ class Events::Listener {
   const OnEvent on_event;
 };
 
-Result<std::unique_ptr<Events>> Events::open(fs::path numbers) {
-  std::unique_ptr<Events> events(new Events(std::move(numbers)));
+Result<std::unique_ptr<Events>> Events::open(fs::path numbers, Desk& desk,
+                                             const std::function<void(const std::string&)>& log) {
+  std::unique_ptr<Events> events(new Events(std::move(numbers), desk));
+  const auto tell = [&](const std::string& line) {
+    if (log) log(line);
+  };
   std::uint64_t from = 1;
   BOOST_OUTCOME_TRY(there, is_there(events->numbers_));
   if (there) {
     BOOST_OUTCOME_TRY(bytes, read_whole(events->numbers_));
     const auto text = as_text(bytes);
     const auto [end, ec] = std::from_chars(text.data(), text.data() + text.size(), from);
-    if (ec != std::errc{} || end == text.data())
-      return error(Errc::corrupt, events->numbers_.string() + ": holds no number");
+    if (ec != std::errc{} || end == text.data() || from > number_max) {
+      from = microseconds_since_1970();
+      tell(events->numbers_.string() + ": holds no number; events are counted on from " + std::to_string(from));
+    }
   }
-  BOOST_OUTCOME_TRYV(events->reserve(from));
+  // On a full disk numbers go on without, as in tell().
+  if (const Status reserved = events->reserve(from); !reserved) {
+    tell(reserved.error().where + "; events are numbered without");
+    events->reserved_ = from + 1;
+  }
   events->next_ = from;
   events->thread_ = std::thread([self = events.get()] { self->deliver(); });
   return events;
@@ -65,7 +83,7 @@ Events::~Events() {
 }
 
 Status Events::reserve(std::uint64_t from) {
-  BOOST_OUTCOME_TRYV(write_whole(numbers_, std::to_string(from + reserved_at_once) + "\n"));
+  BOOST_OUTCOME_TRYV(desk_.write(numbers_, std::to_string(from + reserved_at_once) + "\n"));
   reserved_ = from + reserved_at_once;
   return success();
 }

@@ -14,6 +14,7 @@
 
 #include "service.pb.h"
 #include "src/base/result.h"
+#include "src/service/desk.h"
 
 namespace tessera {
 
@@ -25,8 +26,10 @@ class Events {
   static constexpr std::size_t kept_max = 2'000;  // some minutes of a few jobs, 3 MB
 
   // Numbers go on where those of earlier processes ended: `numbers` is the file in which they are set aside, many at
-  // once. Error io, corrupt.
-  static Result<std::unique_ptr<Events>> open(std::filesystem::path numbers);
+  // once, written over `desk`. What is wrong with that file is told to `log`, and numbers go on from the time of day,
+  // which is beyond all that were given. Error io.
+  static Result<std::unique_ptr<Events>> open(std::filesystem::path numbers, Desk& desk,
+                                              const std::function<void(const std::string&)>& log);
   ~Events();
   Events(const Events&) = delete;
 
@@ -43,11 +46,12 @@ class Events {
   std::size_t listeners() const;
 
  private:
-  explicit Events(std::filesystem::path numbers) : numbers_(std::move(numbers)) {}
+  Events(std::filesystem::path numbers, Desk& desk) : numbers_(std::move(numbers)), desk_(desk) {}
   Status reserve(std::uint64_t from);
   void deliver();
 
   std::filesystem::path numbers_;
+  Desk& desk_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Shared> kept_;

@@ -12,6 +12,7 @@
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/service/job_state.h"
 #include "src/service/json.h"
 #include "src/service/naming.h"
 
@@ -39,7 +40,7 @@ Result<std::vector<std::string>> names_in(const fs::path& folder) {
 
 }  // namespace
 
-JobStore::JobStore(fs::path data) : data_(std::move(data)), new_folders_(jobs_folder(data_)) {}
+JobStore::JobStore(fs::path data, Desk& desk) : data_(std::move(data)), desk_(desk), new_folders_(jobs_folder(data_)) {}
 
 fs::path JobStore::folder(const std::string& id) const { return job_folder(data_, id); }
 
@@ -63,59 +64,88 @@ Result<JobStore::Loaded> JobStore::load() {
   Loaded loaded;
   BOOST_OUTCOME_TRY(forgotten, read_forgotten());
   loaded.forgotten = std::move(forgotten);
-  if (!loaded.forgotten.empty()) loaded.last_id = *loaded.forgotten.rbegin();
   BOOST_OUTCOME_TRY(names, names_in(jobs_folder(data_)));
   for (const auto& name : names) {
+    if (const auto removed = token_of_removed(name)) {
+      const bool fresh = JobIds::is_id(*removed) && loaded.forgotten.insert(*removed).second;
+      const Status done = fresh ? finish_forgetting(*removed) : remove_files(jobs_folder(data_) / name);
+      if (!done) loaded.warnings.push_back(done.error().where);
+      continue;
+    }
     if (!JobIds::is_id(name)) continue;
     loaded.last_id = std::max(loaded.last_id, name);
+    // A record tells that the job is there, whatever the list of forgotten ones says: that may be an older daemon's.
+    loaded.forgotten.erase(name);
     BOOST_OUTCOME_TRY(accepted, is_there(job_record_file(folder(name))));
-    if (!accepted || loaded.forgotten.contains(name)) {
-      if (const auto removed = remove_files(name); !removed) loaded.warnings.push_back(removed.error().where);
+    if (!accepted) {
+      if (const auto removed = remove_files(folder(name)); !removed) loaded.warnings.push_back(removed.error().where);
       continue;
     }
-    // A disk that does not give it may give it to the next start; a job that is passed over is lost.
-    BOOST_OUTCOME_TRY(bytes, read_whole(job_record_file(folder(name))));
-    proto::JobRecord job;
-    const auto read = from_json(as_text(bytes), job);
-    if (!read || job.id() != name) {
-      loaded.warnings.push_back(job_record_file(folder(name)).string() +
-                                ": is not the record of a job, and is left alone" +
-                                (read ? "" : ": " + read.error().where));
-      continue;
+    auto job = read_record(name);
+    if (job) {
+      loaded.jobs.push_back(std::move(job).value());
+    } else if (job.error().code == Errc::corrupt) {
+      loaded.damaged.emplace_back(name, job.error().where);
+    } else {
+      return job.error();  // nobody knows what it holds
     }
-    loaded.jobs.push_back(std::move(job));
   }
+  if (!loaded.forgotten.empty()) loaded.last_id = std::max(loaded.last_id, *loaded.forgotten.rbegin());
   return loaded;
+}
+
+Result<proto::JobRecord> JobStore::read_record(const std::string& id) const {
+  const auto file = job_record_file(folder(id));
+  BOOST_OUTCOME_TRY(bytes, read_whole(file));
+  proto::JobRecord job;
+  const auto wrong = [&](const std::string& what) {
+    return error(Errc::corrupt, file.string() + ": is not the record of a job, and is left alone: " + what);
+  };
+  if (const auto read = from_json(as_text(bytes), job); !read) return wrong(read.error().where);
+  if (job.id() != id) return wrong("its id is '" + job.id() + "'");
+  if (!job_state::is_one(job.state())) return wrong("there is no state '" + job.state() + "'");
+  return job;
 }
 
 Status JobStore::add(const proto::JobRecord& job) {
   const auto made = [&]() -> Status {
     BOOST_OUTCOME_TRYV(make_directories(folder(job.id())));
     log(job.id(), "accepted");
-    BOOST_OUTCOME_TRYV(write_whole(job_record_file(folder(job.id())), to_json(job)));
+    BOOST_OUTCOME_TRYV(write_record(job));
     return new_folders_.sync();
   }();
   if (made) return success();
   // The first error is the one to tell.
-  if (const auto removed = remove_files(job.id()); !removed)
+  if (const auto removed = remove_files(folder(job.id())); !removed)
     return error(made.error().code, made.error().where + "; and " + removed.error().where);
   return made.error();
 }
 
-Status JobStore::replace(const proto::JobRecord& job) {
-  return write_whole(job_record_file(folder(job.id())), to_json(job));
+Status JobStore::replace(const proto::JobRecord& job) { return write_record(job); }
+
+Status JobStore::write_record(const proto::JobRecord& job) {
+  proto::JobRecord written = job;
+  written.set_term(desk_.term());
+  return desk_.write(job_record_file(folder(job.id())), to_json(written));
 }
 
 Status JobStore::forget(const std::string& id) {
-  BOOST_OUTCOME_TRYV(append_line(forgotten_jobs_file(data_), id + "\n", true));
-  return remove_files(id);
+  BOOST_OUTCOME_TRYV(desk_.move(folder(id), removed_folder(jobs_folder(data_), id)));
+  // The job is gone. What cannot be done now, as on a full disk, the next load() does.
+  BOOST_OUTCOME_TRYV(sync_folder(jobs_folder(data_)));
+  static_cast<void>(finish_forgetting(id));
+  return success();
 }
 
-Status JobStore::remove_files(const std::string& id) const {
-  const auto job = folder(id);
+Status JobStore::finish_forgetting(const std::string& id) const {
+  BOOST_OUTCOME_TRYV(append_line(forgotten_jobs_file(data_), id + "\n", true));
+  return remove_files(removed_folder(jobs_folder(data_), id));
+}
+
+// Of the folder of a job.
+Status JobStore::remove_files(const fs::path& job) const {
   BOOST_OUTCOME_TRY(there, is_there(job, FollowLinks::no));
   if (!there) return success();
-  // The record last: what is left before has still a job to belong to, or is forgotten.
   BOOST_OUTCOME_TRY(names, names_in(job));
   for (const auto& name : names) {
     if (!is_job_name(name) || name == job_record_file("")) continue;
@@ -133,8 +163,8 @@ void JobStore::log(const std::string& id, std::string_view line) const {
   static_cast<void>(written);  // see the header
 }
 
-Status JobStore::write_outcome(const std::string& id, std::string_view json) const {
-  return write_whole(job_outcome_file(folder(id)), json);
+Status JobStore::write_outcome(const std::string& id, std::string_view json) {
+  return desk_.write(job_outcome_file(folder(id)), json);
 }
 
 }  // namespace tessera

@@ -6,23 +6,28 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "job_record.pb.h"
 #include "src/base/result.h"
 #include "src/files/shared_sync.h"
+#include "src/service/desk.h"
 
 namespace tessera {
 
 class JobStore {
  public:
-  explicit JobStore(std::filesystem::path data);
+  // `desk`: of the data folder; every change passes over it.
+  JobStore(std::filesystem::path data, Desk& desk);
 
   struct Loaded {
     std::vector<proto::JobRecord> jobs;  // by id
-    std::set<std::string> forgotten;     // ids of jobs that were removed
-    std::vector<std::string> warnings;   // sentences: what is there and cannot be read; it stays
-    std::string last_id;                 // the greatest that there ever was
+    // Id, and what is wrong with the record: what is there stays, and is told of.
+    std::vector<std::pair<std::string, std::string>> damaged;
+    std::set<std::string> forgotten;    // ids of jobs that were removed
+    std::vector<std::string> warnings;  // sentences: what is there and cannot be read; it stays
+    std::string last_id;                // the greatest that there ever was
   };
   // Also removes what a process that was killed has left: folders of jobs that were never accepted, or are forgotten.
   Result<Loaded> load();
@@ -32,22 +37,26 @@ class JobStore {
   // jobs. Safe to call from several threads for different jobs, also beside all else.
   Status add(const proto::JobRecord& job);
   Status replace(const proto::JobRecord& job);
-  // Its id stays in the list of forgotten ones.
+  // Its id stays in the list of forgotten ones; on a full disk from the next load() on.
   Status forget(const std::string& id);
 
   // A line for people, with the time. What cannot be written is lost: a full disk ends no job.
   void log(const std::string& id, std::string_view line) const;
   // Replaces the outcome: JSON.
-  Status write_outcome(const std::string& id, std::string_view json) const;
+  Status write_outcome(const std::string& id, std::string_view json);
 
   std::filesystem::path folder(const std::string& id) const;
   const std::filesystem::path& data() const { return data_; }
 
  private:
-  Status remove_files(const std::string& id) const;
+  Result<proto::JobRecord> read_record(const std::string& id) const;
+  Status write_record(const proto::JobRecord& job);
+  Status remove_files(const std::filesystem::path& job) const;
+  Status finish_forgetting(const std::string& id) const;
   Result<std::set<std::string>> read_forgotten() const;
 
   std::filesystem::path data_;
+  Desk& desk_;
   SharedSync new_folders_;
 };
 

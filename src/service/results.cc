@@ -34,15 +34,16 @@ Result<std::vector<std::string>> names_in(const fs::path& folder) {
   return names;
 }
 
+Status remove_whole(const fs::path& path) {
+  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
+  return success();
+}
+
 // What is ours in a result folder that nobody finds any more; the folder, too, when nothing else is in it.
 Status remove_result(const fs::path& folder) {
-  const auto tree = [](const fs::path& path) -> Status {
-    if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
-    return success();
-  };
   BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));
-  BOOST_OUTCOME_TRYV(tree(exports_folder(folder)));
-  BOOST_OUTCOME_TRYV(tree(run_folder(folder)));
+  BOOST_OUTCOME_TRYV(remove_whole(exports_folder(folder)));
+  BOOST_OUTCOME_TRYV(remove_whole(run_folder(folder)));
   BOOST_OUTCOME_TRY(with_tiles, is_folder(tiles_folder(folder), FollowLinks::no));
   if (with_tiles) {
     BOOST_OUTCOME_TRY(tiles, names_in(tiles_folder(folder)));
@@ -56,7 +57,7 @@ Status remove_result(const fs::path& folder) {
     if (is_result_name(name)) {
       BOOST_OUTCOME_TRYV(remove_file(folder / name));
     } else if (is_lock_name(name) || is_new_run_name(name)) {
-      BOOST_OUTCOME_TRYV(tree(folder / name));
+      BOOST_OUTCOME_TRYV(remove_whole(folder / name));
     }
   }
   std::error_code foreign;  // files keep their folders
@@ -124,7 +125,7 @@ Result<ServedFile> served(FileHandle file, const fs::path& path, const std::stri
                     etag.empty() ? "" : "\"" + etag + "\""};
 }
 
-Results::Results(fs::path data) : results_(results_folder(data)) {}
+Results::Results(const fs::path& data, Desk& desk) : results_(results_folder(data)), desk_(desk) {}
 
 fs::path Results::folder(std::string_view name) const { return results_ / std::string(name); }
 fs::path Results::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }
@@ -134,25 +135,25 @@ fs::path Results::unfinished_export(std::string_view name, const std::string& jo
 
 Status Results::open(const std::set<std::string>& jobs) {
   BOOST_OUTCOME_TRYV(make_directories(results_));
-  const auto clear = [&](const fs::path& folder) -> Status {
+  // `remove`: of what has the name of something that is being removed.
+  const auto clear = [&](const fs::path& folder, Status (*remove)(const fs::path&)) -> Status {
     BOOST_OUTCOME_TRY(names, names_in(folder));
     for (const auto& name : names) {
       const auto job = job_of_unfinished(name);
-      if (is_removed_name(name)) {
-        BOOST_OUTCOME_TRYV(remove_result(folder / name));
+      if (token_of_removed(name)) {
+        BOOST_OUTCOME_TRYV(remove(folder / name));
       } else if (JobIds::is_id(job) && !jobs.contains(job)) {
-        if (const auto failed = remove_tree(folder / name))
-          return io_error(folder / name, "cannot be removed", failed.value());
+        BOOST_OUTCOME_TRYV(drop(folder / name));
       }
     }
     return success();
   };
-  BOOST_OUTCOME_TRYV(clear(results_));
+  BOOST_OUTCOME_TRYV(clear(results_, remove_result));
   BOOST_OUTCOME_TRY(results, names());
   for (const auto& name : results) {
     BOOST_OUTCOME_TRY(with_exports, is_folder(exports_folder(folder(name)), FollowLinks::no));
     if (!with_exports) continue;
-    BOOST_OUTCOME_TRYV(clear(exports_folder(folder(name))));
+    BOOST_OUTCOME_TRYV(clear(exports_folder(folder(name)), remove_whole));
   }
   return success();
 }
@@ -208,12 +209,33 @@ Result<fs::path> Results::publish(const std::string& job, const std::string& nam
     BOOST_OUTCOME_TRY(result, exists(name));
     if (!overwrite || !result)
       return error(Errc::usage, "output: there is something called '" + name + "' already, which is not replaced");
-    replaced = removed_folder(results_, random_token());
-    BOOST_OUTCOME_TRYV(rename_file(folder(name), replaced));
+    // Until the new one stands there, the old one is what a successor puts back.
+    BOOST_OUTCOME_TRY(picked_up, desk_.pick_up(folder(name)));
+    replaced = std::move(picked_up);
   }
-  BOOST_OUTCOME_TRYV(rename_file(made, folder(name)));
+  if (const Status moved = desk_.move(made, folder(name)); !moved) {
+    if (!replaced.empty()) static_cast<void>(desk_.put_down(replaced, folder(name)));  // else a successor does
+    return moved.error();
+  }
   BOOST_OUTCOME_TRYV(sync_folder(results_));
-  return replaced;
+  if (replaced.empty()) return replaced;
+  const fs::path gone = removed_folder(results_, random_token());
+  BOOST_OUTCOME_TRYV(desk_.put_down(replaced, gone));
+  return gone;
+}
+
+// A new name first, over the desk: a job of that id may be another daemon's by now.
+Status Results::drop(const fs::path& folder) {
+  BOOST_OUTCOME_TRY(any, is_there(folder, FollowLinks::no));
+  if (!any) return success();
+  const fs::path gone = removed_folder(folder.parent_path(), random_token());
+  BOOST_OUTCOME_TRYV(desk_.move(folder, gone));
+  return remove_whole(gone);
+}
+
+Status Results::drop_unfinished(const std::string& job) { return drop(unfinished(job)); }
+Status Results::drop_unfinished_export(std::string_view exported_from, const std::string& job) {
+  return drop(unfinished_export(exported_from, job));
 }
 
 Status Results::discard(const fs::path& folder) {
@@ -224,29 +246,35 @@ Status Results::discard(const fs::path& folder) {
 Status Results::publish_export(const std::string& job, const std::string& name) {
   const auto made = unfinished_export(name, job);
   const auto to = exports_folder(folder(name));
-  BOOST_OUTCOME_TRY(names, names_in(made));
-  for (const auto& file : names) {
-    BOOST_OUTCOME_TRY(in_the_way, is_folder(to / file, FollowLinks::no));
-    if (in_the_way) {  // cannot be renamed over
-      BOOST_OUTCOME_TRYV(remove_export(name, file));
+  BOOST_OUTCOME_TRY(ours, desk_.pick_up(made));
+  const auto published = [&]() -> Status {
+    BOOST_OUTCOME_TRY(names, names_in(ours));
+    for (const auto& file : names) {
+      BOOST_OUTCOME_TRY(in_the_way, is_folder(to / file, FollowLinks::no));
+      if (in_the_way) {  // cannot be renamed over
+        BOOST_OUTCOME_TRYV(remove_export(name, file));
+      }
+      BOOST_OUTCOME_TRYV(desk_.put_down(ours / file, to / file));
     }
-    BOOST_OUTCOME_TRYV(rename_file(made / file, to / file));
+    return sync_folder(to);
+  }();
+  if (!published) {
+    static_cast<void>(desk_.put_down(ours, made));  // else a successor does
+    return published;
   }
-  if (const auto failed = remove_tree(made)) return io_error(made, "cannot be removed", failed.value());
-  return sync_folder(to);
+  return remove_whole(ours);
 }
 
 Status Results::remove_export(std::string_view name, const std::string& file) {
   const auto exports = exports_folder(folder(name));
   const auto gone = removed_folder(exports, random_token());
-  BOOST_OUTCOME_TRYV(rename_file(exports / file, gone));
-  if (const auto failed = remove_tree(gone)) return io_error(gone, "cannot be removed", failed.value());
-  return success();
+  BOOST_OUTCOME_TRYV(desk_.move(exports / file, gone));
+  return remove_whole(gone);
 }
 
 Result<fs::path> Results::take_away(std::string_view name) {
   auto gone = removed_folder(results_, random_token());
-  BOOST_OUTCOME_TRYV(rename_file(folder(name), gone));
+  BOOST_OUTCOME_TRYV(desk_.move(folder(name), gone));
   BOOST_OUTCOME_TRYV(sync_folder(results_));
   return gone;
 }

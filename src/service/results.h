@@ -16,6 +16,7 @@
 #include "service.pb.h"
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
+#include "src/service/desk.h"
 #include "src/service/service.h"
 #include "src/store/tile_store.h"
 
@@ -23,7 +24,8 @@ namespace tessera {
 
 class Results {
  public:
-  explicit Results(std::filesystem::path data);
+  // `desk`: of the results of the data folder; every change passes over it.
+  Results(const std::filesystem::path& data, Desk& desk);
   // Makes the folder, and removes what was being removed or made for jobs that are not among `jobs`. What of it is not
   // ours stays.
   Status open(const std::set<std::string>& jobs);
@@ -45,6 +47,11 @@ class Results {
   // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
   // when one stands there that may not be replaced.
   Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
+
+  // What the job has made, and did not publish, is gone: its unfinished folder, or that of an export of
+  // `exported_from`.
+  Status drop_unfinished(const std::string& job);
+  Status drop_unfinished_export(std::string_view exported_from, const std::string& job);
 
   Status remove_export(std::string_view name, const std::string& file);
   Status publish_export(const std::string& job, const std::string& name);
@@ -69,7 +76,10 @@ class Results {
   Result<std::optional<Held>> find(std::string_view name);
 
  private:
+  Status drop(const std::filesystem::path& folder);
+
   std::filesystem::path results_;
+  Desk& desk_;
   // Manifests are large where there are many tiles: those asked for last, by what identifies the file.
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Manifest>> manifests_;

@@ -10,6 +10,7 @@
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/service/beneath.h"
+#include "src/service/data_folder.h"
 #include "src/service/data_format.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
@@ -44,21 +45,21 @@ Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
 
 }  // namespace
 
-Service::Impl::Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events,
-                    std::unique_ptr<Engine> opened_engine)
+Service::Impl::Impl(ServiceOptions given, std::unique_ptr<DataFolder> held, Roots opened_roots,
+                    std::unique_ptr<Events> opened_events, std::unique_ptr<Engine> opened_engine)
     : options(std::move(given)),
       share(share_of(options)),
-      folder_lock(std::move(lock)),
-      store(options.data),
-      results(options.data),
+      data_folder(std::move(held)),
+      store(options.data, data_folder->desk()),
+      results(options.data, data_folder->desk_of_results()),
       questions(results, options.data, limits_of_questions(options)),
       maps(results),
-      uploads(options.data, options.limits.upload_bytes),
+      uploads(options.data, options.limits.upload_bytes, data_folder->desk_of_uploads()),
       clouds(options.memory_bytes / 8),
       roots(std::move(opened_roots)),
       events(std::move(opened_events)),
       engine(std::move(opened_engine)),
-      shop{*engine, roots, results, options.data, options.limits, share, clouds} {}
+      shop{*engine, roots, results, options.data, options.limits, share, clouds, options.data_lease} {}
 
 Service::Impl::~Impl() {
   {
@@ -90,6 +91,10 @@ Status Service::Impl::load() {
       active.insert(kept.id());
     }
   }
+  for (const auto& [id, why] : loaded.damaged) {
+    known.insert(id);
+    add_damaged(id, why);
+  }
   forgotten = {loaded.forgotten.begin(), loaded.forgotten.end()};
   ids.seen(loaded.last_id);
   // Of jobs whose record cannot be read nothing is removed.
@@ -97,6 +102,18 @@ Status Service::Impl::load() {
   while (const char* name = reader.next()) known.insert(name);
   if (reader.error()) return io_error(jobs_folder(options.data), "cannot be read", reader.error().value());
   return results.open(known);
+}
+
+// Of a job that was accepted nobody may hear that there is none.
+void Service::Impl::add_damaged(const std::string& id, const std::string& why) {
+  tell(why);
+  auto job = std::make_shared<Job>();
+  job->damaged = true;
+  job->record.set_id(id);
+  job->record.set_state(job_state::failed);
+  *job->record.mutable_problem() = problem(500, why, Errc::corrupt);
+  job->record.set_message(job->record.problem().detail());
+  jobs[id] = std::move(job);
 }
 
 // Of a job that is still said to run: whoever ran it has died, for a process that ends says that its jobs wait.
@@ -196,7 +213,7 @@ void Service::Impl::forget_old() {
   {
     const std::lock_guard lock(mutex);
     for (const auto& [id, job] : jobs) {
-      if (job->waits_or_runs() || job->running || unwritten.contains(id)) continue;
+      if (job->waits_or_runs() || job->running || job->damaged || unwritten.contains(id)) continue;
       if (time_of(job->record.finished()) < before) old.push_back(job);
     }
   }
@@ -211,17 +228,12 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (options.threads < 1) return refuse("at least one thread is needed");
   if (options.memory_bytes / options.limits.running < (std::uint64_t{64} << 20))
     return refuse("a job would have less than 64 MiB of memory: give more, or let fewer run at once");
-  BOOST_OUTCOME_TRYV(make_directories(options.data));
   options.data = std::filesystem::absolute(options.data).lexically_normal();
-  BOOST_OUTCOME_TRY(lock, FolderLock::take(options.data));
-  BOOST_OUTCOME_TRYV(check_data_format(options.data));
-  if (options.uploads) {
-    BOOST_OUTCOME_TRYV(make_directories(uploads_folder(options.data)));
-  }
+  BOOST_OUTCOME_TRY(held, DataFolder::hold(options));
   BOOST_OUTCOME_TRY(roots, Roots::open(options.roots, options.uploads ? uploads_folder(options.data) : ""));
-  BOOST_OUTCOME_TRY(events, Events::open(event_numbers_file(options.data)));
+  BOOST_OUTCOME_TRY(events, Events::open(event_numbers_file(options.data), held->desk(), options.log));
   BOOST_OUTCOME_TRY(engine, open_engine(options));
-  auto impl = std::make_unique<Impl>(std::move(options), std::move(lock), std::move(roots), std::move(events),
+  auto impl = std::make_unique<Impl>(std::move(options), std::move(held), std::move(roots), std::move(events),
                                      std::move(engine));
   BOOST_OUTCOME_TRYV(impl->load());
   BOOST_OUTCOME_TRYV(impl->questions.open());

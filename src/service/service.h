@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -51,6 +52,13 @@ struct ServiceOptions {
   bool uploads = false;
   std::uint64_t retention_s = 0;  // ended jobs are forgotten after it; 0: never. Results never are.
   ServiceLimits limits;
+  // How long the data folder's lock is another's without a sign of life. The same for all daemons of the folder.
+  std::chrono::milliseconds data_lease{60'000};
+  // Called once when the data folder is lost: another process holds it, or it is gone. The service does nothing any
+  // more, and what it says may be wrong: a daemon ends here.
+  std::function<void(const Error&)> lost = {};
+  // Called while another process holds the data folder, with a sentence about it. True: it is tried again.
+  std::function<bool(const Error&)> locked = {};
   std::optional<ClusterOptions> cluster = {};        // that works on its jobs; none: this process alone
   std::function<void(const std::string&)> log = {};  // what the service itself has to tell, a line at a time
 };
@@ -220,12 +228,14 @@ class Backend {
   virtual Figures figures() const = 0;
   // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.
   virtual std::optional<std::string> unready() const = 0;
+  // Why nothing it says is to be believed any more, once its data folder is another daemon's or gone. Quick.
+  virtual std::optional<std::string> lost() const = 0;
 };
 
 class Service final : public Backend {
  public:
   // Takes the data folder (one daemon a folder), reads what it holds, goes on with unfinished jobs. Error usage for
-  // options that do not fit, io for a folder that cannot be used, corrupt for one of a newer version.
+  // options that do not fit, io for a folder that cannot be used or is another's, corrupt for one of a newer version.
   static Result<std::unique_ptr<Service>> open(ServiceOptions options);
   // Running jobs are interrupted and stay resumable.
   ~Service() override;
@@ -260,6 +270,7 @@ class Service final : public Backend {
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;
   std::optional<std::string> unready() const override;
+  std::optional<std::string> lost() const override;
 
  private:
   struct Impl;

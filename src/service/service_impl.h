@@ -19,9 +19,10 @@
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
 #include "src/base/progress.h"
-#include "src/files/folder_lock.h"
 #include "src/service/collections.h"
+#include "src/service/data_folder.h"
 #include "src/service/events.h"
+#include "src/service/job_state.h"
 #include "src/service/job_store.h"
 #include "src/service/naming.h"
 #include "src/service/questions.h"
@@ -33,14 +34,6 @@
 
 namespace tessera {
 
-namespace job_state {
-inline constexpr const char* accepted = "accepted";
-inline constexpr const char* running = "running";
-inline constexpr const char* successful = "successful";
-inline constexpr const char* failed = "failed";
-inline constexpr const char* dismissed = "dismissed";
-}  // namespace job_state
-
 // Of a job that a thread works on.
 struct Running {
   Progress progress;
@@ -51,6 +44,7 @@ struct Job {
   proto::JobRecord record;
   std::shared_ptr<Running> running;  // also of a dismissed job until its thread has let go
   std::string told;                  // the last progress that was told, as text
+  bool damaged = false;              // its record cannot be read: it can be told of, and forgotten
   bool arriving = false;             // its record is being written for the first time: only submit() knows of it
 
   bool is(const char* state) const { return record.state() == state; }
@@ -62,10 +56,11 @@ struct Job {
 // what others read, both. A job that arrives needs only `mutex`: it has its name, place and key at once, and nobody
 // else knows of it before it is on disk. So many can be written at a time.
 struct Service::Impl {
-  Impl(ServiceOptions given, FolderLock lock, Roots opened_roots, std::unique_ptr<Events> opened_events,
-       std::unique_ptr<Engine> opened_engine);
+  Impl(ServiceOptions given, std::unique_ptr<DataFolder> held, Roots opened_roots,
+       std::unique_ptr<Events> opened_events, std::unique_ptr<Engine> opened_engine);
   ~Impl();
   Status load();
+  void add_damaged(const std::string& id, const std::string& why);
   void recover(Job& job);
   void begin();  // the threads
   void tell(const std::string& line) const {
@@ -114,7 +109,7 @@ struct Service::Impl {
 
   const ServiceOptions options;
   const Share share;
-  FolderLock folder_lock;
+  const std::unique_ptr<DataFolder> data_folder;
   JobStore store;
   Results results;
   Questions questions;

@@ -90,7 +90,7 @@ proto::StatusInfo Service::Impl::status_of(const Job& job) const {
   status.set_memory_bytes(record.memory_bytes());
   status.set_triangulation(record.triangulation());
   status.set_starts(record.starts());
-  status.set_resumable(job.is(job_state::failed) || job.is(job_state::dismissed));
+  status.set_resumable(!job.damaged && (job.is(job_state::failed) || job.is(job_state::dismissed)));
   if (record.has_problem()) *status.mutable_problem() = record.problem();
   if (job.is(job_state::successful)) status.set_progress(100);
   if (job.is(job_state::running) && job.running) add_progress(record, job.running->progress, status);
@@ -145,14 +145,10 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
 
 Status Service::Impl::forget(const std::shared_ptr<Job>& job) {
   const proto::JobRecord record = job->record;
-  const auto remove = [](const std::filesystem::path& folder) -> Status {
-    if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
-    return success();
-  };
   // First what only this job knows of.
-  BOOST_OUTCOME_TRYV(remove(results.unfinished(record.id())));
+  BOOST_OUTCOME_TRYV(results.drop_unfinished(record.id()));
   if (export_output(record.inputs())) {
-    BOOST_OUTCOME_TRYV(remove(results.unfinished_export(record.triangulation(), record.id())));
+    BOOST_OUTCOME_TRYV(results.drop_unfinished_export(record.triangulation(), record.id()));
   }
   BOOST_OUTCOME_TRYV(store.forget(record.id()));
   const std::lock_guard lock(mutex);
@@ -233,6 +229,7 @@ Reply<proto::StatusInfo> Service::resume(std::string_view id, const Caller& call
   BOOST_OUTCOME_TRY(job, impl.find(id));
   if (!may_change(job->record, caller)) return not_yours(job->record);
   if (job->waits_or_runs()) return impl.status_of(*job);
+  if (job->damaged) return problem(409, job->record.message(), Errc::corrupt);
   if (job->is(job_state::successful))
     return problem(409, "job " + std::string(id) + " is successful: there is nothing to resume", Errc::usage);
   auto record = job->record;

@@ -185,10 +185,15 @@ Service::Figures Service::figures() const {
   return figures;
 }
 
+std::optional<std::string> Service::lost() const {
+  const auto held = impl_->data_folder->heard();
+  return held ? std::nullopt : std::optional(held.error().where);
+}
+
 std::optional<std::string> Service::unready() const {
   constexpr std::uint64_t free_min = std::uint64_t{16} << 20;  // records and logs of many jobs
   constexpr std::chrono::seconds silence_max{30};
-  if (const auto held = check_held(impl_->folder_lock.file()); !held) return held.error().where;
+  if (const auto held = impl_->data_folder->still_ours(); !held) return held.error().where;
   const auto writable = nameless_file(impl_->options.data);
   if (!writable) return problem_of(writable.error()).detail();
   if (const auto free = free_bytes(impl_->options.data); free < free_min)

@@ -57,7 +57,10 @@ class Uploads::Sending final : public Service::Upload {
   Reply<void> finish() override {
     const auto finished = [&]() -> Status {
       BOOST_OUTCOME_TRY(replaced, bytes_of(path_));
-      BOOST_OUTCOME_TRYV(publish(part_file(path_), path_));
+      const fs::path part = part_file(path_);
+      const fs::path parts[] = {part};
+      BOOST_OUTCOME_TRYV(sync_files(parts));
+      BOOST_OUTCOME_TRYV(uploads_.desk_.move(part, path_));
       {
         const std::lock_guard lock(uploads_.mutex_);
         uploads_.used_ -= std::min(uploads_.used_, replaced);
@@ -74,7 +77,8 @@ class Uploads::Sending final : public Service::Upload {
   const FileHandle file_;
 };
 
-Uploads::Uploads(fs::path data, std::uint64_t bytes_max) : data_(std::move(data)), bytes_max_(bytes_max) {}
+Uploads::Uploads(fs::path data, std::uint64_t bytes_max, Desk& desk)
+    : data_(std::move(data)), bytes_max_(bytes_max), desk_(desk) {}
 
 fs::path Uploads::folder() const { return uploads_folder(data_); }
 

@@ -9,14 +9,16 @@
 #include <string>
 #include <string_view>
 
+#include "src/service/desk.h"
 #include "src/service/service.h"
 
 namespace tessera {
 
 class Uploads {
  public:
-  // `bytes_max`: of all uploads together; 0: what the disk has.
-  Uploads(std::filesystem::path data, std::uint64_t bytes_max);
+  // `bytes_max`: of all uploads together; 0: what the disk has. `desk`: of uploads, over which a whole file gets its
+  // name.
+  Uploads(std::filesystem::path data, std::uint64_t bytes_max, Desk& desk);
   // Makes the folder. Error io.
   Status open();
   std::filesystem::path folder() const;
@@ -35,6 +37,7 @@ class Uploads {
 
   std::filesystem::path data_;
   std::uint64_t bytes_max_;
+  Desk& desk_;
   std::mutex mutex_;
   std::set<std::filesystem::path> active_;
   std::uint64_t used_ = 0;

@@ -1,11 +1,13 @@
 #include "src/service/work.h"
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <optional>
 #include <system_error>
 
 #include "src/base/option.h"
-#include "src/files/folder.h"
 #include "src/files/there.h"
 #include "src/job/describe.h"
 #include "src/job/estimate.h"
@@ -57,8 +59,7 @@ proto::Problem failed_with(const Error& error, const std::optional<proto::Proble
   folder.abandon();
   // A run that went on and failed for want of room or memory can go on once there is some; no other would end well.
   if (error.code != Errc::io && error.code != Errc::memory) {
-    const auto path = shop.results.unfinished(work.job.id());
-    if (const auto left = remove_tree(path)) work.log(path.string() + ": cannot be removed: " + left.message());
+    if (const Status gone = shop.results.drop_unfinished(work.job.id()); !gone) work.log(gone.error().where);
   }
   return refused ? *refused : problem_of(error);
 }
@@ -84,6 +85,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   }
   auto folder = ResultFolder::inspect(path, true, false);
   if (!folder) return problem_of(folder.error());
+  folder.value().lock_with(lock_of_unfinished(shop, work.stop));
   std::optional<proto::Problem> refused;
   const auto open = [&](JobOptions& opened, const std::stop_token& stop) -> Result<Cloud> {
     BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
@@ -166,6 +168,19 @@ std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::Ve
                  option("against-cgal") + ": " + grouped(manifest.value()->vertices) + " vertices need " +
                      human_bytes(bytes) + " of memory; a job has " + human_bytes(shop.share.memory_bytes) + " here",
                  Errc::memory);
+}
+
+LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop) {
+  constexpr std::chrono::milliseconds pause{200};
+  const auto until = std::chrono::steady_clock::now() + shop.data_lease * 3 / 2;
+  const auto wait = [stop, until](const Error&) {
+    std::mutex mutex;
+    std::condition_variable_any stopped;
+    std::unique_lock lock(mutex);
+    stopped.wait_for(lock, stop, pause, [&] { return stop.stop_requested(); });
+    return !stop.stop_requested() && std::chrono::steady_clock::now() < until;
+  };
+  return {.heartbeat = shop.data_lease / 12, .silence_max = shop.data_lease, .locked = wait};
 }
 
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {

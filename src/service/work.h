@@ -1,6 +1,7 @@
 // What a job does, from its record to what it leaves: without queue, states and locks.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
 #include "src/base/progress.h"
+#include "src/files/folder_lock.h"
 #include "src/service/convert.h"
 #include "src/service/kinds.h"
 #include "src/service/region_clouds.h"
@@ -30,6 +32,7 @@ struct Workshop {
   ServiceLimits limits;
   Share share;
   RegionClouds& clouds;
+  std::chrono::milliseconds data_lease{60'000};
 };
 
 struct JobWork {
@@ -50,6 +53,10 @@ struct JobDone {
 // when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it
 // was. After other problems what cannot be gone on with is removed.
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
+
+// How the folder of what a job makes is locked. A daemon that held the data folder before, and worked on the job, may
+// still have that folder's lock: it is silent, and is waited for.
+LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop);
 
 // The problem of a comparison with CGAL, which is made in memory, that needs more than there is.
 std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::VerifyInputs& inputs);

@@ -51,14 +51,16 @@ Result<Json> written_files(const std::filesystem::path& folder) {
 
 // What `write` has made in the job's folder, or nothing.
 template <class Write>
-auto written_aside(const std::filesystem::path& folder, const JobWork& work, const Write& write) {
+auto written_aside(const Workshop& shop, const std::filesystem::path& folder, const JobWork& work, const Write& write) {
+  const std::string name = result_read(work.job.inputs());
   auto made = [&]() -> decltype(write()) {
-    if (const auto left = remove_tree(folder)) return io_error(folder, "cannot be removed", left.value());
+    BOOST_OUTCOME_TRYV(shop.results.drop_unfinished_export(name, work.job.id()));
     BOOST_OUTCOME_TRYV(make_directories(folder));
     return write();
   }();
   if (!made) {
-    if (const auto left = remove_tree(folder)) work.log(folder.string() + ": cannot be removed: " + left.message());
+    if (const Status gone = shop.results.drop_unfinished_export(name, work.job.id()); !gone)
+      work.log(gone.error().where);
     std::error_code others;
     std::filesystem::remove(folder.parent_path(), others);  // stays when anything is in it
   }
@@ -80,7 +82,7 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
-  const auto made = written_aside(folder, work, [&] {
+  const auto made = written_aside(shop, folder, work, [&] {
     return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options, work.stop);
   });
   if (!made) return problem_of(made.error());
@@ -100,8 +102,9 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
   const auto& inputs = work.job.inputs();
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
-  const auto made = written_aside(
-      folder, work, [&] { return write(shop.results.folder(name), folder / output, options.value(), work.stop); });
+  const auto made = written_aside(shop, folder, work, [&] {
+    return write(shop.results.folder(name), folder / output, options.value(), work.stop);
+  });
   if (!made) return problem_of(made.error());
   auto written = written_files(folder);
   if (!written) return problem_of(written.error());
@@ -122,7 +125,7 @@ Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
   options.value().overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
   options.value().progress = percentage(work);
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
-  const auto exported = written_aside(folder, work, [&] {
+  const auto exported = written_aside(shop, folder, work, [&] {
     // A name without an ending is a folder of files.
     return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
                          work.stop);

@@ -79,6 +79,7 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
   // What an attempt before has left is begun anew.
   auto folder = ResultFolder::inspect(path, false, true);
   if (!folder) return problem_of(folder.error());
+  folder.value().lock_with(lock_of_unfinished(shop, work.stop));
   auto summary = write(shop, work, files.value(), options.value(), folder.value());
   if (!summary) {
     folder.value().abandon();

@@ -17,23 +17,23 @@ ENDED = ("successful", "failed", "dismissed")
 
 
 class Daemon:
-    """One process. `url` and `token` are what it prints."""
+    """One process. `url` and `token` are what it prints. `prefix`: of the command, which it must become."""
 
-    def __init__(self, data, *options, env=None, listen="127.0.0.1:0", inputs=IGN):
+    def __init__(self, data, *options, env=None, listen="127.0.0.1:0", inputs=IGN, prefix=()):
         clean = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
         self.log = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
-            [TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(inputs),
+            [*prefix, TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(inputs),
              *(() if "--memory" in options else ("--memory", "1G")), "--threads", "2", *map(str, options)],
             env=clean | (env or {}), text=True, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline()
         found = re.fullmatch(r"(http://127\.0\.0\.1:\d+/)\?token=(\S+)\n", line)
         if not found:
-            self.process.wait()
+            status = self.process.wait()
             self.process.stdout.close()
             said = self.messages()
             self.log.close()
-            raise AssertionError(f"{line!r} {said}")
+            raise AssertionError(f"{line!r} status {status} {said}")
         self.url, self.token = found[1], found[2]
         self.port = urllib.parse.urlsplit(self.url).port
 

@@ -95,6 +95,35 @@ class Faults(DaemonTest):
         self.tessera("verify", disk / "results/block")
 
     @TEMPORARY_DISK
+    def test_a_daemon_that_starts_on_a_full_disk_serves_and_removes_results(self):
+        disk = self.mount(64)
+        daemon = self.start()
+        for name in ("first", "second"):
+            self.successful(daemon, self.submit(daemon, "small", name))
+        daemon.end(signal.SIGKILL)
+        self.fill(disk)
+        daemon = self.start()  # what it needs of the disk it has kept for this
+        self.assertEqual(daemon.request("GET", "/v1/triangulations/first/files/manifest.json")[0], 200)
+        self.assertEqual(len(daemon.request("GET", "/v1/jobs")[2]["jobs"]), 2)
+        self.fill(disk)
+        status, _, problem = daemon.request("POST", "/v1/processes/triangulate/execution",
+                                            {"inputs": {"inputs": ["small.npy"]}})
+        self.assertEqual(status, 507, problem)
+        self.assertEqual(daemon.request("DELETE", "/v1/triangulations/first")[0], 204)
+        jobs = [job["jobID"] for job in daemon.request("GET", "/v1/jobs")[2]["jobs"]]
+        for job in jobs:
+            self.fill(disk)
+            self.assertEqual(daemon.request("DELETE", f"/v1/jobs/{job}")[0], 200)
+        daemon.end(signal.SIGKILL)
+        (disk / "filler").unlink()
+        daemon = self.start()
+        for job in jobs:
+            self.assertEqual(daemon.request("GET", f"/v1/jobs/{job}")[0], 410)
+        self.successful(daemon, self.submit(daemon, "small", "third"))
+        self.assertTrue((disk / "reserve").exists())
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+
+    @TEMPORARY_DISK
     def test_a_folder_that_cannot_be_written_is_refused_at_the_start_and_said_afterwards(self):
         disk = self.mount(256)
         daemon = self.start()

@@ -61,10 +61,10 @@ LockOwner of_a_dead_process() {
   return owner;
 }
 
-constexpr LockOptions with_flock{};
-constexpr LockOptions without_flock{.use_flock = false};
+const LockOptions with_flock{};
+const LockOptions without_flock{.use_flock = false};
 // Whoever is not seen to be alive counts as silent for too long.
-constexpr LockOptions impatient{.silence_max = -1h, .use_flock = false};
+const LockOptions impatient{.silence_max = -1h, .use_flock = false};
 
 TEST_F(Lock, IsOnesUntilItIsGivenUpWithOrWithoutFlock) {
   for (const auto& options : {with_flock, without_flock}) {
@@ -129,13 +129,86 @@ TEST_F(Lock, ThatIsLostIsToldAndItsNewOwnersIsLeftAlone) {
     EXPECT_TRUE(lock);
     const auto taken = lock_folder(folder()) / of_another_host().name();
     fs::rename(owner_file(), taken);
-    const Status held = check_held(lock.value().file());
-    EXPECT_EQ(held.error().code, Errc::io);
-    EXPECT_EQ(held.error().where,
-              folder().string() + ": was silent for so long that another process has taken its lock");
+    for (const Status& held : {check_held(lock.value().file()), lock.value().check(), lock.value().heard()}) {
+      EXPECT_EQ(held.error().code, Errc::io);
+      EXPECT_EQ(held.error().where, folder().string() +
+                                        ": was silent for so long that another process has taken its lock: process " +
+                                        std::to_string(::getpid()) + " on node-7");
+    }
     return taken;
   }();
   EXPECT_TRUE(fs::exists(file));
+}
+
+TEST_F(Lock, ThatIsLostIsToldOnceAndForEver) {
+  std::vector<std::string> told;
+  LockOptions options{.heartbeat = 1h, .use_flock = false};
+  options.lost = [&](const Error& why) { told.push_back(why.where); };
+  const auto lock = FolderLock::take(folder(), options);
+  ASSERT_TRUE(lock && lock.value().check() && told.empty());
+  const auto mine = owner_file(), taken = lock_folder(folder()) / of_another_host().name();
+  fs::rename(mine, taken);
+  EXPECT_FALSE(lock.value().check());
+  fs::rename(taken, mine);  // also if the other gives it back
+  EXPECT_FALSE(lock.value().check());
+  EXPECT_FALSE(lock.value().heard());
+  EXPECT_EQ(told.size(), 1u);
+}
+
+TEST_F(Lock, ThatIsLostIsNoticedByItsHeartbeat) {
+  std::atomic<bool> told = false;
+  LockOptions options{.heartbeat = 1ms};
+  options.lost = [&](const Error&) { told = true; };
+  const auto lock = FolderLock::take(folder(), options);
+  ASSERT_TRUE(lock);
+  fs::rename(owner_file(), lock_folder(folder()) / of_another_host().name());
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (!told && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
+  EXPECT_TRUE(told);
+}
+
+TEST_F(Lock, SaysWhatBecameOfIt) {
+  {
+    const auto lock = FolderLock::take(folder(), without_flock);
+    fs::remove_all(lock_folder(folder()));
+    EXPECT_EQ(lock.value().check().error().where, folder().string() + ": its lock was removed while it was in use");
+  }
+  const auto moved = folder().parent_path() / (folder().filename().string() + "-moved");
+  const auto lock = FolderLock::take(folder(), without_flock);
+  fs::rename(folder(), moved);
+  EXPECT_EQ(lock.value().check().error().where,
+            folder().string() + ": the folder was removed or renamed while it was in use");
+  fs::rename(moved, folder());
+}
+
+// As after a suspension in which nobody else wanted the lock: by what only its owner can do.
+TEST_F(Lock, OfAnOwnerThatWasSilentIsRenewedUnlessAnotherHasIt) {
+  const LockOptions always_silent{.heartbeat = 1h, .silence_max = -1h, .use_flock = false};
+  const auto lock = FolderLock::take(folder(), always_silent);
+  ASSERT_TRUE(lock);
+  const auto mine = owner_file();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(lock.value().check());
+  EXPECT_EQ(owner_file(), mine);
+  EXPECT_TRUE(check_held(lock.value().file()));
+  // In the middle of it the file has another name for a moment.
+  fs::rename(mine, mine.string() + "+");
+  EXPECT_TRUE(check_held(lock.value().file()));
+  fs::rename(mine.string() + "+", lock_folder(folder()) / of_another_host().name());
+  EXPECT_FALSE(lock.value().check());
+}
+
+TEST_F(Lock, IsWaitedForAsLongAsTheOtherWants) {
+  leave_lock_of(of_another_host());
+  int asked = 0;
+  LockOptions options{.use_flock = false};
+  options.locked = [&](const Error& why) {
+    EXPECT_NE(why.where.find("on node-7"), std::string::npos);
+    return ++asked < 3;
+  };
+  EXPECT_FALSE(FolderLock::take(folder(), options));
+  EXPECT_EQ(asked, 3);
+  options.locked = [&](const Error&) { return fs::remove_all(lock_folder(folder())) > 0; };
+  EXPECT_TRUE(FolderLock::take(folder(), options));
 }
 
 TEST_F(Lock, ThatIsAbandonedIsTakenByOneOfManyAtATime) {

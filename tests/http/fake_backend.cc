@@ -308,5 +308,6 @@ Backend::Figures FakeBackend::figures() const {
 }
 
 std::optional<std::string> FakeBackend::unready() const { return std::nullopt; }
+std::optional<std::string> FakeBackend::lost() const { return std::nullopt; }
 
 }  // namespace tessera

@@ -67,6 +67,7 @@ class FakeBackend final : public Backend {
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;
   std::optional<std::string> unready() const override;
+  std::optional<std::string> lost() const override;
 
  private:
   class Watcher;

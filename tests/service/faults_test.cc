@@ -141,6 +141,67 @@ TEST_F(Faults, AfterADeathJobsThatRanAreBegunAgainAloneSoThatNeighboursAreNotBla
   EXPECT_GE(status(third).started(), status(second).finished());
 }
 
+// Accepted is accepted: nobody hears that there is no such job, and what it has made stays.
+TEST_F(Faults, AJobWhoseRecordIsDamagedIsToldOfAndItsWorkIsKept) {
+  make_cloud("a.xyz", 500);
+  std::vector<std::string> told;
+  options.log = [&](const std::string& line) { told.push_back(line); };
+  options.retention_s = 1;
+  open();
+  const auto id = submit(triangulate("a.xyz", "a"));
+  ASSERT_EQ(ended(id).status(), "successful");
+  service.reset();
+  const auto good = content(record(id));
+  auto bogus = good;
+  bogus.replace(bogus.find("successful"), 10, "bogus-like");
+  const auto work = data() / "results" / (".unfinished-" + id) / "x";
+  for (const auto& damaged :
+       {std::string(), good.substr(0, good.size() / 2), bogus, std::string("{\"id\":\"other\"}")}) {
+    std::ofstream(record(id)) << damaged;
+    fs::create_directories(work.parent_path());
+    std::ofstream(work) << "x";
+    told.clear();
+    open();
+    const auto now = status(id);
+    EXPECT_EQ(now.status(), "failed");
+    EXPECT_FALSE(now.resumable());
+    EXPECT_NE(now.message().find("is not the record of a job"), std::string::npos) << now.message();
+    EXPECT_EQ(now.problem().cause(), static_cast<int>(Errc::corrupt));
+    EXPECT_EQ(told.size(), 1u);
+    EXPECT_FALSE(service->resume(id, admin));
+    service.reset();
+    EXPECT_EQ(content(record(id)), damaged);
+    EXPECT_TRUE(fs::exists(work));
+  }
+  open();
+  ASSERT_TRUE(service->dismiss(id, admin));  // an admin may forget it
+  EXPECT_EQ(service->job(id).error().status(), 410);
+  EXPECT_FALSE(fs::exists(work));
+  restart();
+  EXPECT_EQ(service->job(id).error().status(), 410);
+}
+
+// It is but a counter.
+TEST_F(Faults, NumbersOfEventsThatAreDamagedStopNothingAndGoOnBeyondAllBefore) {
+  make_cloud("a.xyz", 500);
+  std::vector<std::string> told;
+  options.log = [&](const std::string& line) { told.push_back(line); };
+  open();
+  service.reset();
+  for (const char* damaged : {"", "garbage", "-1", "99999999999999999999999"}) {
+    std::ofstream(event_numbers_file(data())) << damaged;
+    told.clear();
+    open();
+    EXPECT_EQ(told.size(), 1u) << damaged;
+    std::uint64_t number = 0;
+    const auto handle = service->subscribe("", 0, [&](const auto& event) { number = event->id(); });
+    ended(submit(triangulate("a.xyz")));
+    service.reset();
+    EXPECT_GT(number, 1'000'000'000'000u);
+    EXPECT_LT(number, std::uint64_t{1} << 53);
+  }
+}
+
 TEST_F(Faults, RetentionForgetsWhatEndedLongAgoAndNeverAResult) {
   make_cloud("a.xyz", 500);
   std::ofstream(inputs() / "bad.xyz") << "1 2 3\n4 5 6\n7 8 9\n1 2 nan\n";

@@ -299,7 +299,8 @@ TEST_F(Jobs, ASecondServiceHasNoPlaceInTheFolder) {
   open();
   const auto second = Service::open(options);
   ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().code, Errc::usage);
+  EXPECT_EQ(second.error().code, Errc::io);  // to be tried again, unlike what is wrong with options
+  EXPECT_NE(second.error().where.find("another tessera is at work in it: process "), std::string::npos);
 }
 
 TEST_F(Jobs, WhatIsNotOursInTheDataFolderStays) {
@@ -318,7 +319,7 @@ TEST_F(Jobs, WhatIsNotOursInTheDataFolderStays) {
   make_cloud("a.xyz", 500);
   open();
   ended(submit(triangulate("a.xyz", "a")));
-  EXPECT_EQ(service->jobs({}).value().number_matched(), 1);
+  EXPECT_EQ(service->jobs({}).value().number_matched(), 2);
   ASSERT_TRUE(service->remove_triangulation("a", admin));
   EXPECT_EQ(service->remove_triangulation("mine", admin).error().status(), 404);
   restart();

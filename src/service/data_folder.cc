@@ -1,0 +1,74 @@
+#include "src/service/data_folder.h"
+
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "src/base/random.h"
+#include "src/files/names.h"
+#include "src/files/there.h"
+#include "src/files/whole_file.h"
+#include "src/run/terms.h"
+#include "src/service/costs.h"
+#include "src/service/data_format.h"
+#include "src/service/service.h"
+
+namespace tessera {
+namespace {
+
+// Of these folders of earlier daemons some stay, so that none that is slow claims a term twice.
+constexpr std::uint64_t terms_kept = 100;
+
+// A file that only takes room: a daemon that starts on a full disk has that much for a lock, a term and records, and
+// can serve results and be asked to remove some.
+constexpr std::uint64_t reserve_bytes = std::uint64_t{1} << 20;
+
+Status give_back_reserve(const std::filesystem::path& data) {
+  if (free_bytes(data) >= reserve_bytes) return success();
+  return remove_file(data_reserve_file(data));
+}
+
+// Once there is room again. Without it all goes on.
+void keep_reserve(const std::filesystem::path& data) {
+  const auto there = is_there(data_reserve_file(data));
+  if (!there || there.value() || free_bytes(data) < 4 * reserve_bytes) return;
+  std::string bytes(reserve_bytes, '\0');  // that no file system makes smaller
+  for (std::size_t i = 0; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
+    const std::uint64_t mixed = mixed_bits(i);
+    std::memcpy(bytes.data() + i, &mixed, sizeof mixed);
+  }
+  static_cast<void>(write_whole(data_reserve_file(data), bytes));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& options) {
+  BOOST_OUTCOME_TRYV(make_directories(options.data));
+  BOOST_OUTCOME_TRYV(give_back_reserve(options.data));
+  const LockOptions how{.heartbeat = options.data_lease / 12,
+                        .silence_max = options.data_lease,
+                        .lost = options.lost,
+                        .locked = options.locked};
+  auto lock = FolderLock::take(options.data, how);
+  // Not usage: it ends by itself, so that to try again is right.
+  if (!lock) return error(lock.error().code == Errc::usage ? Errc::io : lock.error().code, lock.error().where);
+  std::unique_ptr<DataFolder> held(new DataFolder(std::move(lock).value()));
+  BOOST_OUTCOME_TRYV(check_data_format(options.data));
+  BOOST_OUTCOME_TRY(term, claim_term(options.data));
+  forget_terms(options.data, term < terms_kept ? 0 : term - terms_kept);
+  BOOST_OUTCOME_TRYV(make_directories(jobs_folder(options.data)));
+  const auto lay = [&](const std::filesystem::path& area, std::unique_ptr<Desk>& desk) -> Status {
+    BOOST_OUTCOME_TRYV(make_directories(area));
+    BOOST_OUTCOME_TRY(laid, Desk::lay(area, term, [held = held.get()] { return held->still_ours(); }));
+    desk = std::move(laid);
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(lay(options.data, held->jobs_));
+  BOOST_OUTCOME_TRYV(lay(results_folder(options.data), held->results_));
+  BOOST_OUTCOME_TRYV(lay(uploads_folder(options.data), held->uploads_));
+  keep_reserve(options.data);
+  return held;
+}
+
+}  // namespace tessera
