@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "src/base/printable.h"
 #include "src/crs/crs.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -27,11 +28,12 @@ Result<std::string> parse_crs(const std::string& text) {
                                     (there ? "" : "; as a file: " + there.error().where));
     BOOST_OUTCOME_TRY(content, read_whole(crs));
     crs = trimmed(as_text(content));
-    if (!looks_like_crs(crs))
-      return error(Errc::usage, "'" + text + "' is a file, but what it holds is neither WKT nor EPSG:n");
+    if (const auto checked = check_crs(crs); !checked)
+      return error(Errc::usage, in_quotes(text) + ", a file: " + checked.error().where);
+    return crs;
   }
   if (const auto understood = check_crs(crs); !understood)
-    return error(Errc::usage, "'" + text + "': " + understood.error().where);
+    return error(Errc::usage, in_quotes(text) + " is no file: " + understood.error().where);
   return crs;
 }
 
