@@ -13,7 +13,7 @@ build=(
   libprotobuf-dev protobuf-compiler
   libhdf5-dev zlib1g-dev libzstd-dev libxxhash-dev  # result files, compressed input
   libmeshoptimizer-dev                      # surfaces for viewers
-  libgdal-dev                               # GeoPackage, coordinate systems
+  libgdal-dev libproj-dev                   # GeoPackage, coordinate systems
   libcli11-dev libtomlplusplus-dev libspdlog-dev libfmt-dev nlohmann-json3-dev
   robin-map-dev libssl-dev libsystemd-dev prometheus-cpp-dev
   libgtest-dev python3 python3-numpy
@@ -28,6 +28,7 @@ test=(
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
+  strace                                    # shows what is opened
   spin                                      # searches the models of the cluster
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )

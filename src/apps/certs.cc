@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/certs/certificates.h"
 #include "src/files/names.h"
@@ -38,10 +39,10 @@ Status make_cluster(const fs::path& folder, const CertificateOptions& options, c
                      {"key", key.string()},
                      {"valid_until", date_text(until)}});
   } else if (!output.quiet) {
-    std::printf("%s: the authority of the cluster %s, valid until %s\n", file.c_str(), options.cluster.c_str(),
-                date_text(until).c_str());
-    std::printf("%s: its key; whoever has it can make nodes of this cluster: keep it here\n", key.c_str());
-    std::printf("next: tessera certs node %s NAME ...\n", folder.c_str());
+    say("%s: the authority of the cluster %s, valid until %s\n", file.c_str(), options.cluster.c_str(),
+        date_text(until).c_str());
+    say("%s: its key; whoever has it can make nodes of this cluster: keep it here\n", key.c_str());
+    say("next: tessera certs node %s NAME ...\n", folder.c_str());
   }
   return success();
 }
@@ -65,13 +66,12 @@ Status make_nodes(const fs::path& folder, const std::vector<std::string>& nodes,
                        {"key", key.string()},
                        {"valid_until", date_text(until)}});
     } else if (!output.quiet) {
-      std::printf("%s, %s: the node %s, valid until %s\n", file.c_str(), key.c_str(), node.c_str(),
-                  date_text(until).c_str());
+      say("%s, %s: the node %s, valid until %s\n", file.c_str(), key.c_str(), node.c_str(), date_text(until).c_str());
     }
   }
   if (!output.json && !output.quiet)
-    std::printf("copy %s and the two files of a node to a folder of that node; %s stays here\n",
-                authority_file(folder).c_str(), authority_key_file(folder).c_str());
+    say("copy %s and the two files of a node to a folder of that node; %s stays here\n", authority_file(folder).c_str(),
+        authority_key_file(folder).c_str());
   return success();
 }
 

@@ -19,6 +19,7 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
 #include "src/apps/local_cluster.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/files/folder_lock.h"
 #include "src/files/names.h"
@@ -175,13 +176,13 @@ Status run_up(Settings& settings, const fs::path& folder, const OutputOptions& o
                      {"nodes", cluster.nodes.size()},
                      {"logs", local_logs_folder(folder).string()}});
   } else if (!output.quiet) {
-    std::printf("%zu nodes are ready at %s; their logs: %s\n", cluster.nodes.size(), cluster.url().c_str(),
-                local_logs_folder(folder).c_str());
-    std::printf("next:\n  export TESSERA_SERVER=%s TESSERA_TOKEN_FILE='%s'\n", cluster.url().c_str(), token.c_str());
-    std::printf("  tessera triangulate '*.las' -o block     files below %s\n",
-                cluster.inputs.empty() ? "no folder" : cluster.inputs.front().c_str());
-    std::printf("  tessera cluster kill '%s' %zu; tessera cluster down '%s'\n", folder.c_str(), cluster.nodes.size(),
-                folder.c_str());
+    say("%zu nodes are ready at %s; their logs: %s\n", cluster.nodes.size(), cluster.url().c_str(),
+        local_logs_folder(folder).c_str());
+    say("next:\n  export TESSERA_SERVER=%s TESSERA_TOKEN_FILE='%s'\n", cluster.url().c_str(), token.c_str());
+    say("  tessera triangulate '*.las' -o block     files below %s\n",
+        cluster.inputs.empty() ? "no folder" : cluster.inputs.front().c_str());
+    say("  tessera cluster kill '%s' %zu; tessera cluster down '%s'\n", folder.c_str(), cluster.nodes.size(),
+        folder.c_str());
   }
   return success();
 }
@@ -215,8 +216,8 @@ Status run_status(const fs::path& folder, const OutputOptions& output) {
   if (output.json) {
     for (const LocalNodeState& state : states) print_json_line(local_node_json(state));
   } else if (!output.quiet) {
-    std::fputs(local_nodes_text(states).c_str(), stdout);
-    std::printf("%s\n", cluster.url().c_str());
+    say("%s", local_nodes_text(states).c_str());
+    say("%s\n", cluster.url().c_str());
   }
   if (!trouble.empty()) return error(Errc::io, "its coordinator runs, but does not answer: " + trouble);
   return success();
@@ -236,8 +237,8 @@ Status run_kill(const fs::path& folder, const std::string& number, const OutputO
   if (output.json) {
     print_json_line({{"event", "killed"}, {"name", node.name}, {"pid", node.process.number}});
   } else if (!output.quiet) {
-    std::printf("%s, process %d, is killed; 'tessera cluster up %s' starts it again\n", node.name.c_str(),
-                static_cast<int>(node.process.number), folder.c_str());
+    say("%s, process %d, is killed; 'tessera cluster up %s' starts it again\n", node.name.c_str(),
+        static_cast<int>(node.process.number), folder.c_str());
   }
   return success();
 }
@@ -276,8 +277,8 @@ Status run_down(const fs::path& folder, const OutputOptions& output) {
   if (output.json) {
     print_json_line({{"event", "down"}, {"ended", ended}, {"killed", killed}});
   } else if (!output.quiet) {
-    std::printf("%zu processes have ended%s; jobs and results stay in %s\n", ended,
-                killed > 0 ? (", " + std::to_string(killed) + " of them killed").c_str() : "", folder.c_str());
+    say("%zu processes have ended%s; jobs and results stay in %s\n", ended,
+        killed > 0 ? (", " + std::to_string(killed) + " of them killed").c_str() : "", folder.c_str());
   }
   return success();
 }

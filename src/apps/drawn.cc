@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/apps/say.h"
 #include "src/apps/words.h"
 #include "src/base/option.h"
 #include "src/report/human.h"
@@ -60,8 +61,8 @@ Contours contours_of(const Json& outcome) {
 }
 
 void print_rest(std::uint64_t left_out, const std::string& note) {
-  if (left_out > 0) std::printf("%s cells with longer edges are left out\n", grouped(left_out).c_str());
-  if (!note.empty()) std::fprintf(stderr, "note: %s\n", note.c_str());
+  if (left_out > 0) say("%s cells with longer edges are left out\n", grouped(left_out).c_str());
+  if (!note.empty()) say_beside("note: %s\n", note.c_str());
 }
 
 }  // namespace
@@ -72,12 +73,11 @@ void print_drawn(const RegionSummary& region, const OutputOptions& output) {
     return;
   }
   if (!output.quiet) {
-    std::fputs(region_text(region).c_str(), stdout);
-    for (const auto& warning : region.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+    say("%s", region_text(region).c_str());
+    for (const auto& warning : region.warnings) say_beside("warning: %s\n", warning.c_str());
   }
   // A daemon has it in the job's log.
-  if (!region.complete && !region.needed.empty())
-    std::fprintf(stderr, "note: %s\n", render(region.needed, flag_name).c_str());
+  if (!region.complete && !region.needed.empty()) say_beside("note: %s\n", render(region.needed, flag_name).c_str());
 }
 
 void print_drawn(const Dem& dem, const OutputOptions& output) {
@@ -85,10 +85,9 @@ void print_drawn(const Dem& dem, const OutputOptions& output) {
     std::printf("%s\n", to_json(dem).c_str());
   } else if (!output.quiet) {
     const auto all = static_cast<std::uint64_t>(dem.width) * static_cast<std::uint64_t>(dem.height);
-    std::printf("%s: %s x %s pixels, %s of them without a value, %s\n", dem.path.c_str(),
-                grouped(static_cast<std::uint64_t>(dem.width)).c_str(),
-                grouped(static_cast<std::uint64_t>(dem.height)).c_str(), grouped(all - dem.pixels).c_str(),
-                human_bytes(dem.bytes).c_str());
+    say("%s: %s x %s pixels, %s of them without a value, %s\n", dem.path.c_str(),
+        grouped(static_cast<std::uint64_t>(dem.width)).c_str(), grouped(static_cast<std::uint64_t>(dem.height)).c_str(),
+        grouped(all - dem.pixels).c_str(), human_bytes(dem.bytes).c_str());
     print_rest(dem.left_out, dem.note);
   }
 }
@@ -97,9 +96,9 @@ void print_drawn(const Contours& contours, const OutputOptions& output) {
   if (output.json) {
     std::printf("%s\n", to_json(contours).c_str());
   } else if (!output.quiet) {
-    std::printf("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
-                grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
-                grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
+    say("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
+        grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
+        grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
     print_rest(contours.left_out, contours.note);
   }
 }

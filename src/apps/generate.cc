@@ -1,5 +1,6 @@
 // tessera generate: made-up clouds.
 #include "src/generate/generate.h"
+#include "src/apps/say.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -58,7 +59,7 @@ Status run_generate(Settings& settings, const std::string& kind) {
         {"event", "generated"}, {"output", target.string()}, {"points", options.points}, {"bytes", bytes}};
     std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
   } else if (!output.quiet) {
-    std::printf("%s: %s points, %s\n", target.c_str(), grouped(options.points).c_str(), human_bytes(bytes).c_str());
+    say("%s: %s points, %s\n", target.c_str(), grouped(options.points).c_str(), human_bytes(bytes).c_str());
   }
   return success();
 }

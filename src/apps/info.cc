@@ -6,6 +6,7 @@
 
 #include "src/apps/command.h"
 #include "src/apps/remote_result.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
 #include "src/apps/words.h"
@@ -26,7 +27,7 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
   how.statistics = statistics;
   const auto described = describe(what, std::move(options), how);
-  std::fputs(described.text.c_str(), stdout);
+  say_whole(described.text, json);
   if (described.error) return *described.error;
   return success();
 }

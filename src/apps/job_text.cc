@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -13,7 +14,9 @@ namespace {
 using Row = std::vector<std::string>;
 
 // Columns as wide as they must be, two spaces apart.
-std::string table(const std::vector<Row>& rows) {
+std::string table(std::vector<Row> rows) {
+  for (auto& row : rows)
+    for (auto& cell : row) cell = printable(cell);
   std::vector<std::size_t> widths(rows.front().size());
   for (const auto& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
@@ -68,7 +71,8 @@ std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
   }
   std::string text = table(rows);
   for (const auto& node : nodes) {
-    if (!node.last_words().empty()) text += node.name() + ": the process before this one " + node.last_words() + "\n";
+    if (!node.last_words().empty())
+      text += printable(node.name() + ": the process before this one " + node.last_words()) + "\n";
   }
   return text;
 }
@@ -93,7 +97,7 @@ std::string job_text(const proto::StatusInfo& job) {
   const auto line = [&](std::string name, const std::string& value) {
     if (value.empty()) return;
     name.resize(14, ' ');
-    text += name + value + "\n";
+    text += name + printable(value) + "\n";
   };
   line("job", job.job_id());
   line("process", job.process_id());

@@ -10,6 +10,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/apps/watching.h"
 #include "src/job/arguments.h"
@@ -28,7 +29,7 @@ Status run_jobs(Settings& settings) {
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(jobs, server.jobs(state.value_or(std::vector<std::string>{}),
                                       static_cast<std::size_t>(limit.value_or(100)), interrupt.token()));
-  if (!json) std::fputs(jobs_text(jobs).c_str(), stdout);
+  if (!json) say("%s", jobs_text(jobs).c_str());
   if (json) {
     for (const auto& job : jobs) print_json_line(job_json(job));
   }
@@ -44,7 +45,7 @@ Status run_job(Settings& settings, const std::string& id) {
   if (json) {
     print_json_line(job_json(job));
   } else {
-    std::fputs(job_text(job).c_str(), stdout);
+    say("%s", job_text(job).c_str());
   }
   return success();
 }
@@ -61,7 +62,7 @@ Status run_cancel(Settings& settings, const std::string& id) {
   if (output.json) {
     print_json_line(job_json(cancelled));
   } else if (!output.quiet) {
-    std::printf("job %s is cancelled; %s goes on with it\n", id.c_str(), command_for(settings, "resume", id).c_str());
+    say("job %s is cancelled; %s goes on with it\n", id.c_str(), command_for(settings, "resume", id).c_str());
   }
   return success();
 }

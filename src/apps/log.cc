@@ -3,6 +3,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "src/base/printable.h"
+
 namespace tessera {
 
 void start_log() {
@@ -14,6 +16,6 @@ void start_log() {
 
 void log_everything() { spdlog::set_level(spdlog::level::debug); }
 
-void log_debug(const std::string& message) { spdlog::debug("{}", message); }
+void log_debug(const std::string& message) { spdlog::debug("{}", printable(message)); }
 
 }  // namespace tessera

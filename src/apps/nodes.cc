@@ -9,6 +9,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/job_text.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 
 namespace tessera {
@@ -19,7 +20,7 @@ Status run_nodes(Settings& settings) {
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(nodes, server.nodes(interrupt.token()));
-  if (!json) std::fputs(nodes_text(nodes).c_str(), stdout);
+  if (!json) say("%s", nodes_text(nodes).c_str());
   if (json) {
     for (const auto& node : nodes) print_json_line(node_json(node));
   }
@@ -35,8 +36,8 @@ Status run_drain(Settings& settings, const std::string& name) {
   if (output.json) {
     print_json_line(node_json(node));
   } else if (!output.quiet) {
-    std::printf("node %s takes no more work, and its tiles go to others; %s\n", name.c_str(),
-                node.coordinator() ? "its process goes on as the coordinator" : "its process ends");
+    say("node %s takes no more work, and its tiles go to others; %s\n", name.c_str(),
+        node.coordinator() ? "its process goes on as the coordinator" : "its process ends");
   }
   return success();
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/report/human.h"
 
@@ -32,10 +33,10 @@ void print_verified(const std::string& result, const VerifyReport& report, const
   if (output.json) {
     std::printf("%s\n", to_json(report, result).c_str());
   } else if (!output.quiet) {
-    for (const auto& line : report.passed) std::printf("ok  %s\n", line.c_str());
-    std::printf("%s is the Delaunay triangulation of its %s vertices: %s cells, %s facets, %s of them on the hull\n",
-                result.c_str(), grouped(report.vertices).c_str(), grouped(report.cells).c_str(),
-                grouped(report.facets).c_str(), grouped(report.hull_facets).c_str());
+    for (const auto& line : report.passed) say("ok  %s\n", line.c_str());
+    say("%s is the Delaunay triangulation of its %s vertices: %s cells, %s facets, %s of them on the hull\n",
+        result.c_str(), grouped(report.vertices).c_str(), grouped(report.cells).c_str(), grouped(report.facets).c_str(),
+        grouped(report.hull_facets).c_str());
   }
 }
 
@@ -43,13 +44,12 @@ void print_exported(const Exported& exported, const std::optional<std::string>& 
   if (output.json) {
     std::printf("%s\n", to_json(exported, exported.path.string()).c_str());
   } else if (!output.quiet) {
-    std::printf("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
-                grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
+    say("%s: %s vertices, %s cells, %s\n", exported.path.c_str(), grouped(exported.vertices).c_str(),
+        grouped(exported.cells).c_str(), human_bytes(exported.bytes).c_str());
     if (max_edge) {
-      std::printf("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(),
-                  max_edge->c_str());
+      say("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(), max_edge->c_str());
     }
-    if (!exported.note.empty()) std::fprintf(stderr, "note: %s\n", exported.note.c_str());
+    if (!exported.note.empty()) say_beside("note: %s\n", exported.note.c_str());
   }
 }
 

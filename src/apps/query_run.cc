@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "src/apps/outcome.h"
+#include "src/apps/say.h"
 #include "src/base/option.h"
+#include "src/base/printable.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/arguments.h"
 #include "src/query/answer_text.h"
@@ -63,7 +65,8 @@ Status query_locate(QueryRequest& request) {
       details = std::move(found);
     }
     const auto final = result.manifest().region ? std::optional(cells[0].final) : std::nullopt;
-    return print(request.output.json ? json_of(p, dimension, details, final) : text_of(p, dimension, details, final));
+    return print(request.output.json ? json_of(p, dimension, details, final)
+                                     : printable_lines(text_of(p, dimension, details, final)));
   }
   request.answers.dimension = dimension;
   request.answers.final = result.manifest().region.has_value();
@@ -84,7 +87,8 @@ Status query_star(const QueryRequest& request) {
   BOOST_OUTCOME_TRY(star, result.star(asked, request.tile, request.ask));
   const int dimension = result.manifest().dimension;
   const bool part = result.manifest().region.has_value();
-  return print(request.output.json ? json_of(asked, dimension, star, part) : text_of(asked, dimension, star, part));
+  return print(request.output.json ? json_of(asked, dimension, star, part)
+                                   : printable_lines(text_of(asked, dimension, star, part)));
 }
 
 Status query_cells(const QueryRequest& request) {
@@ -115,7 +119,7 @@ Status query_cells(const QueryRequest& request) {
                                            request.cells, request.ask.stop));
   print_exported(exported, std::nullopt, request.output);
   if (!set.final && !request.output.json && !request.output.quiet)
-    std::fprintf(stderr, "note: the region does not know all cells of this place; these are those it has\n");
+    say_beside("note: the region does not know all cells of this place; these are those it has\n");
   return success();
 }
 

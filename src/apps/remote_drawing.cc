@@ -10,6 +10,7 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_inputs.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/apps/watching.h"
 #include "src/base/option.h"
@@ -124,8 +125,7 @@ Status draw_remotely(Settings& settings, const std::string& process, const std::
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), made, interrupt.token());
   if (!removed)
-    std::fprintf(stderr, "note: the file stays at the daemon, too: %s\n",
-                 in_plain_words(removed.error().where).c_str());
+    say_beside("note: the file stays at the daemon, too: %s\n", in_plain_words(removed.error().where).c_str());
   return success();
 }
 

@@ -9,6 +9,7 @@
 #include "src/apps/outcome.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_inputs.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/apps/watching.h"
 #include "src/base/option.h"
@@ -111,8 +112,7 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), file.string(), interrupt.token());
   if (!removed)
-    std::fprintf(stderr, "note: the export stays at the daemon, too: %s\n",
-                 in_plain_words(removed.error().where).c_str());
+    say_beside("note: the export stays at the daemon, too: %s\n", in_plain_words(removed.error().where).c_str());
   return success();
 }
 
@@ -152,7 +152,7 @@ Status info_remotely(Settings& settings, const std::vector<std::string>& what, b
   }
   const auto text = description_text(described);
   if (!text) return no_json(server);
-  std::fputs(text->c_str(), stdout);
+  say_whole(*text, false);
   return success();
 }
 

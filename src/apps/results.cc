@@ -15,6 +15,7 @@
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_drawing.h"
 #include "src/apps/remote_result.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/client/fetch.h"
 #include "src/files/there.h"
@@ -28,7 +29,7 @@ Status run_results(Settings& settings) {
   BOOST_OUTCOME_TRY(server, open_server(settings));
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(results, server.triangulations(interrupt.token()));
-  if (!json) std::fputs(results_text(results).c_str(), stdout);
+  if (!json) say("%s", results_text(results).c_str());
   if (json) {
     for (const auto& result : results) print_json_line(result_json(result));
   }
@@ -91,8 +92,8 @@ Status run_fetch(Settings& settings, const std::string& name) {
                      {"cells", fetched.cells},
                      {"tiles", fetched.tiles}});
   } else if (!output.quiet) {
-    std::printf("%s: %s vertices, %s cells, %s tiles, %s\n", folder.c_str(), grouped(fetched.vertices).c_str(),
-                grouped(fetched.cells).c_str(), grouped(fetched.tiles).c_str(), human_bytes(fetched.bytes).c_str());
+    say("%s: %s vertices, %s cells, %s tiles, %s\n", folder.c_str(), grouped(fetched.vertices).c_str(),
+        grouped(fetched.cells).c_str(), grouped(fetched.tiles).c_str(), human_bytes(fetched.bytes).c_str());
   }
   return success();
 }

@@ -20,26 +20,20 @@
 #include "src/apps/commands.h"
 #include "src/apps/help.h"
 #include "src/apps/log.h"
+#include "src/apps/say.h"
 #include "src/apps/settings.h"
 #include "src/apps/words.h"
 #include "src/base/option.h"
+#include "src/base/printable.h"
 #include "src/base/result.h"
 
 namespace tessera {
 namespace {
 
-// A sentence is one line, whatever names of files and options are in it.
-std::string one_line(std::string text) {
-  for (auto& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-  }
-  while (!text.empty() && text.back() == ' ') text.pop_back();
-  return text;
-}
-
 int fail(const Error& error, bool json) {
-  const auto sentence = one_line(render(error.where, flag_name));
-  std::fprintf(stderr, "tessera: %s\n", sentence.c_str());
+  auto sentence = printable(render(error.where, flag_name));
+  sentence.erase(sentence.find_last_not_of(' ') + 1);
+  say_beside("tessera: %s\n", sentence.c_str());
   if (json) {
     const nlohmann::ordered_json object{{"event", "error"},
                                         {"status", static_cast<int>(error.code)},

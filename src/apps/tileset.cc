@@ -1,5 +1,6 @@
 // tessera tileset: a 2D result for 3D viewers.
 #include "src/tileset/tileset.h"
+#include "src/apps/say.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -23,10 +24,9 @@ void print(const Tileset& made, const OutputOptions& output) {
   if (output.json) {
     std::printf("%s\n", to_json(made).c_str());
   } else if (!output.quiet) {
-    std::printf("%s: %s triangles in %s leaves, %s nodes in all, %s\n", made.path.c_str(),
-                grouped(made.triangles).c_str(), grouped(made.leaves).c_str(), grouped(made.nodes).c_str(),
-                human_bytes(made.bytes).c_str());
-    if (made.left_out > 0) std::printf("%s cells with longer edges are left out\n", grouped(made.left_out).c_str());
+    say("%s: %s triangles in %s leaves, %s nodes in all, %s\n", made.path.c_str(), grouped(made.triangles).c_str(),
+        grouped(made.leaves).c_str(), grouped(made.nodes).c_str(), human_bytes(made.bytes).c_str());
+    if (made.left_out > 0) say("%s cells with longer edges are left out\n", grouped(made.left_out).c_str());
   }
 }
 

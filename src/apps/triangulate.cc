@@ -14,6 +14,7 @@
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
 #include "src/apps/remote_triangulate.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/apps/triangulate_options.h"
 #include "src/apps/watching.h"
@@ -66,11 +67,11 @@ Status run_triangulate(TriangulateOptions options) {
   }
   if (options.output.quiet) return success();
   if (!summary.value()) {
-    std::fputs(already_finished(folder.path(), options.output.json).c_str(), stdout);
+    say_whole(already_finished(folder.path(), options.output.json), options.output.json);
     return success();
   }
   const JobSummary& figures = *summary.value();
-  std::fputs(options.output.json ? (summary_json(figures) + "\n").c_str() : summary_text(figures).c_str(), stdout);
+  say_whole(options.output.json ? summary_json(figures) + "\n" : summary_text(figures), options.output.json);
   return success();
 }
 

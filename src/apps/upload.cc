@@ -1,5 +1,6 @@
 // tessera upload: files here, as inputs for jobs of a daemon.
 #include "src/client/upload.h"
+#include "src/apps/say.h"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -60,7 +61,7 @@ Status run_upload(Settings& settings, const std::vector<std::string>& files) {
     if (output.json) {
       print_json_line({{"event", "uploaded"}, {"input", input}, {"bytes", sent.value()}});
     } else if (!output.quiet) {
-      std::printf("%s: %s\n", input.c_str(), human_bytes(sent.value()).c_str());
+      say("%s: %s\n", input.c_str(), human_bytes(sent.value()).c_str());
     }
   }
   return success();

@@ -13,6 +13,7 @@
 #include "src/apps/job_text.h"
 #include "src/apps/log.h"
 #include "src/apps/outcome.h"
+#include "src/apps/say.h"
 #include "src/apps/server_options.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
@@ -78,7 +79,7 @@ class Watch {
       print_json_line(job_json(job));
       std::fflush(stdout);
     } else if (!output_.quiet && job.status() == "accepted") {
-      std::fprintf(stderr, "job %s waits for its turn\n", job.job_id().c_str());
+      say_beside("job %s waits for its turn\n", job.job_id().c_str());
     }
   }
 
@@ -92,7 +93,7 @@ Status show_summary(Server& server, const proto::StatusInfo& job, const OutputOp
                     const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(manifest, fetch_manifest(server, job.triangulation(), stop));
   const auto summary = summary_of(manifest, job.triangulation());
-  std::fputs(output.json ? (summary_json(summary) + "\n").c_str() : summary_text(summary).c_str(), stdout);
+  say_whole(output.json ? summary_json(summary) + "\n" : summary_text(summary), output.json);
   return success();
 }
 
@@ -114,9 +115,9 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
   } else if (exported) {
     print_exported(*exported, std::nullopt, output);
   } else if (described) {
-    std::fputs(described->c_str(), stdout);
+    say_whole(*described, false);
   } else {
-    std::printf("job %s: %s: %s\n", job.job_id().c_str(), job.status().c_str(), job.message().c_str());
+    say("job %s: %s: %s\n", job.job_id().c_str(), job.status().c_str(), job.message().c_str());
   }
   return success();
 }
@@ -151,11 +152,10 @@ void print_detached(const Settings& settings, const proto::StatusInfo& job, cons
   if (output.json) {
     print_json_line(job_json(job));
   } else if (output.quiet) {
-    std::printf("%s\n", job.job_id().c_str());
+    say("%s\n", job.job_id().c_str());
   } else {
-    std::printf("job %s is %s; %s shows it, %s stops it\n", job.job_id().c_str(), job.status().c_str(),
-                command_for(settings, "watch", job.job_id()).c_str(),
-                command_for(settings, "cancel", job.job_id()).c_str());
+    say("job %s is %s; %s shows it, %s stops it\n", job.job_id().c_str(), job.status().c_str(),
+        command_for(settings, "watch", job.job_id()).c_str(), command_for(settings, "cancel", job.job_id()).c_str());
   }
 }
 
@@ -164,7 +164,7 @@ Result<proto::StatusInfo> await_job(Server& server, const Settings& settings, co
   Watch watch(output);
   const auto on_gone = [&](const std::string& why) {
     watch.pause();
-    if (!output.quiet) std::fprintf(stderr, "%s; the job is waited for\n", why.c_str());
+    if (!output.quiet) say_beside("%s; the job is waited for\n", why.c_str());
   };
   const auto watched = server.events(
       id, [&](const proto::Event& event) { return watch.take(event); }, on_gone, stop);

@@ -1,10 +1,12 @@
 #include "src/crs/crs.h"
 
+#include <charconv>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "src/crs/gdal_library.h"
+#include "src/crs/wkt.h"
 
 namespace tessera {
 
@@ -56,15 +58,25 @@ std::optional<Understood> understand(const std::string& crs) {
 
 }  // namespace
 
-bool looks_like_crs(const std::string& text) {
-  const auto all = [](std::string_view part, const char* characters) {
-    return !part.empty() && part.find_first_not_of(characters) == std::string_view::npos;
-  };
+std::optional<int> code_in(const std::string& text) {
   constexpr std::string_view epsg = "EPSG:";
-  if (text.starts_with(epsg)) return all(std::string_view(text).substr(epsg.size()), "0123456789");
-  const auto keyword = std::string_view(text).substr(0, text.find_first_of("[("));
-  return keyword.size() < text.size() && all(keyword, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_ \t\r\n");
+  if (!text.starts_with(epsg)) return std::nullopt;
+  int code = 0;
+  const char *begin = text.data() + epsg.size(), *end = text.data() + text.size();
+  const auto [at, problem] = std::from_chars(begin, end, code);
+  return problem == std::errc() && at == end && *begin != '-' ? std::optional(code) : std::nullopt;
 }
+
+Status check_crs_text(const std::string& text) {
+  if (code_in(text)) return success();
+  if (const auto wkt = check_wkt(text); !wkt)
+    return error(Errc::bad_input, "is neither EPSG:n nor WKT (" + wkt.error().where + ")");
+  return success();
+}
+
+bool looks_like_crs(const std::string& text) { return check_crs_text(text).has_value(); }
+
+std::string crs_or_none(const std::string& crs) { return looks_like_crs(crs) ? crs : ""; }
 
 Result<std::string> crs_name_or_wkt(const std::string& crs) {
   if (crs.empty()) return undefined_crs;
@@ -82,9 +94,10 @@ Result<std::string> crs_name_or_wkt(const std::string& crs) {
 }
 
 std::string crs_note(const std::string& crs) {
-  if (looks_like_crs(crs)) return {};
-  return std::string(crs.empty() ? "the result has no coordinate system"
-                                 : "the result's coordinate system is neither WKT nor EPSG:n") +
+  const auto checked = check_crs_text(crs);
+  if (checked) return {};
+  return (crs.empty() ? "the result has no coordinate system"
+                      : "the result's coordinate system " + checked.error().where) +
          ", and the file says that there is none: programs cannot place it on a map";
 }
 
@@ -141,7 +154,8 @@ bool same_crs(const std::string& a, const std::string& b) {
 }
 
 Status check_crs(const std::string& crs) {
-  if (!looks_like_crs(crs)) return error(Errc::bad_input, "'" + crs + "' is neither WKT nor EPSG:n");
+  if (const auto checked = check_crs_text(crs); !checked)
+    return error(Errc::bad_input, "the coordinate system " + checked.error().where);
   const auto gdal = gdal_library();
   if (!gdal) return success();
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal.value(), crs));

@@ -1,6 +1,7 @@
 // Coordinate systems, as inputs and manifests have them: WKT, "EPSG:n", or nothing. What they mean is asked of GDAL.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "src/base/result.h"
@@ -10,9 +11,16 @@ namespace tessera {
 // What GDAL and QGIS take for "nobody knows": without it GeoJSON would count as longitude and latitude.
 inline constexpr const char* undefined_crs = "LOCAL_CS[\"Undefined Cartesian SRS\"]";
 
-// Whether a text is "EPSG:n", or WKT by its looks. Input files may say anything, and other texts GDAL takes for names
-// of files or addresses on the net, which it opens: here, and in programs that open our files.
+// The n of "EPSG:n".
+std::optional<int> code_in(const std::string& text);
+
+// Whether a text is "EPSG:n", or WKT that names no file (wkt.h). Strangers may say anything, and GDAL and PROJ open the
+// files and addresses that other texts name: here, and in programs that open our files. Error bad_input: why not, as
+// the end of a sentence.
+Status check_crs_text(const std::string& text);
 bool looks_like_crs(const std::string& text);
+// `crs` if it is one of these, else empty: what may go into files.
+std::string crs_or_none(const std::string& crs);
 
 // "urn:ogc:def:crs:EPSG::n" when the horizontal system, or one that is surely the same, has a code; else WKT. Errors:
 // no GDAL (io), a text that it does not understand (bad_input).
@@ -33,7 +41,8 @@ bool same_crs(const std::string& a, const std::string& b);
 // Whether it says what the heights mean.
 bool has_heights(const std::string& crs);
 
-// Error bad_input when GDAL does not understand it; success when it does, or when there is no GDAL to ask.
+// Error bad_input when it is none (check_crs_text), or GDAL does not understand it; success when it does, or when there
+// is no GDAL to ask.
 Status check_crs(const std::string& crs);
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 
 #include "src/base/default_arithmetic.h"
 #include "src/crs/crs.h"
+#include "src/crs/proj_files.h"
 
 namespace tessera {
 
@@ -25,10 +26,22 @@ Result<GdalLibrary> load() {
   TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_FIND)
 #undef TESSERA_GDAL_FIND
   if (missing != nullptr) return error(Errc::io, std::string(TESSERA_GDAL_SONAME) + " has no function " + missing);
+  // Before GDAL makes its first context of PROJ's.
+  keep_to_own_files(gdal);
+  gdal.GDALRegister_GTiff();
+  gdal.GDALRegister_COG();
+  gdal.GDALRegister_PNG();
+  gdal.GDALRegister_MEM();
+  gdal.RegisterOGRGeoPackage();
   return gdal;
 }
 
 void keep_quiet(CPLErr, CPLErrorNum, const char*) {}
+
+// Before it transforms, GDAL looks up what AUTHORITY of a WKT says, as if a user had typed "name:code": so it would
+// open the file of that name.
+constexpr const char* ask_authority = "OGR_CT_PREFER_OFFICIAL_SRS_DEF";
+thread_local int quiet_on_this_thread = 0;
 
 }  // namespace
 
@@ -41,9 +54,13 @@ Result<const GdalLibrary*> gdal_library() {
 GdalQuiet::GdalQuiet(const GdalLibrary& gdal) : gdal_(gdal) {
   gdal_.CPLPushErrorHandler(keep_quiet);
   gdal_.CPLErrorReset();
+  if (quiet_on_this_thread++ == 0) gdal_.CPLSetThreadLocalConfigOption(ask_authority, "NO");
 }
 
-GdalQuiet::~GdalQuiet() { gdal_.CPLPopErrorHandler(); }
+GdalQuiet::~GdalQuiet() {
+  if (--quiet_on_this_thread == 0) gdal_.CPLSetThreadLocalConfigOption(ask_authority, nullptr);
+  gdal_.CPLPopErrorHandler();
+}
 
 std::string GdalQuiet::message() const {
   const std::string message = gdal_.CPLGetLastErrorMsg();
@@ -52,8 +69,15 @@ std::string GdalQuiet::message() const {
 
 Result<SpatialReference> SpatialReference::parse(const GdalLibrary& gdal, const std::string& text) {
   const GdalQuiet quiet(gdal);
+  std::string wkt = text.empty() ? undefined_crs : text;
+  if (const auto checked = check_crs_text(wkt); !checked)
+    return error(Errc::bad_input, "the coordinate system " + checked.error().where);
   SpatialReference reference(gdal, gdal.OSRNewSpatialReference(nullptr));
-  if (gdal.OSRSetFromUserInput(reference.get(), text.empty() ? undefined_crs : text.c_str()) != OGRERR_NONE)
+  const auto code = code_in(wkt);
+  // Never OSRSetFromUserInput: it takes texts for PROJ's strings, for addresses, and in the end for names of files.
+  char* at = wkt.data();
+  if ((code ? gdal.OSRImportFromEPSG(reference.get(), *code) : gdal.OSRImportFromWkt(reference.get(), &at)) !=
+      OGRERR_NONE)
     return error(Errc::bad_input, "the coordinate system is not understood: " + quiet.message());
   // Coordinates are x, y as they were read, whatever order an authority gives the axes.
   gdal.OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);

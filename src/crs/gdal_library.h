@@ -10,22 +10,34 @@
 #include <gdal_utils.h>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
+#include <proj.h>
 
 #include <string>
 
 #include "src/base/result.h"
+
+// The drivers that are used, each by itself, as GDAL's own gdal_frmts.h and ogrsf_frmts.h declare these functions: the
+// others, which open whatever is put before them, are not there at all.
+extern "C" {
+void GDALRegister_COG();
+void GDALRegister_GTiff();
+void GDALRegister_MEM();
+void GDALRegister_PNG();
+void RegisterOGRGeoPackage();
+}
 
 namespace tessera {
 
 // clang-format off
 #define TESSERA_GDAL_FUNCTIONS(F) \
   F(CPLErrorReset) F(CPLGetLastErrorMsg) F(CPLGetLastErrorType) F(CPLPopErrorHandler) F(CPLPushErrorHandler) \
-  F(CPLSetThreadLocalConfigOption) F(GDALAllRegister) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) F(GDALDEMProcessing) \
+  F(CPLSetThreadLocalConfigOption) F(CSLDestroy) F(GDALClose) F(GDALCreate) F(GDALCreateCopy) F(GDALDEMProcessing) \
   F(GDALDEMProcessingOptionsFree) F(GDALDEMProcessingOptionsNew) F(GDALDEMProcessingOptionsSetProgress) \
   F(GDALDatasetCommitTransaction) F(GDALDatasetCreateLayer) F(GDALDatasetExecuteSQL) F(GDALDatasetGetLayerByName) \
   F(GDALDatasetReleaseResultSet) F(GDALDatasetStartTransaction) F(GDALFlushCache) F(GDALGetCacheMax64) \
   F(GDALGetDriverByName) F(GDALGetGeoTransform) F(GDALGetProjectionRef) F(GDALGetRasterBand) F(GDALGetRasterCount) \
   F(GDALGetRasterDataType) F(GDALGetRasterXSize) F(GDALGetRasterYSize) F(GDALOpenEx) F(GDALRasterIO) \
+  F(GDALRegister_COG) F(GDALRegister_GTiff) F(GDALRegister_MEM) F(GDALRegister_PNG) \
   F(GDALSetCacheMax64) F(GDALSetDescription) F(GDALSetGeoTransform) F(GDALSetRasterNoDataValue) \
   F(GDALSetSpatialRef) F(GDALWarp) F(GDALWarpAppOptionsFree) F(GDALWarpAppOptionsNew) F(OCTDestroyCoordinateTransformation) \
   F(OCTNewCoordinateTransformation) F(OCTTransform) F(OGR_FD_GetFieldCount) F(OGR_FD_GetFieldDefn) F(OGR_FD_GetFieldIndex) \
@@ -35,10 +47,12 @@ namespace tessera {
   F(OGR_G_CreateFromWkb) F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
   F(OGR_L_GetFeatureCount) F(OGR_L_GetGeomType) F(OGR_L_GetLayerDefn) F(OGR_L_GetNextFeature) F(OGR_L_SyncToDisk) \
   F(OSRDestroySpatialReference) F(OSREPSGTreatsAsLatLong) F(OSREPSGTreatsAsNorthingEasting) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \
-  F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetTargetLinearUnits) \
+  F(OSRGetAuthorityCode) F(OSRGetAuthorityName) F(OSRGetLinearUnits) F(OSRGetName) F(OSRGetPROJSearchPaths) \
+  F(OSRGetTargetLinearUnits) F(OSRImportFromEPSG) F(OSRImportFromWkt) \
   F(OSRIsCompound) F(OSRIsGeocentric) F(OSRIsGeographic) F(OSRIsLocal) F(OSRIsSameEx) F(OSRNewSpatialReference) \
-  F(OSRSetAxisMappingStrategy) F(OSRSetFromUserInput) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
-  F(OSRStripVertical) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink)
+  F(OSRSetAxisMappingStrategy) F(OSRSetPROJEnableNetwork) F(OSRSetTargetLinearUnits) F(OSRSetVertCS) \
+  F(OSRStripVertical) F(RegisterOGRGeoPackage) F(VSIFCloseL) F(VSIFileFromMemBuffer) F(VSIFree) F(VSIGetMemFileBuffer) F(VSIUnlink) \
+  F(proj_context_get_user_writable_directory) F(proj_context_set_file_finder)
 // clang-format on
 
 struct GdalLibrary {
@@ -50,7 +64,7 @@ struct GdalLibrary {
 // Error io when GDAL is not installed.
 Result<const GdalLibrary*> gdal_library();
 
-// While it lives, GDAL prints nothing on this thread.
+// While it lives, GDAL prints nothing on this thread, and asks no authority that a text names.
 class GdalQuiet {
  public:
   explicit GdalQuiet(const GdalLibrary& gdal);
@@ -67,7 +81,8 @@ class GdalQuiet {
 // A coordinate system of GDAL's, freed when it goes.
 class SpatialReference {
  public:
-  // WKT of any kind, or "EPSG:n"; empty: the undefined Cartesian one. Error bad_input when GDAL does not understand it.
+  // The one way from a text to GDAL. WKT of any kind, or "EPSG:n"; empty: the undefined Cartesian one. Error bad_input
+  // for other texts and those that name files (check_crs_text in crs.h), and when GDAL does not understand it.
   static Result<SpatialReference> parse(const GdalLibrary& gdal, const std::string& text);
   SpatialReference(SpatialReference&& other) noexcept : gdal_(other.gdal_), handle_(other.handle_) {
     other.handle_ = nullptr;

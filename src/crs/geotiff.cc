@@ -1,5 +1,6 @@
 #include "src/crs/geotiff.h"
 
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <cmath>
@@ -100,7 +101,8 @@ Result<std::string> read_keys(const GdalLibrary& gdal, std::vector<unsigned char
   gdal.CPLSetThreadLocalConfigOption("GTIFF_REPORT_COMPD_CS", "YES");
   gdal.CPLSetThreadLocalConfigOption("GTIFF_SRS_SOURCE", source);
   const MemoryFile file(gdal, bytes);
-  const GDALDatasetH tiff = gdal.GDALOpenEx(file.name().c_str(), GDAL_OF_RASTER, nullptr, nullptr, nullptr);
+  const char* const drivers[] = {"GTiff", nullptr};
+  const GDALDatasetH tiff = gdal.GDALOpenEx(file.name().c_str(), GDAL_OF_RASTER, drivers, nullptr, nullptr);
   std::string wkt;
   if (tiff != nullptr) {
     const char* text = gdal.GDALGetProjectionRef(tiff);
@@ -147,6 +149,16 @@ bool has_key(const GeoTiffKeys& keys, std::uint16_t id) {
   for (std::size_t at = 0; at < entries.size(); at += key_bytes)
     if (id_of(entries, at) == id) return true;
   return false;
+}
+
+// GDAL reads WKT in a citation ("ESRI PE String = ..."), which may name files (wkt.h), and citations are for people: so
+// those that could hold any lose their slashes.
+std::vector<std::byte> without_paths(std::span<const std::byte> ascii) {
+  std::vector<std::byte> text(ascii.begin(), ascii.end());
+  if (std::find(text.begin(), text.end(), std::byte{'='}) == text.end()) return text;
+  for (auto& c : text)
+    if (c == std::byte{'/'} || c == std::byte{'\\'}) c = std::byte{'_'};
+  return text;
 }
 
 // A directory without the key `id`.
@@ -196,14 +208,14 @@ Result<std::string> with_unit_of_heights(const GdalLibrary& gdal, const GeoTiffK
 
 }  // namespace
 
-Result<std::string> crs_of(const GeoTiffKeys& keys) {
-  if (keys.directory.size() < 8 || keys.directory.size() > 8 * std::size_t{0xFFFF}) {
+Result<std::string> crs_of(const GeoTiffKeys& given) {
+  if (given.directory.size() < 8 || given.directory.size() > 8 * std::size_t{0xFFFF}) {
     return error(Errc::bad_input, "there is no key directory");
   }
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   const GdalQuiet quiet(*gdal);
-  static const bool registered = (gdal->GDALAllRegister(), true);
-  static_cast<void>(registered);
+  const auto ascii = without_paths(given.ascii);
+  const GeoTiffKeys keys{given.directory, given.doubles, ascii};
   TinyTiff tiff(keys);
   BOOST_OUTCOME_TRY(wkt, read_keys(*gdal, tiff.bytes(), nullptr));
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, wkt));

@@ -17,6 +17,6 @@ struct GeoTiffKeys {
 
 // "EPSG:n" when the keys mean exactly what this code means, else WKT: with the units, the parameters and the vertical
 // system that the keys give. Errors: no GDAL (io); keys of which GDAL makes no system (bad_input).
-Result<std::string> crs_of(const GeoTiffKeys& keys);
+Result<std::string> crs_of(const GeoTiffKeys& given);
 
 }  // namespace tessera

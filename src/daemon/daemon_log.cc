@@ -11,6 +11,8 @@
 #include <string>
 #include <string_view>
 
+#include "src/base/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -23,16 +25,13 @@ class OneLine final : public spdlog::formatter {
     const auto when = fmt::format("{:%FT%T}Z", fmt::gmtime(message.time));
     const auto name = spdlog::level::to_string_view(message.level);
     const std::string level(name.data(), name.size());
-    std::string text(message.payload.data(), message.payload.size());
+    const std::string text = printable({message.payload.data(), message.payload.size()});
     std::string line;
     if (json_) {
       nlohmann::ordered_json object{{"time", when}, {"level", level}, {"message", text}};
       if (insecure_) object["insecure"] = true;
       line = object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     } else {
-      for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-      }
       line = when + " " + level + (insecure_ ? " INSECURE " : " ") + text;
     }
     line += '\n';

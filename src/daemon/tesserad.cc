@@ -23,6 +23,7 @@
 
 #include "src/apps/words.h"
 #include "src/base/option.h"
+#include "src/base/printable.h"
 #include "src/daemon/daemon_log.h"
 #include "src/daemon/daemon_options.h"
 #include "src/daemon/health.h"
@@ -39,7 +40,7 @@ namespace {
 constexpr std::chrono::seconds drain_time{10};
 
 int fail(const Error& error) {
-  std::fprintf(stderr, "tesserad: %s\n", render(error.where, flag_name).c_str());
+  std::fprintf(stderr, "tesserad: %s\n", printable(render(error.where, flag_name)).c_str());
   return static_cast<int>(error.code);
 }
 

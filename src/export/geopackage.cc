@@ -41,7 +41,6 @@ Result<std::unique_ptr<GeoPackage>> GeoPackage::create(const fs::path& path, con
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   BOOST_OUTCOME_TRY(reference, SpatialReference::parse(*gdal, crs));
   auto file = std::unique_ptr<GeoPackage>(new GeoPackage(*gdal, std::move(reference), path));
-  gdal->GDALAllRegister();
   std::error_code code;
   fs::remove(file->temporary_.path(), code);
   for (const char* option : options) gdal->CPLSetThreadLocalConfigOption(option, "OFF");

@@ -205,7 +205,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.neighbors = source.format.neighbors && manifest.neighbors;
   head.final = source.manifest.region && !source.manifest.region->complete;
   head.spatial_index = source.options.spatial_index;
-  if (looks_like_crs(manifest.crs)) head.crs = manifest.crs;
+  head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;
   head.columns = columns_of(source);
   head.heights = Rows(source).heights();

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "src/base/printable.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/describe.h"
 #include "src/report/human.h"
@@ -60,9 +61,10 @@ std::uint64_t count_of(const Json& object, const char* key) { return object.at(k
 class Lines {
  public:
   explicit Lines(std::size_t width) : width_(width) {}
-  void add(std::string name, const std::string& value) {
-    name.resize(width_, ' ');
-    text_ += "  " + name + value + "\n";
+  void add(const std::string& name, const std::string& value) {
+    std::string shown = printable(name);
+    shown.resize(width_, ' ');
+    text_ += "  " + shown + printable(value) + "\n";
   }
   const std::string& text() const { return text_; }
 
@@ -104,7 +106,7 @@ std::string joined(const Json& names) {
 }
 
 std::string file_text(const Json& file) {
-  const std::string path = text_of(file, "path") + "\n";
+  const std::string path = printable(text_of(file, "path")) + "\n";
   Lines lines(12);
   if (file.contains("error")) {
     lines.add("error", text_of(file, "error"));
@@ -217,7 +219,7 @@ std::string result_text(const Json& result) {
   for (const auto& [name, seconds] : result.at("seconds").items())
     lines.add(name, human_seconds(seconds.get<double>()));
   for (const auto& [name, value] : result.at("figures").items()) lines.add(name, figure(name, value.get<double>()));
-  return text_of(result, "result") + "\n" + lines.text();
+  return printable(text_of(result, "result")) + "\n" + lines.text();
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <string_view>
 
+#include "src/base/printable.h"
 #include "src/crs/crs.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -22,16 +23,19 @@ Result<std::string> parse_crs(const std::string& text) {
   std::string crs = text;
   if (!looks_like_crs(crs)) {
     const auto there = is_there(crs);
-    if (!there || !there.value())
-      return error(Errc::usage, "'" + text + "' is neither EPSG:n, nor WKT, nor a file with one of them" +
-                                    (there ? "" : "; as a file: " + there.error().where));
+    if (!there || !there.value()) {
+      const auto checked = check_crs(crs);
+      return error(Errc::usage, in_quotes(text) + " is no file" + (there ? "" : " (" + there.error().where + ")") +
+                                    ": " + checked.error().where);
+    }
     BOOST_OUTCOME_TRY(content, read_whole(crs));
     crs = trimmed(as_text(content));
-    if (!looks_like_crs(crs))
-      return error(Errc::usage, "'" + text + "' is a file, but what it holds is neither WKT nor EPSG:n");
+    if (const auto checked = check_crs(crs); !checked)
+      return error(Errc::usage, in_quotes(text) + ", a file: " + checked.error().where);
+    return crs;
   }
   if (const auto understood = check_crs(crs); !understood)
-    return error(Errc::usage, "'" + text + "': " + understood.error().where);
+    return error(Errc::usage, in_quotes(text) + ": " + understood.error().where);
   return crs;
 }
 

@@ -5,6 +5,8 @@
 
 #include <new>
 
+#include "src/base/printable.h"
+
 namespace tessera {
 namespace {
 
@@ -73,10 +75,11 @@ void ProgressDisplay::show(const ProgressSnapshot& now) {
   if (style_ == ProgressStyle::terminal) {
     const auto lines = progress_panel(before_, now, columns_of(out_) - 1);
     erase_panel();
-    for (const auto& line : lines) std::fprintf(out_, "%s\n", line.c_str());
+    for (const auto& line : lines) std::fprintf(out_, "%s\n", printable(line).c_str());
     panel_lines_ = static_cast<int>(lines.size());
   } else {
-    const auto text = style_ == ProgressStyle::json ? progress_json(before_, now) : progress_text(before_, now);
+    const auto text =
+        style_ == ProgressStyle::json ? progress_json(before_, now) : printable(progress_text(before_, now));
     std::fprintf(out_, "%s\n", text.c_str());
   }
   std::fflush(out_);

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "src/base/printable.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -11,7 +12,7 @@ std::string summary_text(const JobSummary& s) {
   std::string text;
   const auto line = [&](std::string name, const std::string& value) {
     name.resize(14, ' ');
-    text += name + value + "\n";
+    text += name + printable(value) + "\n";
   };
   const auto also = [](std::uint64_t n, const char* what) { return n == 0 ? std::string() : ", " + grouped(n) + what; };
   line("points", grouped(s.points_read) + also(s.duplicates, " duplicates") + also(s.invalid, " invalid, skipped") +

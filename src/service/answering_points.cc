@@ -1,10 +1,14 @@
-// Many points, as the body of a question has them.
+// Many points, as the body of a question has them: JSON, protobuf, text, NumPy's format, and no other.
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
 #include <utility>
 
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/io/cloud/cloud.h"
+#include "src/io/format.h"
 #include "src/report/human.h"
 #include "src/service/answer_messages.h"
 #include "src/service/answering.h"
@@ -45,16 +49,15 @@ Result<std::vector<Point>> Answering::points_in_json() const {
 
 // As the command reads such a file: there is one way to read each format.
 Result<std::vector<Point>> Answering::points_in_file(const std::string& ending) const {
+  // By its content, a body could be of any format that files have: who may ask would reach all their readers.
+  const auto bytes = std::as_bytes(std::span(*question_.body));
+  const auto wanted = ending == ".npy" ? FileFormat::npy : FileFormat::text;
+  if (format_of(bytes.first(std::min(bytes.size(), format_bytes)), "body" + ending, bytes.size()) != wanted)
+    return error(Errc::bad_input, std::string("the body: is not ") + (ending == ".npy" ? "NumPy's format" : "text"));
   const auto path = asked_points_file(folder_, ending);
   BOOST_OUTCOME_TRYV(write_whole(path, *question_.body));
   const auto read = [&]() -> Result<std::vector<Point>> {
-    constexpr std::uint64_t unpacked_max = std::uint64_t{64} << 20;  // of a body that is an archive
-    BOOST_OUTCOME_TRY(
-        cloud,
-        Cloud::open(
-            {path.string()},
-            {.dimension = dimension_, .heights = false, .spool_folder = folder_, .spool_bytes_max = unpacked_max},
-            ask_.stop));
+    BOOST_OUTCOME_TRY(cloud, Cloud::open({path.string()}, {.dimension = dimension_, .heights = false}, ask_.stop));
     std::vector<Point> points;
     BOOST_OUTCOME_TRY(counts, cloud.for_each_batch([&](CloudBatch& batch) -> Status {
       if (points.size() + batch.points.size() > limits_.points)

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/base/option.h"
+#include "src/base/printable.h"
 #include "src/crs/crs.h"
 #include "src/job/arguments.h"
 #include "src/report/human.h"
@@ -81,11 +82,9 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
     return refuse("attributes", "one has an empty name");
   if (inputs.has_crs()) {
-    // Never the name of a file: a service opens none but inputs, and GDAL none at all.
-    if (!looks_like_crs(inputs.crs()))
-      return refuse("crs", "'" + inputs.crs() + "' is neither EPSG:n nor WKT (of a file, give what it holds)");
+    // Never the name of a file, nor a text that has one in it: a service opens none but inputs, and PROJ its own.
     if (const auto known = check_crs(inputs.crs()); !known)
-      return refuse("crs", "'" + inputs.crs() + "': " + known.error().where);
+      return refuse("crs", in_quotes(inputs.crs()) + ": " + known.error().where);
     cloud.crs = inputs.crs();
   }
   if (inputs.has_heights()) cloud.heights = inputs.heights();

@@ -49,6 +49,7 @@ Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& shar
   if (inputs.has_azimuth()) light.azimuth = inputs.azimuth();
   if (inputs.has_altitude()) light.altitude = inputs.altitude();
   if (inputs.hillshade()) {
+    BOOST_OUTCOME_TRYV(check_light(light));
     options.light = light;
   } else if (inputs.has_azimuth() || inputs.has_altitude()) {
     return refuse(inputs.has_azimuth() ? "azimuth" : "altitude", "belongs to " + option("hillshade", "true"));

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <random>
 
+#include "src/base/printable.h"
 #include "src/base/utf8.h"
 
 namespace tessera {
@@ -30,8 +31,7 @@ Status check_name(std::string_view name) {
   if (!is_utf8(name)) return error(Errc::usage, "is not UTF-8");
   if (name.front() == '.') return error(Errc::usage, "begins with a dot");
   if (name.find_first_of("/\\") != std::string_view::npos) return error(Errc::usage, "holds a slash or backslash");
-  const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == '\x7f'; };
-  if (std::any_of(name.begin(), name.end(), is_control)) return error(Errc::usage, "holds a control character");
+  if (printable(name) != name) return error(Errc::usage, "holds a control character, or one that turns writing around");
   return success();
 }
 

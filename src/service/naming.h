@@ -10,8 +10,8 @@
 
 namespace tessera {
 
-// Whether a folder or file may be called so: 1 to 100 bytes of UTF-8 without '/', '\' and control characters, and no
-// dot first. Error usage, with the end of a sentence.
+// Whether a folder or file may be called so: 1 to 100 bytes of UTF-8 without '/', '\' and what is not printable
+// (base/printable.h), and no dot first. Error usage, with the end of a sentence.
 Status check_name(std::string_view name);
 
 // "0193e1f0a2b4-0001-9f3a2b1c": milliseconds since 1970, a counter within one, 32 random bits. Sorted as texts they are

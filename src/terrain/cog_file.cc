@@ -47,7 +47,6 @@ Error CogFile::refused(const GdalQuiet& quiet) const {
 
 Result<std::unique_ptr<CogFile>> CogFile::create(const fs::path& target, const Grid& grid, const CogOptions& options) {
   BOOST_OUTCOME_TRY(gdal, gdal_library());
-  gdal->GDALAllRegister();
   auto file = std::unique_ptr<CogFile>(new CogFile(*gdal, target, grid, options));
   BOOST_OUTCOME_TRYV(file->create_raw());
   return file;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/crs/crs.h"
 #include "src/export/output.h"
 #include "src/files/names.h"
 #include "src/query/column.h"
@@ -155,7 +156,7 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
   terrain::Tracing tracing(out, manifest, column, options, lines);
   BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
 
-  BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = manifest.crs,
+  BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = crs_or_none(manifest.crs),
                                                              .layer = "contours",
                                                              .value = heights ? "elevation" : options.value,
                                                              .heights = heights}));

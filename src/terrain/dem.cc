@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/crs/crs.h"
 #include "src/export/cell_filter.h"
 #include "src/files/names.h"
 #include "src/mesh/tile_mesh.h"
@@ -165,9 +166,9 @@ Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOpti
                                   option("dim", "2"));
   if (options.light && options.doubles)
     return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
-  if (options.light &&
-      !(std::isfinite(options.light->azimuth) && options.light->altitude > 0 && options.light->altitude <= 90))
-    return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
+  if (options.light) {
+    BOOST_OUTCOME_TRYV(check_light(*options.light));
+  }
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   BOOST_OUTCOME_TRY(grid, grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
   return Asked{std::move(manifest), column, grid};
@@ -187,6 +188,14 @@ auto tiles_with_pixels(const Asked& asked, const fs::path& out, const DemOptions
 
 }  // namespace
 }  // namespace terrain
+
+Status check_light(const Light& light) {
+  if (!std::isfinite(light.azimuth))
+    return error(Errc::usage, option("azimuth") + ": is no angle, a finite number of degrees");
+  if (!(light.altitude > 0 && light.altitude <= 90))
+    return error(Errc::usage, option("altitude") + ": must be above 0 degrees, and 90 at most");
+  return success();
+}
 
 std::string to_json(const Dem& dem) {
   using Json = nlohmann::ordered_json;
@@ -208,7 +217,7 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
   DemOptions drawing_options = options;
   drawing_options.memory_bytes = options.memory_bytes / 4 * 3;
   BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, grid,
-                                                   {.crs = manifest.crs,
+                                                   {.crs = crs_or_none(manifest.crs),
                                                     .name = options.value,
                                                     .doubles = options.doubles,
                                                     .heights = options.value == "z" && !options.light,

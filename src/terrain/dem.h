@@ -20,6 +20,9 @@ struct Light {
   double azimuth = 315, altitude = 45;
 };
 
+// Error usage for an azimuth that is not finite, and an altitude that is not above 0 and 90 at most.
+Status check_light(const Light& light);
+
 struct DemOptions {
   double res = 1;                       // the width of a pixel, in units of the coordinates
   std::optional<Bounds> box = {};       // x and y alone; default: the bounds of the result

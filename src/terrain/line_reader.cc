@@ -33,7 +33,6 @@ Result<std::unique_ptr<LineReader>> LineReader::open(const std::filesystem::path
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   const DefaultArithmetic kept;
   const GdalQuiet quiet(*gdal);
-  gdal->GDALAllRegister();
   const auto refused = [&] { return error(Errc::usage, path.string() + ": holds no contour lines"); };
   const char* const drivers[] = {"GPKG", nullptr};
   // A file that is replaced as a whole, and never changed.

@@ -57,7 +57,6 @@ Result<std::unique_ptr<HeightRaster>> HeightRaster::open(const std::filesystem::
   BOOST_OUTCOME_TRY(gdal, gdal_library());
   const DefaultArithmetic kept;
   const GdalQuiet quiet(*gdal);
-  gdal->GDALAllRegister();
   const auto no_raster = [&](const std::string& why) { return error(Errc::usage, path.string() + ": " + why); };
   const char* const drivers[] = {"GTiff", nullptr};
   const GDALDatasetH dataset =

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
 #include "src/files/disk_file.h"
@@ -58,7 +59,7 @@ Status check_seal(const std::filesystem::path& path, std::string_view text) {
   const auto sum = checksum(std::as_bytes(std::span(text.substr(seal_bytes))));
   if (text.substr(seal_begin.size(), 16) != checksum_text(sum))
     return damaged_run(path, "is damaged: its checksum is " + checksum_text(sum) + ", it says " +
-                                 std::string(text.substr(seal_begin.size(), 16)));
+                                 in_quotes(text.substr(seal_begin.size(), 16)));
   return success();
 }
 

@@ -43,8 +43,8 @@ class CoordinateSystems(CloudTest):
     def test_what_is_no_system_is_refused(self):
         cloud, text = self.las("a.las", 2154), self.write("notes.txt", "hello\n")
         self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", "EPSG:99999", says="--crs")
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", "Lambert", says="neither EPSG:n, nor WKT, nor a file")
-        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", text, says="what it holds is neither WKT nor EPSG:n")
+        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", "Lambert", says="'Lambert' is no file: the coordinate system is neither EPSG:n nor WKT")
+        self.refused(USAGE, "triangulate", cloud, "-o", self.out, "--crs", text, says="a file: the coordinate system is neither EPSG:n nor WKT")
 
     def test_files_without_a_system_beside_others_are_a_warning(self):
         done = self.ok("triangulate", self.las("a.las", 2154), self.las("b.las", 0), "-o", self.out)

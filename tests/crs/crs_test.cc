@@ -6,11 +6,13 @@ namespace tessera {
 namespace {
 
 TEST(Crs, OnlyWktAndCodesReachGdalWhichWouldOpenFilesAndAddresses) {
-  for (const char* text : {"EPSG:2154", "PROJCS[\"x\"]", "GEOGCS(\"x\")", " BOUNDCRS\n[x"})
+  for (const char* text : {"EPSG:2154", "PROJCS[\"x\"]", "GEOGCS(\"x\")", " BOUNDCRS\n[x]"})
     EXPECT_TRUE(looks_like_crs(text)) << text;
-  for (const char* text :
-       {"", "EPSG:", "EPSG:2154 ", "http://127.0.0.1/[", "/etc/passwd", "./PROJCS[", "../x(", "[", "WGS84"})
+  for (const char* text : {"", "EPSG:", "EPSG:2154 ", "EPSG:-1", "EPSG:99999999999", "http://127.0.0.1/[",
+                           "/etc/passwd", "./PROJCS[", "../x(", "[", "WGS84", "a[ +init=/etc/passwd:x", "a[\"x\"]"})
     EXPECT_FALSE(looks_like_crs(text)) << text;
+  EXPECT_EQ(crs_or_none("EPSG:2154"), "EPSG:2154");
+  EXPECT_EQ(crs_or_none("/etc/passwd"), "");
 }
 
 TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {

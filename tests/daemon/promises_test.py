@@ -2,6 +2,7 @@
 import resource
 import signal
 import unittest
+import urllib.parse
 
 from daemon import IGN, DaemonTest
 
@@ -73,6 +74,19 @@ class Promises(DaemonTest):
             self.assertIn(line, log)
         for token in (daemon.token, "0123456789" * 6, "abcdefghij" * 6, "wrong"):
             self.assertNotIn(token, log)
+
+    def test_no_line_of_the_log_is_more_than_text(self):
+        evil = "x\x1b]0;t\x07\x9b2J\x85\u2028\u202e\u2066\n\x7fy"
+        for kind in ("text", "json"):
+            daemon = self.start("--log", kind)
+            status, _, problem = daemon.request("POST", "/v1/processes/triangulate/execution", {"inputs": {"inputs": [evil]}})
+            self.assertEqual(status, 400, problem)
+            self.assertEqual(daemon.request("DELETE", "/v1/triangulations/" + urllib.parse.quote("x\x9b\u202e\u2028"))[0], 404)
+            self.assertEqual(daemon.end(), 0)
+            log = daemon.messages()
+            self.assertGreaterEqual(log.count("audit: "), 2, log)
+            bad = [c for c in log if c != "\n" and (ord(c) < 0x20 or 0x7f <= ord(c) < 0xa0 or c in "\u2028\u202e\u2066")]
+            self.assertEqual(bad, [], log)
 
     def test_bounds(self):
         daemon = self.start("--uploads", env={"TESSERAD_LIMITS_QUEUED": "1", "TESSERAD_LIMITS_POINTS": "200000"})

@@ -1,5 +1,6 @@
 """Questions to results over HTTP: the answers are those of the command, and nothing that is asked does harm."""
 import concurrent.futures
+import gzip
 import io
 import json
 import pathlib
@@ -7,7 +8,7 @@ import unittest
 
 import numpy as np
 
-from daemon import DaemonTest
+from daemon import IGN, DaemonTest
 
 PLACE = "/v1/triangulations/{}/"
 
@@ -134,6 +135,10 @@ class Questions(DaemonTest):
                 ("flat", "POST", "locate", b"x,y\n1,nan\n", csv, 422, "the body"),
                 ("flat", "POST", "locate", b"", csv, 422, "the body"),
                 ("flat", "POST", "locate", b"no array", npy, 422, "the body"),
+                ("flat", "POST", "locate", sorted(IGN.glob("*.las"))[0].read_bytes()[:9999], csv, 422, "the body: is not text"),
+                ("flat", "POST", "locate", gzip.compress(b"1,2\n3,4\n"), csv, 422, "the body: is not text"),
+                ("flat", "POST", "locate", b"1,2\n", npy, 422, "the body"),
+                ("flat", "POST", "interpolate", b"ply\nformat ascii 1.0\n", npy, 422, "the body: is not NumPy's format"),
                 ("flat", "POST", "locate", b'{"points": []}', "application/json", 422, "not empty"),
                 ("flat", "POST", "locate", b'{"points": [[1]]}', "application/json", 422, "points[0]: must be a list of 2"),
                 ("flat", "POST", "locate", b'{"points": [[1, "2"]]}', "application/json", 422, "no number"),

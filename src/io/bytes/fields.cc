@@ -9,6 +9,7 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/base/utf8.h"
 
 namespace tessera {
@@ -74,13 +75,11 @@ constexpr auto make_table(std::index_sequence<pair...>) {
 constexpr auto as_is = make_table<false>(std::make_index_sequence<type_count * type_count>());
 constexpr auto swapped = make_table<true>(std::make_index_sequence<type_count * type_count>());
 
-std::string cleaned(std::string_view text, char instead, std::string_view forbidden) {
+std::string with_underscores(std::string_view text) {
   std::string clean;
   while (!text.empty()) {
     const std::size_t length = utf8_length(text);
-    const auto first = static_cast<unsigned char>(text[0]);
-    const bool bad = length == 0 || first < 0x20 || first == 0x7F || forbidden.find(text[0]) != std::string_view::npos;
-    clean += bad ? std::string_view(&instead, 1) : text.substr(0, length);
+    clean += is_printable(text, length) && text[0] != '/' ? text.substr(0, length) : "_";
     text.remove_prefix(std::max<std::size_t>(length, 1));
   }
   return clean;
@@ -105,15 +104,14 @@ std::string AttributeNames::make(std::string_view raw) {
   while (short_enough.size() < raw.size() && !short_enough.empty() &&
          (static_cast<unsigned char>(raw[short_enough.size()]) & 0xC0u) == 0x80u)
     short_enough.remove_suffix(1);
-  const std::string clean = cleaned(short_enough, '_', "/");
+  const std::string clean = with_underscores(short_enough);
   std::string name(trimmed(clean));
   if (name.empty() || name == "." || name == "..") name += "_";
   std::string unique = name;
-  for (int i = 2; !taken_.insert(unique).second; ++i) unique = name + "_" + std::to_string(i);
+  for (int& i = next_.try_emplace(name, 2).first->second; !taken_.insert(unique).second; ++i)
+    unique = name + "_" + std::to_string(i);
   return unique;
 }
-
-std::string printable(std::string_view text) { return cleaned(text, '?', ""); }
 
 std::vector<std::size_t> row_offsets(const std::vector<Attribute>& schema) {
   std::vector<std::size_t> offsets;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -30,17 +31,16 @@ using ColumnCopy = void (*)(const std::byte* from, std::size_t from_stride, std:
 ColumnCopy column_copy(AttributeType from, bool byte_swapped, AttributeType to);
 
 // Makes names of attributes fit to be names in XML, HDF5 and JSON: valid UTF-8 without '/' and control
-// characters, at most 64 bytes, unique in the file, and none that means something else in a result ("id", "x", ...).
+// characters (see base/printable.h), at most 64 bytes, unique in the file, and none that means something else in a
+// result ("id", "x", ...).
 class AttributeNames {
  public:
   std::string make(std::string_view raw);
 
  private:
   std::unordered_set<std::string> taken_{"x", "y", "z", "id", "owner", "vtkGhostType"};
+  std::unordered_map<std::string, int> next_;  // the number to try first: 4,000 columns of one name are no work
 };
-
-// `text` with everything that is not printable UTF-8 replaced by '?'; for CRS texts and error messages.
-std::string printable(std::string_view text);
 
 // Byte offset of each attribute in a row of `schema`.
 std::vector<std::size_t> row_offsets(const std::vector<Attribute>& schema);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/crs/geotiff.h"
 #include "src/io/bytes/fields.h"
 

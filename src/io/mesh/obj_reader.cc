@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/number.h"
 #include "src/io/mesh/vertex_text.h"
 #include "src/io/text/text_columns.h"
@@ -59,8 +60,8 @@ class ObjReader : public VertexTextReader {
                               " numbers; a vertex has x, y and z, perhaps a weight, perhaps a colour of 3");
     if (n == 4 || n == 7) {
       const auto weight = parse_number(words_[3]);
-      if (!weight) return lines().bad_line("the weight is " + shown_word(words_[3]) + ", not a number");
-      if (*weight != 1) return lines().bad_line("the weight is " + shown_word(words_[3]) + "; only 1 is read");
+      if (!weight) return lines().bad_line("the weight is " + in_quotes(words_[3]) + ", not a number");
+      if (*weight != 1) return lines().bad_line("the weight is " + in_quotes(words_[3]) + "; only 1 is read");
       words_.erase(words_.begin() + 3);
     }
     BOOST_OUTCOME_TRYV(add_numbers(words_, std::span(names_).first(words_.size()), lines(), values));

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/mesh/vertex_text.h"
 #include "src/io/text/text_columns.h"
 
@@ -59,7 +60,7 @@ Status take_counts(std::span<const std::string_view> words, const LineReader& li
     std::uint64_t count = 0;
     const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), count);
     if (code != std::errc() || end != word.data() + word.size())
-      return lines.bad_line(shown_word(word) + " is not a number of vertices, faces or edges");
+      return lines.bad_line(in_quotes(word) + " is not a number of vertices, faces or edges");
     if (word.data() == words[0].data()) header.vertices = count;
     if (word.data() == words[1].data()) header.faces = count;
   }
@@ -77,7 +78,7 @@ Result<OffHeader> read_header(LineReader& lines) {
   const auto kind = kind_of(words[0]);
   // Geomview's readers do without the keyword; a file called .off that begins with numbers is read as they do.
   if (!kind && std::string_view("0123456789").find(words[0][0]) == std::string_view::npos)
-    return lines.bad_line("begins with " + shown_word(words[0]) + ", but an OFF file with OFF, COFF, NOFF or STOFF");
+    return lines.bad_line("begins with " + in_quotes(words[0]) + ", but an OFF file with OFF, COFF, NOFF or STOFF");
   std::span<const std::string_view> counts = words;
   if (kind) {
     header.kind = *kind;

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/mesh/vertex_text.h"
 #include "src/io/text/text_columns.h"
 
@@ -92,7 +93,7 @@ class StlTextReader : public VertexTextReader {
   }
 
   Error unexpected(std::string_view word, std::string_view instead) {
-    return lines().bad_line("is " + shown_word(word) + " where '" + std::string(instead) + "' should stand");
+    return lines().bad_line("is " + in_quotes(word) + " where '" + std::string(instead) + "' should stand");
   }
   Error ends() { return lines().bad_line("the file ends within a solid"); }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/number.h"
 #include "src/io/bytes/record_stream.h"
 
@@ -51,14 +52,10 @@ Status add_numbers(std::span<const std::string_view> words, std::span<const std:
                    std::vector<double>& values) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto value = parse_number(words[i]);
-    if (!value) return lines.bad_line(names[i] + " is " + shown_word(words[i]) + ", not a number");
+    if (!value) return lines.bad_line(names[i] + " is " + in_quotes(words[i]) + ", not a number");
     values.push_back(*value);
   }
   return success();
-}
-
-std::string shown_word(std::string_view word) {
-  return "'" + printable(word.substr(0, 40)) + (word.size() > 40 ? "..." : "") + "'";
 }
 
 }  // namespace tessera

@@ -49,7 +49,4 @@ std::vector<std::string> names_of_values(const std::vector<Attribute>& attribute
 Status add_numbers(std::span<const std::string_view> words, std::span<const std::string> names, const LineReader& lines,
                    std::vector<double>& values);
 
-// "'cube'" for error messages, shortened, without characters that are not printable.
-std::string shown_word(std::string_view word);
-
 }  // namespace tessera

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/fields.h"
 #include "src/io/bytes/record_stream.h"
 

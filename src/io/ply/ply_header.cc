@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/fields.h"
 
 namespace tessera {

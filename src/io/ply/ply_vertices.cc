@@ -4,6 +4,7 @@
 #include <cstring>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/fields.h"
 #include "src/io/bytes/line_reader.h"
 #include "src/io/bytes/number.h"

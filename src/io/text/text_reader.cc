@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/printable.h"
 #include "src/io/bytes/fields.h"
 #include "src/io/bytes/line_reader.h"
 #include "src/io/bytes/number.h"
@@ -31,10 +32,6 @@ Result<std::optional<std::string_view>> next_content(LineReader& lines) {
     BOOST_OUTCOME_TRY(line, lines.next());
     if (!line || has_content(*line)) return line;
   }
-}
-
-std::string shown(std::string_view field) {
-  return "'" + printable(field.substr(0, 40)) + (field.size() > 40 ? "..." : "") + "'";
 }
 
 class TextReader : public PointReader {
@@ -100,7 +97,7 @@ class TextReader : public PointReader {
       if (column >= fields_.size())
         return lines_.bad_line(name() + " is missing: there are " + std::to_string(fields_.size()) + " columns");
       const auto value = parse_number(fields_[column]);
-      if (!value) return lines_.bad_line(name() + " is " + shown(fields_[column]) + ", not a number");
+      if (!value) return lines_.bad_line(name() + " is " + in_quotes(fields_[column]) + ", not a number");
       p[static_cast<int>(axis)] = *value;
     }
     batch.points.push_back(p);
@@ -113,8 +110,8 @@ class TextReader : public PointReader {
       if (cell.column < fields_.size() && !fields_[cell.column].empty()) {
         const auto number = parse_number(fields_[cell.column]);
         if (!number)
-          return lines_.bad_line("column " + std::to_string(cell.column + 1) + " is " + shown(fields_[cell.column]) +
-                                 ", not a number");
+          return lines_.bad_line("column " + std::to_string(cell.column + 1) + " is " +
+                                 in_quotes(fields_[cell.column]) + ", not a number");
         value = *number;
       }
       cell.copy(reinterpret_cast<const std::byte*>(&value), 0, batch.rows.data() + row + cell.row_offset, 0, 1);
