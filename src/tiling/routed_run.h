@@ -62,6 +62,9 @@ struct RoutedRun {
   std::string options_key;  // equal keys = the same job; a resume with another key is refused
   // By tile; copies of this run share it. Without it, load_rows() checks the files whenever it is called.
   std::shared_ptr<std::vector<TileChecked>> checked;
+  // The checksum of its plan: what tells the run from all others, for it depends on where every point went and on its
+  // bits. What tiles put on scratch says it.
+  std::uint64_t seal = 0;
 
   std::span<const Segment> segments_of(TileId tile) const {
     const std::uint64_t begin = tile.value == 0 ? 0 : segment_end[tile.value - 1];
