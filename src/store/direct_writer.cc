@@ -38,7 +38,7 @@ DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bo
 Result<DirectWriter> DirectWriter::open(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                         int flags, const char* what, std::stop_token stop) {
   bool direct = true;
-  flags |= O_CLOEXEC;
+  flags |= O_CLOEXEC | O_NONBLOCK;  // nobody is waited for who might read it
   FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
   if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always go through the cache
     direct = false;
