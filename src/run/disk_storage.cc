@@ -128,11 +128,12 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   if (width == 0) return rows;
   std::map<TileId, std::vector<std::size_t>> by_owner;
   for (std::size_t i = 0; i < mesh.owners.size(); ++i) by_owner[mesh.owners[i]].push_back(i);
+  BundleMaps maps(*run_);
   for (const auto& [owner, places] : by_owner) {
     std::vector<PointId> ids;
     ids.reserve(places.size());
     for (const std::size_t i : places) ids.push_back(mesh.ids[i]);
-    BOOST_OUTCOME_TRY(part, load_rows(*run_, owner, ids));
+    BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
     for (std::size_t k = 0; k < places.size(); ++k) {
       std::memcpy(&rows[places[k] * width], &part[k * width], width);
     }
