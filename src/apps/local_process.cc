@@ -42,7 +42,7 @@ std::vector<std::string> environment_without(const std::string& hidden) {
 Result<StartedProcess> start_process(const std::filesystem::path& program, const std::vector<std::string>& arguments,
                                      const std::filesystem::path& log, const std::string& hidden) {
   BOOST_OUTCOME_TRY(told, open_handle(log, O_WRONLY | O_CREAT | O_APPEND));
-  BOOST_OUTCOME_TRY(nothing, open_handle("/dev/null", O_RDONLY));
+  BOOST_OUTCOME_TRY(nothing, open_handle("/dev/null", O_RDWR));
   std::array<int, 2> ends{};
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return io_error(program, "cannot be started", errno);
   StartedProcess process;

@@ -77,8 +77,11 @@ Status run_query(Settings& settings, const Asked& asked) {
   if (many) {
     BOOST_OUTCOME_TRY(answers, answer_format(format, request.target, output.json));
     request.answers = {.format = answers, .target = request.target, .overwrite = overwrite};
-  } else if (question != "cells" && !request.target.empty()) {
-    return error(Errc::usage, "one answer goes to standard output; -o is for many");
+  } else if (question != "cells") {
+    if (!request.target.empty()) return error(Errc::usage, "one answer goes to standard output; -o is for many");
+    if (format == "json") request.output.json = true;
+    if (format != "json" && settings.source("format") == Settings::Source::flag)
+      return error(Errc::usage, "--format " + format + ": one answer is text, or with --format json JSON");
   }
   request.cells = {.format = format, .overwrite = overwrite};
 
@@ -115,9 +118,10 @@ Command add_query(CLI::App& root) {
   add_choices(command, "method", "linear, natural");
   add_switch(command, "weights", "interpolate: tell also of which vertices a value is made, and how much of each");
   add_value(command, "output", "PATH", "the file to write; without it, answers go to standard output", 'o', true);
-  add_value(command, "format", "NAME",
-            "of answers: csv, json (a line each) or npy; of cells: those of tessera export; default: as the ending of "
-            "--output says");
+  add_value(
+      command, "format", "NAME",
+      "of answers: csv, json (a line each) or npy; of one answer: json; of cells: those of tessera export; default: as "
+      "the ending of --output says");
   add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
   add_switch(command, "overwrite", "replace files that exist", 0, true);

@@ -19,6 +19,19 @@ namespace {
 
 constexpr std::size_t piece_bytes = std::size_t{1} << 30;  // Linux moves at most 2 GiB a call
 
+// What was opened without waiting. What is no file is waited for again when it is written to, as terminals are.
+Status check_kind(int fd, int flags, const fs::path& path) {
+  if ((flags & (O_PATH | O_DIRECTORY)) != 0) return success();
+  struct stat status {};
+  if (::fstat(fd, &status) != 0) return io_error(path, "cannot be looked at", errno);
+  if (S_ISREG(status.st_mode)) return success();
+  if ((flags & O_ACCMODE) == O_RDONLY || S_ISFIFO(status.st_mode))
+    return error(Errc::io, path.string() + ": is not a regular file");
+  const int now = (flags & O_NONBLOCK) != 0 ? -1 : ::fcntl(fd, F_GETFL);
+  if (now >= 0) ::fcntl(fd, F_SETFL, now & ~O_NONBLOCK);
+  return success();
+}
+
 }  // namespace
 
 Error io_error(const fs::path& path, const std::string& what, int number) {
@@ -42,10 +55,20 @@ Result<FileHandle> open_handle(const fs::path& path, int flags) { return open_ha
 
 Result<FileHandle> open_handle(const fs::path& path, int flags, const fs::path& final_name, mode_t rights) {
   while (true) {
-    FileHandle file(::open(path.c_str(), flags | O_CLOEXEC, rights));
-    if (file.get() >= 0) return file;
+    FileHandle file(::open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK, rights));
+    if (file.get() >= 0) {
+      BOOST_OUTCOME_TRYV(check_kind(file.get(), flags, final_name));
+      return file;
+    }
+    // Of a named pipe that nobody reads.
+    if (errno == ENXIO) return error(Errc::io, final_name.string() + ": is not a regular file");
     if (errno != EINTR) return io_error(final_name, (flags & O_CREAT) != 0 ? "cannot create" : "cannot open", errno);
   }
+}
+
+Status check_regular(const fs::path& path) {
+  BOOST_OUTCOME_TRYV(open_handle(path, O_RDONLY));
+  return success();
 }
 
 Result<FileHandle> nameless_file(const fs::path& folder) {
@@ -63,7 +86,7 @@ Result<FileHandle> nameless_file(const fs::path& folder) {
 Result<std::uint64_t> size_of(const FileHandle& file, const fs::path& path) {
   struct stat status {};
   if (::fstat(file.get(), &status) != 0) return io_error(path, "cannot read its size", errno);
-  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is not a file");
+  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is not a regular file");
   return static_cast<std::uint64_t>(status.st_size);
 }
 

@@ -35,11 +35,15 @@ class FileHandle {
   int fd_ = -1;
 };
 
-// `flags` as of open(2), O_CLOEXEC added; a new file gets the rights that the umask leaves. Error io.
+// `flags` as of open(2), O_CLOEXEC added; a new file gets the rights that the umask leaves. Error io. Does not wait for
+// anybody: what is opened for reading is a regular file, or with O_DIRECTORY a folder; what is opened for writing no
+// named pipe. Whoever may write to a folder of ours could else have readers wait for ever.
 Result<FileHandle> open_handle(const std::filesystem::path& path, int flags);
 // The same; the error speaks of the file that `path` is a temporary name of. `rights`: before the umask.
 Result<FileHandle> open_handle(const std::filesystem::path& path, int flags, const std::filesystem::path& final_name,
                                mode_t rights = 0666);
+// For libraries that open files themselves: error io when they would wait, or read what has no end.
+Status check_regular(const std::filesystem::path& path);
 // A new file in `folder` to write and read back, without a name: gone when closed, however the process ends. Error io.
 Result<FileHandle> nameless_file(const std::filesystem::path& folder);
 // In bytes. Error io when it is no regular file. `path` is for the message, here and below.

@@ -24,12 +24,14 @@ static_assert(std::endian::native == std::endian::little, "frames are little end
 
 namespace {
 
-constexpr std::uint32_t magic = 0x72467354;  // "TsFr"
+constexpr std::uint32_t magic = 0x62467354;        // "TsFb"
+constexpr std::uint32_t older_magic = 0x72467354;  // "TsFr", of a shorter header without the owner
 
 struct Header {
   std::uint32_t magic = 0;
   std::uint32_t kind = 0;
   std::uint64_t length = 0;
+  FrameOwner owner;
   std::uint64_t checksum = 0;
 };
 static_assert(sizeof(Header) == frame_header_bytes);
@@ -40,8 +42,9 @@ std::uint64_t checksum_of(const Header& header, std::span<const std::byte> paylo
 }
 
 // Header and payload in one call when the system takes them: an append of another process cannot come between.
-Status write_framed(int fd, ScratchKind kind, std::span<const std::byte> payload, const fs::path& path) {
-  Header header{magic, static_cast<std::uint32_t>(kind), payload.size(), 0};
+Status write_framed(int fd, ScratchKind kind, const FrameOwner& owner, std::span<const std::byte> payload,
+                    const fs::path& path) {
+  Header header{magic, static_cast<std::uint32_t>(kind), payload.size(), owner, 0};
   header.checksum = checksum_of(header, payload);
   std::array<iovec, 2> parts{{{&header, sizeof header}, {const_cast<std::byte*>(payload.data()), payload.size()}}};
   ssize_t n = 0;
@@ -57,10 +60,10 @@ Status write_framed(int fd, ScratchKind kind, std::span<const std::byte> payload
   return write_on(fd, payload.subspan(done - sizeof header), path);
 }
 
-Status write_new(const fs::path& path, int flags, ScratchKind kind, std::span<const std::byte> payload,
-                 const fs::path& final_name) {
+Status write_new(const fs::path& path, int flags, ScratchKind kind, const FrameOwner& owner,
+                 std::span<const std::byte> payload, const fs::path& final_name) {
   BOOST_OUTCOME_TRY(file, open_handle(path, O_WRONLY | O_CREAT | flags, final_name));
-  BOOST_OUTCOME_TRYV(write_framed(file.get(), kind, payload, final_name));
+  BOOST_OUTCOME_TRYV(write_framed(file.get(), kind, owner, payload, final_name));
   if (!file.close()) return io_error(final_name, "cannot write", errno);
   return success();
 }
@@ -79,23 +82,25 @@ class FrameReader {
   void go_to(std::uint64_t at) { at_ = begin_ = std::min(at, size_); }
 
   // REQUIRES: !at_end().
-  Result<BigVector<std::byte>> next() {
+  Result<BigVector<std::byte>> next(const FrameOwner& owner) {
     BOOST_OUTCOME_TRY(header, next_header());
     BigVector<std::byte> payload(header.length);
     BOOST_OUTCOME_TRYV(read(payload));
     if (header.checksum != checksum_of(header, payload)) return damaged("has another checksum than was written");
+    if (header.owner.run != owner.run) return damaged("belongs to another run");
+    if (header.owner.item != owner.item)
+      return damaged("belongs to " + std::to_string(header.owner.item) + " of the run, not to " +
+                     std::to_string(owner.item));
     begin_ = at_;
     return payload;
   }
 
-  // The name of a frame, whose payload is passed over.
+  // Whose the next frame is. Its payload is passed over.
   Result<FramePlace> next_place() {
-    FramePlace place{0, at_};
+    const std::uint64_t at = at_;
     BOOST_OUTCOME_TRY(header, next_header());
-    if (header.length < sizeof place.name) return damaged("has no name");
-    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&place.name, 1))));
-    at_ = begin_ = at_ + header.length - sizeof place.name;
-    return place;
+    at_ = begin_ = at_ + header.length;
+    return FramePlace{header.owner, at};
   }
 
   Error damaged(const std::string& what) const {
@@ -108,8 +113,10 @@ class FrameReader {
 
   Result<Header> next_header() {
     Header header;
-    if (size_ - at_ < sizeof header) return damaged("ends in the middle of a frame");
-    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1))));
+    const std::uint64_t left = std::min<std::uint64_t>(size_ - at_, sizeof header);
+    BOOST_OUTCOME_TRYV(read(std::as_writable_bytes(std::span(&header, 1)).first(left)));
+    if (left >= sizeof header.magic && header.magic == older_magic) return damaged("is a frame of older software");
+    if (left < sizeof header) return damaged("ends in the middle of a frame");
     if (header.magic != magic) return damaged("is no frame");
     if (header.kind != static_cast<std::uint32_t>(kind_)) return damaged("is a frame of another kind");
     if (header.length > size_ - at_) return damaged("ends in the middle of a frame");
@@ -133,30 +140,32 @@ class FrameReader {
 
 }  // namespace
 
-Status append_frame(const fs::path& path, ScratchKind kind, std::span<const std::byte> payload) {
-  return write_new(path, O_APPEND, kind, payload, path);
+Status append_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner,
+                    std::span<const std::byte> payload) {
+  return write_new(path, O_APPEND, kind, owner, payload, path);
 }
 
-Status write_frame(const fs::path& path, ScratchKind kind, std::span<const std::byte> payload) {
+Status write_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner,
+                   std::span<const std::byte> payload) {
   TemporaryFile temporary(temporary_name_of_process(path));
-  BOOST_OUTCOME_TRYV(write_new(temporary.path(), O_TRUNC, kind, payload, path));
+  BOOST_OUTCOME_TRYV(write_new(temporary.path(), O_TRUNC, kind, owner, payload, path));
   BOOST_OUTCOME_TRYV(rename_file(temporary.path(), path));
   temporary.keep();
   return success();
 }
 
-Result<BigVector<std::byte>> read_frame(const fs::path& path, ScratchKind kind) {
+Result<BigVector<std::byte>> read_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
   if (frames.at_end()) return frames.damaged("is empty");
-  BOOST_OUTCOME_TRY(payload, frames.next());
+  BOOST_OUTCOME_TRY(payload, frames.next(owner));
   if (!frames.at_end()) return frames.damaged("goes on after its one frame");
   return std::move(payload);
 }
 
-Status for_each_frame(const fs::path& path, ScratchKind kind, const VisitFrame& visit) {
+Status for_each_frame(const fs::path& path, ScratchKind kind, const FrameOwner& owner, const VisitFrame& visit) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
   while (!frames.at_end()) {
-    BOOST_OUTCOME_TRY(payload, frames.next());
+    BOOST_OUTCOME_TRY(payload, frames.next(owner));
     BOOST_OUTCOME_TRYV(visit(std::move(payload)));
   }
   return success();
@@ -174,10 +183,11 @@ Result<std::vector<FramePlace>> places_of_frames(const fs::path& path, ScratchKi
   return places;
 }
 
-Result<BigVector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, std::uint64_t at) {
+Result<BigVector<std::byte>> read_frame_at(const fs::path& path, ScratchKind kind, const FrameOwner& owner,
+                                           std::uint64_t at) {
   BOOST_OUTCOME_TRY(frames, FrameReader::open(path, kind));
   frames.go_to(at);
-  return frames.next();
+  return frames.next(owner);
 }
 
 }  // namespace tessera

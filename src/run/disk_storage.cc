@@ -11,7 +11,6 @@
 #include "src/base/stopped.h"
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
-#include "src/files/frame.h"
 #include "src/files/handed_file.h"
 #include "src/files/there.h"
 #include "src/store/early_cells.h"
@@ -30,11 +29,11 @@ Status make_folder_of(const std::filesystem::path& file) {
   return success();
 }
 
-Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, ScratchKind kind) {
+Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, ScratchKind kind, const FrameOwner& owner) {
   TileStorage::Pieces pieces;
   BOOST_OUTCOME_TRY(there, is_there(file));
   if (!there) return pieces;
-  BOOST_OUTCOME_TRYV(for_each_frame(file, kind, [&](BigVector<std::byte> payload) -> Status {
+  BOOST_OUTCOME_TRYV(for_each_frame(file, kind, owner, [&](BigVector<std::byte> payload) -> Status {
     pieces.push_back(std::move(payload));
     return success();
   }));
@@ -56,7 +55,7 @@ DiskStorage::DiskStorage(std::shared_ptr<const RoutedRun> run, std::filesystem::
       scratch_(std::move(scratch)),
       out_(std::move(out)),
       options_(std::move(options)),
-      settled_(run_->folder, options_.node),
+      settled_(run_->folder, run_->seal, options_.node),
       early_(writers),
       writers_(writers) {}
 
@@ -71,18 +70,18 @@ Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::by
   if (what == ScratchKind::settled) return settled_.append(tile, bytes);
   const auto path = scratch_file(folder_of(what), what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
-  return write_frame(path, what, bytes);
+  return write_frame(path, what, owner_of(tile), bytes);
 }
 
 Status DiskStorage::hand_over(TileId tile, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = handed_file(run_->folder, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
-  return write_frame(path, ScratchKind::state, bytes);
+  return write_frame(path, ScratchKind::state, owner_of(tile), bytes);
 }
 
 Result<TileStorage::Pieces> DiskStorage::handed(TileId tile) {
-  return pieces_of(handed_file(run_->folder, tile), ScratchKind::state);
+  return pieces_of(handed_file(run_->folder, tile), ScratchKind::state, owner_of(tile));
 }
 
 Status DiskStorage::forget_handed(TileId tile) { return remove_file(handed_file(run_->folder, tile)); }
@@ -91,7 +90,7 @@ Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::b
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(folder_of(what), what, tile);
   BOOST_OUTCOME_TRYV(make_folder_of(path));
-  return append_frame(path, what, bytes);
+  return append_frame(path, what, owner_of(tile), bytes);
 }
 
 Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
@@ -106,7 +105,7 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
     if (bytes) pieces.push_back(std::move(*bytes));
     return pieces;
   }
-  return pieces_of(scratch_file(folder_of(what), what, tile), what);
+  return pieces_of(scratch_file(folder_of(what), what, tile), what, owner_of(tile));
 }
 
 Status DiskStorage::remove(TileId tile, ScratchKind what) {
@@ -129,11 +128,12 @@ Result<std::vector<std::byte>> DiskStorage::gather_rows(const TileMesh& mesh) co
   if (width == 0) return rows;
   std::map<TileId, std::vector<std::size_t>> by_owner;
   for (std::size_t i = 0; i < mesh.owners.size(); ++i) by_owner[mesh.owners[i]].push_back(i);
+  BundleMaps maps(*run_);
   for (const auto& [owner, places] : by_owner) {
     std::vector<PointId> ids;
     ids.reserve(places.size());
     for (const std::size_t i : places) ids.push_back(mesh.ids[i]);
-    BOOST_OUTCOME_TRY(part, load_rows(*run_, owner, ids));
+    BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
     for (std::size_t k = 0; k < places.size(); ++k) {
       std::memcpy(&rows[places[k] * width], &part[k * width], width);
     }

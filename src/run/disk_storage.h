@@ -7,6 +7,7 @@
 #include <semaphore>
 #include <vector>
 
+#include "src/files/frame.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/run/settled_files.h"
 #include "src/run/tile_storage.h"
@@ -42,6 +43,7 @@ class DiskStorage final : public TileStorage {
 
  private:
   const std::filesystem::path& folder_of(ScratchKind what) const;
+  FrameOwner owner_of(TileId tile) const { return {run_->seal, tile.value}; }
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
   template <class Write>
   auto written(TileId tile, const Write& write) const noexcept -> decltype(write());

@@ -12,7 +12,8 @@ namespace {
 using Pairs = std::vector<DuplicatePair>;
 
 Result<Pairs> pairs_of(const RoutedRun& run, TileId tile, std::uint64_t count) {
-  const auto bytes = read_frame(scratch_file(run.folder, ScratchKind::duplicates, tile), ScratchKind::duplicates);
+  const auto bytes = read_frame(scratch_file(run.folder, ScratchKind::duplicates, tile), ScratchKind::duplicates,
+                                {run.seal, tile.value});
   if (bytes && bytes.value().size() == count * sizeof(DuplicatePair)) {
     Pairs pairs(count);
     std::memcpy(static_cast<void*>(pairs.data()), bytes.value().data(), bytes.value().size());

@@ -62,14 +62,13 @@ std::vector<Update> Gate::cut() {
 Status Gate::spill() {
   while (!held_.empty()) {
     FlatWriter out;
-    out.value(std::uint64_t{0});  // frames that are read by themselves have a name
     std::uint64_t bytes = 0;
     for (const Update& update : cut()) {
       bytes += bytes_of(update);
       put(out, update);
     }
     const auto payload = out.take();
-    BOOST_OUTCOME_TRYV(append_frame(scratch_, ScratchKind::mail, payload));
+    BOOST_OUTCOME_TRYV(append_frame(scratch_, ScratchKind::mail, {}, payload));
     spilled_.push_back({end_, bytes});
     spilled_bytes_ += bytes;
     end_ += frame_header_bytes + payload.size();
@@ -92,10 +91,9 @@ Result<std::vector<Update>> Gate::next() {
   if (spilled_.empty()) {
     parcel = cut();
   } else {
-    BOOST_OUTCOME_TRY(payload, read_frame_at(scratch_, ScratchKind::mail, spilled_.front().at));
+    BOOST_OUTCOME_TRY(payload, read_frame_at(scratch_, ScratchKind::mail, {}, spilled_.front().at));
     FlatReader in(payload);
-    std::uint64_t name = 0;
-    bool sound = in.value(name);
+    bool sound = true;
     while (sound && !in.at_end()) sound = get(in, parcel.emplace_back());
     if (!sound) return error(Errc::corrupt, scratch_.string() + ": is not what was put there");
     spilled_bytes_ -= spilled_.front().bytes;

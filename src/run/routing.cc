@@ -20,7 +20,7 @@ std::string absolute_path(const std::filesystem::path& path) {
 }
 
 Result<proto::Routing> read_routing(const std::filesystem::path& path) {
-  BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::routing));
+  BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::routing, {}));
   proto::Routing routing;
   if (!routing.ParseFromArray(bytes.data(), static_cast<int>(bytes.size())))
     return damaged_run(path, "is not what a coordinator writes");
@@ -113,7 +113,7 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
   for (const std::string& flag : options.without) routing.add_without(flag);
   routing.set_resolution(options.resolution);
   const std::string bytes = routing.SerializeAsString();
-  return write_frame(routing_file(run_folder), ScratchKind::routing, std::as_bytes(std::span(bytes)));
+  return write_frame(routing_file(run_folder), ScratchKind::routing, {}, std::as_bytes(std::span(bytes)));
 }
 
 Status route_stretch(const std::filesystem::path& run_folder, std::size_t stretch, std::uint32_t threads,

@@ -32,7 +32,7 @@ void Schedule::set_stored(TileId tile) {
 
 void Schedule::enter(Stage stage) {
   const bool again = stage_ == Stage::settling && stage == Stage::exchanging;
-  check(stage >= stage_ || again, "stages follow one another");
+  check_read(stage >= stage_ || again, "stages follow one another");
   stage_ = stage;
   pending_.clear();
   for (auto& [id, tile] : tiles_) {
@@ -43,8 +43,8 @@ void Schedule::enter(Stage stage) {
 
 void Schedule::add(TileId id, std::uint64_t points) {
   Tile& tile = tiles_[id];
-  check(tile.place == Place::gone, "a tile is here once");
-  check(stage_ != Stage::settling, "what has to begin is not settled");
+  check_read(tile.place == Place::gone, "a tile is here once");
+  check_read(stage_ != Stage::settling, "what has to begin is not settled");
   tile = {};
   tile.points = points;
   tile.place = Place::fresh;
@@ -125,7 +125,7 @@ void Schedule::mail(TileId id, const Waiting& waiting) {
 
 void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
   Tile& tile = tiles_.at(id);
-  check(tile.working, "only granted work is done");
+  check_read(tile.working, "only granted work is done");
   if (work == Work::sleep) freeing_ -= tile.memory;
   tile.working = false;
   --working_;
@@ -168,7 +168,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
 
 void Schedule::stored(TileId id) {
   Tile& tile = tiles_.at(id);
-  check(tile.place == Place::storing, "only what was collected is stored");
+  check_read(tile.place == Place::storing, "only what was collected is stored");
   set_memory(tile, tile.memory - tile.storing);
   storing_bytes_ -= std::exchange(tile.storing, 0);
   tile.place = Place::gone;

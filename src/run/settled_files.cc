@@ -1,7 +1,6 @@
 #include "src/run/settled_files.h"
 
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -15,19 +14,15 @@
 
 namespace tessera {
 
-SettledFiles::SettledFiles(const std::filesystem::path& run, NodeId node)
-    : folder_(scratch_folder(run, ScratchKind::settled)), own_(settled_file(run, node)) {}
+SettledFiles::SettledFiles(const std::filesystem::path& run, std::uint64_t seal, NodeId node)
+    : folder_(scratch_folder(run, ScratchKind::settled)), own_(settled_file(run, node)), seal_(seal) {}
 
 Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
-  const std::uint64_t name = tile.value;
-  BigVector<std::byte> payload(sizeof name + bytes.size());
-  std::memcpy(payload.data(), &name, sizeof name);
-  if (!bytes.empty()) std::memcpy(payload.data() + sizeof name, bytes.data(), bytes.size());
   const std::lock_guard lock(mutex_);  // a write that is cut short goes on at the end of the file
   index_.reset();
   BOOST_OUTCOME_TRYV(make_directories(folder_));
   appended_ = true;
-  return append_frame(own_, ScratchKind::settled, payload);
+  return append_frame(own_, ScratchKind::settled, {seal_, tile.value}, bytes);
 }
 
 Status SettledFiles::sync() {
@@ -62,7 +57,7 @@ Result<SettledFiles::Index> SettledFiles::read_index() const {
     if (!is_settled_name(file)) continue;
     BOOST_OUTCOME_TRY(places, places_of_frames(folder_ / file, ScratchKind::settled));
     for (const FramePlace& place : places)
-      index.places[TileId{static_cast<std::uint32_t>(place.name)}] = {folder_ / file, place.at};
+      index.places[TileId{static_cast<std::uint32_t>(place.owner.item)}] = {folder_ / file, place.at};
   }
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(folder_, "cannot be read", reader.error().value());
@@ -92,14 +87,7 @@ Result<bool> SettledFiles::has(TileId tile) {
 Result<std::optional<BigVector<std::byte>>> SettledFiles::read(TileId tile) {
   BOOST_OUTCOME_TRY(place, find(tile));
   if (!place) return std::optional<BigVector<std::byte>>();
-  BOOST_OUTCOME_TRY(payload, read_frame_at(place->file, ScratchKind::settled, place->at));
-  std::uint64_t name = ~std::uint64_t{0};
-  if (payload.size() >= sizeof name) std::memcpy(&name, payload.data(), sizeof name);
-  if (name != tile.value) {
-    return error(Errc::corrupt, place->file.string() + ", byte " + std::to_string(place->at) + ": is not what tile " +
-                                    std::to_string(tile.value) + " has written");
-  }
-  payload.erase(payload.begin(), payload.begin() + sizeof name);
+  BOOST_OUTCOME_TRY(payload, read_frame_at(place->file, ScratchKind::settled, {seal_, tile.value}, place->at));
   return std::optional(std::move(payload));
 }
 

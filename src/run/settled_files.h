@@ -19,7 +19,8 @@ namespace tessera {
 // Safe to call from several threads.
 class SettledFiles {
  public:
-  SettledFiles(const std::filesystem::path& run, NodeId node);
+  // `seal`: of the run.
+  SettledFiles(const std::filesystem::path& run, std::uint64_t seal, NodeId node);
 
   // Once for each tile; makes the folder. Error io.
   Status append(TileId tile, std::span<const std::byte> bytes);
@@ -46,6 +47,7 @@ class SettledFiles {
   Result<std::uint64_t> bytes_there() const;
 
   std::filesystem::path folder_, own_;
+  std::uint64_t seal_;
   std::mutex mutex_;
   bool appended_ = false;  // by this object
   // Made when it is asked for, and again when a tile is missing and the files have grown.

@@ -1,7 +1,9 @@
 // The final cells of a tile that is reduced: stored early, kept, or on scratch.
+#include <span>
 #include <utility>
 
 #include "src/base/flat_codec.h"
+#include "src/files/checksum.h"
 #include "src/run/tile_state.h"
 
 namespace tessera {
@@ -31,8 +33,19 @@ Status TileState::await_stored() {
   return success();
 }
 
+// Not of what the storage has said of the early ones: that is the same cells, whoever has them now.
+std::uint64_t TileState::sum_of(const KeptFinals& finals) {
+  std::uint64_t sum = finals.early + std::uint64_t{1};
+  for (const auto bytes : {std::as_bytes(std::span(finals.place)), std::as_bytes(std::span(finals.frozen)),
+                           std::as_bytes(std::span(finals.cells.rows.data(), finals.cells.rows.size()))}) {
+    sum = checksum(bytes, sum);
+  }
+  return sum;
+}
+
 Status TileState::put_finals() {
   BOOST_OUTCOME_TRYV(await_stored());
+  finals_sum_ = sum_of(*finals_);
   FlatWriter out;
   out.reserve(finals_->bytes() + stored_early_.size() + 64);
   out.value(finals_->early);
@@ -50,7 +63,8 @@ bool TileState::decode_finals(std::span<const std::byte> bytes) {
   FlatReader in(bytes);
   const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
                     in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
-  if (!read || !finals->sound(context_.dimension, own_points_)) return false;
+  // Those of another image of the same tile can be sound, and others than its kernel knows of.
+  if (!read || !finals->sound(context_.dimension, own_points_) || sum_of(*finals) != finals_sum_) return false;
   finals_ = std::move(finals);
   return true;
 }

@@ -48,8 +48,11 @@ Result<bool> TileState::restore_handed() {
   const BigVector<std::byte> finals(bytes.begin() + static_cast<std::ptrdiff_t>(of_image),
                                     bytes.begin() + static_cast<std::ptrdiff_t>(end));
   bytes.resize(of_image);
-  auto tile = load_image(std::move(bytes), own_points_);
+  ImageEnd parts;
+  auto tile = load_image(std::move(bytes), parts);
   if (!tile) return false;
+  own_points_ = parts.own_points;
+  finals_sum_ = parts.finals_sum;
   if (tile->handed_out()) {
     BOOST_OUTCOME_TRY(sound, restore_finals(finals, false));
     if (!sound) return false;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "src/base/check.h"
-#include "src/base/flat_codec.h"
 #include "src/kernel/brio.h"
 #include "src/tiling/hilbert.h"
 
@@ -21,8 +20,26 @@ Error TileState::damaged(const char* what) const {
   return error(Errc::corrupt, "tile " + std::to_string(self_.tile.value) + ": its " + what + " on disk is damaged");
 }
 
+template <class Work>
+auto TileState::with_what_was_read(const Work& work) -> decltype(work()) {
+  std::string reason;
+  try {
+    return work();
+  } catch (const Unsound& e) {
+    reason = e.what();
+  }
+  const std::string name = "tile " + std::to_string(self_.tile.value) + ": ";
+  if (!read_back_) return error(Errc::internal, name + reason);
+  BOOST_OUTCOME_TRYV(remove_beginnings(*context_.storage, self_.tile));
+  return error(Errc::corrupt, name + "what it has left on disk is no triangulation: " + reason);
+}
+
 Status TileState::begin() {
   check(phase_ == Phase::fresh, "a tile begins once");
+  return with_what_was_read([&] { return begin_somehow(); });
+}
+
+Status TileState::begin_somehow() {
   BOOST_OUTCOME_TRY(restored, restore(false));
   if (!restored) {
     BOOST_OUTCOME_TRY(taken, restore_handed());
@@ -40,6 +57,8 @@ Status TileState::begin() {
 Status TileState::build(bool announce) {
   finals_.reset();  // of an image that was none
   stored_early_ = {};
+  finals_sum_ = 0;
+  read_back_ = false;
   BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
@@ -60,36 +79,6 @@ Status TileState::build(bool announce) {
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
   if (!triangulation_->reduced() || !announce) points_ = std::make_unique<LoadedTile>(std::move(loaded));
-  return success();
-}
-
-// An image is a right beginning whatever the other tiles begin from, if all it has ever told is told again. What was
-// told to it since, those tell again who remember it: they begin from images, too, or have not told it yet.
-Result<bool> TileState::restore(bool at_once) {
-  auto pieces = context_.storage->read(self_.tile, ScratchKind::state);
-  // Damaged, or written by another version: the tile is built again.
-  if (!pieces || pieces.value().size() != 1) return false;
-  auto tile = load_image(std::move(pieces.value()[0]), own_points_);
-  if (!tile) return false;
-  if (tile->handed_out()) {
-    auto finals = context_.storage->read(self_.tile, ScratchKind::finals);
-    if (!finals || finals.value().size() != 1) return false;
-    BOOST_OUTCOME_TRY(sound, restore_finals(finals.value()[0], at_once));
-    if (!sound) return false;
-  }
-  triangulation_ = std::move(tile);
-  BOOST_OUTCOME_TRYV(go_on_from_image());
-  imaged_ = earlier_ = true;
-  return true;
-}
-
-Status TileState::go_on_from_image() {
-  if (!triangulation_->reduced()) {
-    BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
-    points_ = std::make_unique<LoadedTile>(std::move(loaded));
-    if (points_->points.size() != own_points_) return damaged("file of points");
-  }
-  triangulation_->replay();
   return success();
 }
 
@@ -121,6 +110,10 @@ void TileState::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebir
 }
 
 Status TileState::splay() {
+  return with_what_was_read([&] { return process_mail(); });
+}
+
+Status TileState::process_mail() {
   if (storing_.valid() && storing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     BOOST_OUTCOME_TRYV(await_stored());  // a full disk need not be found at the end
   }
@@ -201,70 +194,15 @@ Update TileState::outgoing(Peer to, std::vector<SharedPoint> points) {
   return {self_, to, table_->epoch, hops_ + 1, std::move(points)};
 }
 
-Status TileState::sleep() {
-  check(phase_ == Phase::awake, "only a tile that is awake falls asleep");
-  if (finals_) {
-    BOOST_OUTCOME_TRYV(put_finals());
-  }
-  if (!imaged_) {
-    BOOST_OUTCOME_TRY(bytes, image());
-    BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::state, bytes));
-    imaged_ = true;
-    earlier_ = false;
-  }
-  triangulation_.reset();
-  points_.reset();
-  counters_.trim();  // there are many tiles asleep
-  phase_ = Phase::asleep;
-  return success();
-}
-
-Result<BigVector<std::byte>> TileState::image() {
-  if (phase_ == Phase::asleep) {
-    BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
-    if (pieces.size() != 1) return damaged("image");
-    return std::move(pieces[0]);
-  }
-  BigVector<std::byte> bytes = triangulation_->save();
-  const auto count = std::as_bytes(std::span(&own_points_, 1));
-  bytes.insert(bytes.end(), count.begin(), count.end());
-  return bytes;
-}
-
-// Null when the bytes are not what image() has made.
-std::unique_ptr<TileTriangulation> TileState::load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const {
-  if (bytes.size() < sizeof own_points) return nullptr;
-  std::memcpy(&own_points, bytes.data() + bytes.size() - sizeof own_points, sizeof own_points);
-  bytes.resize(bytes.size() - sizeof own_points);
-  auto tile = std::make_unique<TileTriangulation>(options());
-  if (!tile->load(std::move(bytes))) return nullptr;
-  return tile;
-}
-
-Status TileState::wake() {
-  if (phase_ == Phase::awake) return success();
-  check(phase_ == Phase::asleep, "only a tile that sleeps is woken");
-  BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::state));
-  if (pieces.size() != 1) return damaged("image");
-  std::uint64_t own_points = 0;
-  triangulation_ = load_image(std::move(pieces[0]), own_points);
-  if (!triangulation_ || own_points != own_points_) return damaged("image");
-  if (earlier_) triangulation_->forget_words();
-  if (!triangulation_->reduced()) {
-    BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
-    points_ = std::make_unique<LoadedTile>(std::move(loaded));
-  }
-  phase_ = Phase::awake;
-  return success();
-}
-
 // The star of a point among the tile's own points and their neighbours is its star among all points, and more points
 // change nothing: all foreign vertices are written, which include the neighbours.
 Status TileState::settle() {
   if (context_.many_nodes) {
     BOOST_OUTCOME_TRYV(wake());
-  } else if (phase_ != Phase::awake || imaged_) {
-    return success();
+  } else {
+    if (phase_ != Phase::awake || imaged_) return success();
+    // An image from before tells less. Were what is written now lost, whoever looks for it would take that for all.
+    BOOST_OUTCOME_TRYV(context_.storage->remove(self_.tile, ScratchKind::state));
   }
   const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
   return context_.storage->write(self_.tile, ScratchKind::settled, std::as_bytes(std::span(foreign)));
@@ -292,6 +230,10 @@ Status TileState::build_settled() {
 }
 
 Result<CollectedTile> TileState::collect() {
+  return with_what_was_read([&] { return collect_all(); });
+}
+
+Result<CollectedTile> TileState::collect_all() {
   if (phase_ == Phase::fresh) {
     BOOST_OUTCOME_TRYV(build_settled());
   }

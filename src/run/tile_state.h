@@ -104,6 +104,20 @@ class TileState {
  private:
   enum class Phase : std::uint8_t { fresh, awake, asleep, gone };
 
+  // What stands behind the triangulation in an image.
+  struct ImageEnd {
+    std::uint64_t own_points = 0;
+    std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
+  };
+  static std::uint64_t sum_of(const KeptFinals& finals);
+
+  // What `work` gives; but an error when what was read from scratch, sound by its checksums, cannot be worked with. No
+  // tile begins from that again.
+  template <class Work>
+  auto with_what_was_read(const Work& work) -> decltype(work());
+  Status begin_somehow();
+  Status process_mail();
+  Result<CollectedTile> collect_all();
   Status build(bool announce);
   Result<bool> restore(bool at_once);
   Result<bool> restore_handed();
@@ -111,7 +125,7 @@ class TileState {
   Result<BigVector<std::byte>> image();
   Status write_handed();
   Status build_settled();
-  std::unique_ptr<TileTriangulation> load_image(BigVector<std::byte> bytes, std::uint64_t& own_points) const;
+  std::unique_ptr<TileTriangulation> load_image(BigVector<std::byte> bytes, ImageEnd& end) const;
   Status wake();
   Status insert(const std::vector<Update>& mail);
   Status keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once);
@@ -144,7 +158,9 @@ class TileState {
   bool imaged_ = false;                            // the image on scratch is the tile's present state
   bool earlier_ = false;                           // it is an earlier process's, though
   bool handed_ = false;                            // the tile has been handed over
+  bool read_back_ = false;                         // what it works with comes from scratch
   std::uint64_t own_points_ = 0;
+  std::uint64_t finals_sum_ = 0;  // of what is, or was, in finals_
   Mail mail_;
   std::uint32_t waiting_hops_ = 0;  // longest chain among waiting updates
   std::uint32_t hops_ = 0;

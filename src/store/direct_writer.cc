@@ -10,7 +10,6 @@
 #include <new>
 #include <utility>
 
-#include "src/base/check.h"
 #include "src/base/stopped.h"
 
 namespace tessera::store {
@@ -39,7 +38,7 @@ DirectWriter::DirectWriter(FileHandle file, std::filesystem::path final_name, bo
 Result<DirectWriter> DirectWriter::open(const std::filesystem::path& path, const std::filesystem::path& final_name,
                                         int flags, const char* what, std::stop_token stop) {
   bool direct = true;
-  flags |= O_CLOEXEC;
+  flags |= O_CLOEXEC | O_NONBLOCK;  // nobody is waited for who might read it
   FileHandle file(::open(path.c_str(), flags | O_DIRECT, 0666));
   if (file.get() < 0 && errno == EINVAL) {  // tmpfs and some network file systems always go through the cache
     direct = false;
@@ -88,7 +87,9 @@ Status DirectWriter::append(std::span<const std::byte> bytes, BlockSum& sum) {
 }
 
 Status DirectWriter::skip_to(std::uint64_t offset) {
-  check(offset >= offset_ + filled_, "a file is written from front to back");
+  // Where early cells stand depends on what was put down of them.
+  if (offset < offset_ + filled_)
+    return error(Errc::corrupt, final_name_.string() + ": what was written of it overlaps");
   if (const std::uint64_t piece = whole_pieces(offset); piece != offset_) {
     if (filled_ > 0) {
       fill_up_to(sum_piece_bytes);
@@ -111,7 +112,7 @@ Result<DirectWriter::Begun> DirectWriter::pause() {
 }
 
 Result<DirectWriter::Written> DirectWriter::finish() {
-  check(known_ <= filled_, "nothing stands behind the last byte");
+  if (known_ > filled_) return error(Errc::corrupt, final_name_.string() + ": what was written of it is too long");
   // The last piece is no multiple of the alignment.
   if (filled_ % alignment != 0 && direct_ && !leave_direct()) return io_error(final_name_, "cannot write", errno);
   if (filled_ > 0) {

@@ -38,7 +38,7 @@ class DirectWriter {
   // The same, and adds them to `sum` on the way.
   Status append(std::span<const std::byte> bytes, BlockSum& sum);
   // What is appended next stands there. What is passed over is left as it was; in a new file it is zeros.
-  // REQUIRES: it is not before the last byte that was appended.
+  // Error corrupt when it is before the last byte that was appended.
   Status skip_to(std::uint64_t offset);
 
   // Each writes what is left and closes the file.
@@ -47,7 +47,7 @@ class DirectWriter {
     std::uint64_t bytes = 0;
     std::uint64_t xxh3 = 0;  // checksum_file() of its pieces
   };
-  // REQUIRES: the last byte appended is the file's last.
+  // Error corrupt when more was there than has been appended.
   Result<Written> finish();
 
  private:

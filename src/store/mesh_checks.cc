@@ -1,6 +1,8 @@
 #include "src/store/mesh_checks.h"
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 namespace tessera::store {
 
@@ -10,6 +12,10 @@ Status check_values(const TileMesh& mesh, const CorruptArray& corrupt) {
   if (n > std::numeric_limits<std::int32_t>::max()) return corrupt("Points", "has more than 2^31 points");
   for (std::size_t i = 0; i < n; ++i) {
     if (!is_finite(mesh.points[i])) return corrupt("Points", "point " + std::to_string(i) + " is not finite");
+    for (int axis = 0; axis < 3; ++axis) {
+      if (mesh.points[i][axis] == 0 && std::signbit(mesh.points[i][axis]))
+        return corrupt("Points", "point " + std::to_string(i) + " has the coordinate -0, which no vertex has");
+    }
     if (mesh.dimension == 2 && mesh.points[i].z != 0)
       return corrupt("Points", "point " + std::to_string(i) + " of a plane triangulation has a z");
     if (mesh.point_ghost[i] > 1)

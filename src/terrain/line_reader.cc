@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/default_arithmetic.h"
+#include "src/files/descriptor.h"
 
 namespace tessera::terrain {
 namespace {
@@ -34,6 +35,7 @@ Result<std::unique_ptr<LineReader>> LineReader::open(const std::filesystem::path
   const DefaultArithmetic kept;
   const GdalQuiet quiet(*gdal);
   const auto refused = [&] { return error(Errc::usage, path.string() + ": holds no contour lines"); };
+  if (!check_regular(path)) return refused();  // GDAL would wait for a named pipe
   const char* const drivers[] = {"GPKG", nullptr};
   // A file that is replaced as a whole, and never changed.
   const char* const choices[] = {"IMMUTABLE=YES", nullptr};

@@ -9,6 +9,7 @@
 
 #include "src/base/default_arithmetic.h"
 #include "src/crs/lon_lat.h"
+#include "src/files/descriptor.h"
 #include "src/terrain/gdal_choices.h"
 
 namespace tessera::terrain {
@@ -58,6 +59,7 @@ Result<std::unique_ptr<HeightRaster>> HeightRaster::open(const std::filesystem::
   const DefaultArithmetic kept;
   const GdalQuiet quiet(*gdal);
   const auto no_raster = [&](const std::string& why) { return error(Errc::usage, path.string() + ": " + why); };
+  if (!check_regular(path)) return no_raster("is no raster");  // GDAL would wait for a named pipe
   const char* const drivers[] = {"GTiff", nullptr};
   const GDALDatasetH dataset =
       gdal->GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr);

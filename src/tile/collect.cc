@@ -197,8 +197,8 @@ class Collector {
         if (n >= across_elsewhere || !(n & across_frozen)) continue;
         const std::uint32_t facet = n & ~across_frozen;
         const std::size_t row = rows.of(facet / corners);
-        check(row < count && cells[shift + row].neighbors[facet % corners] == FinalCells::open,
-              "a facet of the hole is one of a final cell");
+        check_read(row < count && cells[shift + row].neighbors[facet % corners] == FinalCells::open,
+                   "a facet of the hole is none of a final cell");
         n = static_cast<std::uint32_t>(4 * (shift + row));
         cells[shift + row].neighbors[facet % corners] = kept(c) ? static_cast<std::uint32_t>(4 * c) : across_outside;
       }
@@ -208,7 +208,7 @@ class Collector {
       for (int i = 0; i < corners; ++i) {
         if (row.neighbors[i] != FinalCells::open) continue;
         const auto border = borders_.find(facet_key(indices(shift + c), i));
-        check(border != borders_.end(), "every open facet of a final cell borders a kept cell");
+        check_read(border != borders_.end(), "an open facet of a final cell borders no kept cell");
         const std::uint32_t across = row.neighbors[i] = border->second;
         if (across == across_outside) continue;
         cells[across / 4].neighbors[across % 4] = 4 * (shift + static_cast<std::uint32_t>(c));

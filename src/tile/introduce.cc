@@ -27,7 +27,7 @@ void TileTriangulation::introduce() {
   for (const Refused& r : refused_) {
     stop_check_.step();
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
-    check(!again.inserted, "what conflicts with no local star never will");
+    check_read(!again.inserted, "what conflicts with no local star never will");
     for (const Vertex w : around_) {
       if (!knows(r.point.tile, w) && !heard(owners_[w], r) && !told(r.point.tile, w)) share(w, r.point.tile);
     }

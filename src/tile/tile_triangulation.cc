@@ -58,7 +58,7 @@ void TileTriangulation::triangulate(std::span<const Point> points, std::span<con
   for (const Seed& seed : options_.around->seeds_of(options_.self)) {
     if (seed.point.tile == options_.self) {
       const auto own = std::find(ids.begin(), ids.end(), seed.point.id);
-      check(own != ids.end(), "seeds are points of the cloud");
+      check_read(own != ids.end(), "a seed is no point of the tile that owns it");
       seeds_[static_cast<Vertex>(own - ids.begin() + 1)] = seed.reach;
     } else if (kernel_->dimension() < options_.dimension) {
       add_seed(seed);
@@ -72,7 +72,7 @@ void TileTriangulation::add_seed(const Seed& seed) {
   Vertex v = known == foreign_.end() ? 0 : known->second;
   if (v == 0) {
     const auto added = add_foreign(seed.point, true, around_);
-    check(added.has_value(), "seeds are points of the cloud, each once");
+    check_read(added.has_value(), "a seed is a point that the tile knows under another number");
     v = added.value();
   }
   seeds_[v] = seed.reach;

@@ -52,15 +52,17 @@ constexpr std::string_view seal_begin = "{\"xxh3\":\"";
 constexpr std::string_view seal_end = "\",\n";
 constexpr std::size_t seal_bytes = seal_begin.size() + 16 + seal_end.size();
 
-Status check_seal(const std::filesystem::path& path, std::string_view text) {
+std::uint64_t seal_of(std::string_view text) { return checksum(std::as_bytes(std::span(text.substr(seal_bytes)))); }
+
+Result<std::uint64_t> check_seal(const std::filesystem::path& path, std::string_view text) {
   if (!text.starts_with(seal_begin) || text.size() < seal_bytes ||
       text.substr(seal_bytes - seal_end.size(), seal_end.size()) != seal_end)
     return damaged_run(path, "is damaged, or of an older version: it does not begin with its checksum");
-  const auto sum = checksum(std::as_bytes(std::span(text.substr(seal_bytes))));
+  const std::uint64_t sum = seal_of(text);
   if (text.substr(seal_begin.size(), 16) != checksum_text(sum))
     return damaged_run(path, "is damaged: its checksum is " + checksum_text(sum) + ", it says " +
                                  in_quotes(text.substr(seal_begin.size(), 16)));
-  return success();
+  return sum;
 }
 
 // Reads plan.json field by field; the first thing wrong is the error.
@@ -269,7 +271,7 @@ std::string sealed_plan(std::string_view json) {
   return text;
 }
 
-Status write_plan(const RoutedRun& run) {
+Result<std::uint64_t> write_plan(const RoutedRun& run) {
   json tiles = json::array();
   for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
     tiles.push_back({{"points", run.tile_points[t]}, {"bounds", to_json(run.tile_bounds[t])}});
@@ -307,7 +309,9 @@ Status write_plan(const RoutedRun& run) {
       {"crs", run.crs},
       {"options_key", run.options_key}};
   // File names and coordinate systems need not be UTF-8, which JSON is.
-  return write_whole(plan_file(run.folder), sealed_plan(plan.dump(-1, ' ', false, json::error_handler_t::replace)));
+  const std::string text = sealed_plan(plan.dump(-1, ' ', false, json::error_handler_t::replace));
+  BOOST_OUTCOME_TRYV(write_whole(plan_file(run.folder), text));
+  return seal_of(text);
 }
 
 Result<RoutedRun> open_run(const std::filesystem::path& folder) {
@@ -321,11 +325,12 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
     BOOST_OUTCOME_TRY(got, file.read(std::as_writable_bytes(std::span(text))));
     text.resize(got);
   }
-  BOOST_OUTCOME_TRYV(check_seal(path, text));
+  BOOST_OUTCOME_TRY(seal, check_seal(path, text));
   const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
   if (root.is_discarded()) return damaged_run(path, "is not JSON");
   PlanReader reader(path, root);
   BOOST_OUTCOME_TRY(run, reader.read(folder));
+  run.seal = seal;
   BOOST_OUTCOME_TRYV(read_segments(run, reader.segments_sum()));
   const std::size_t row = row_bytes(run.schema);
   for (const Bundle& bundle : run.bundles) {

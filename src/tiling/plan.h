@@ -8,8 +8,9 @@
 
 namespace tessera {
 
-// Writes RUN/plan.json under a temporary name, synced and renamed: it is there as a whole or not at all.
-Status write_plan(const RoutedRun& run);
+// Writes RUN/plan.json under a temporary name, synced and renamed: it is there as a whole or not at all. Returns its
+// checksum, RoutedRun::seal.
+Result<std::uint64_t> write_plan(const RoutedRun& run);
 // `json`, an object, with the checksum of its text as first member, on a line of its own: so that a flipped digit
 // shows.
 std::string sealed_plan(std::string_view json);

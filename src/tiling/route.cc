@@ -215,7 +215,8 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   settle(run, routed);
   progress.points_total = progress.points_routed.load();
   progress.tiles_total = run.partition.tiles();
-  BOOST_OUTCOME_TRYV(write_plan(run));
+  BOOST_OUTCOME_TRY(seal, write_plan(run));
+  run.seal = seal;
   files.keep();
   return run;
 }

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <stop_token>
@@ -21,6 +22,7 @@
 #include "src/base/point.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
+#include "src/files/mapped_file.h"
 #include "src/files/names.h"
 #include "src/io/cloud/cloud.h"
 #include "src/tiling/bundle.h"
@@ -60,6 +62,9 @@ struct RoutedRun {
   std::vector<InputFile> inputs;
   std::string crs;
   std::string options_key;  // equal keys = the same job; a resume with another key is refused
+  // The checksum of its plan: what tells the run from all others, for it depends on where every point went and on its
+  // bits. What tiles put on scratch says it.
+  std::uint64_t seal = 0;
   // By tile; copies of this run share it. Without it, load_rows() checks the files whenever it is called.
   std::shared_ptr<std::vector<TileChecked>> checked;
 
@@ -99,9 +104,31 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
 // The same from memory (tests, harness). REQUIRES: finite coordinates without -0.
 LoadedTile order_points(std::span<const LocalPoint> points, int dimension);
 
+// Points and attributes of a run's bundles as bytes in memory, each file opened once: the vertices of one tile are
+// those of a dozen others, which share bundles.
+class BundleMaps {
+ public:
+  // Refers to the run.
+  explicit BundleMaps(const RoutedRun& run) : run_(run) {}
+  const RoutedRun& run() const { return run_; }
+  struct Maps {
+    MappedFile points, rows;
+  };
+  // Error io; corrupt when a file is shorter than what was written. Valid as long as this.
+  Result<const Maps*> of(std::uint32_t bundle);
+
+ private:
+  const RoutedRun& run_;
+  std::map<std::uint32_t, Maps> maps_;
+};
+
 // The rows of `ids` (any order), which `tile` owns: ids.size() rows of run.schema. Error corrupt if one is missing, or
 // if the tile's files are not those that were written, which the first call for a tile finds out. Safe to call from
-// several threads.
-Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids);
+// several threads, with maps of their own.
+Result<std::vector<std::byte>> load_rows(BundleMaps& maps, TileId tile, const std::vector<PointId>& ids);
+inline Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids) {
+  BundleMaps maps(run);
+  return load_rows(maps, tile, ids);
+}
 
 }  // namespace tessera

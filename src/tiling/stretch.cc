@@ -1,11 +1,24 @@
 #include "src/tiling/stretch.h"
 
+#include <span>
+#include <string>
+
 #include "src/budget/budget.h"
+#include "src/files/checksum.h"
 #include "src/files/frame.h"
 #include "src/files/names.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {
+namespace {
+
+// A stretch is routed before there is a plan: by one partition, as one attempt.
+FrameOwner owner_of(const Partition& partition, std::uint32_t attempt) {
+  const std::string text = partition.to_json();
+  return {checksum(std::as_bytes(std::span(text))), attempt};
+}
+
+}  // namespace
 
 Status write_stretch(const Cloud& cloud, const Stretch& stretch, const Partition& partition, TileWriter& writer,
                      const std::stop_token& stop, const RoutedMore& more) {
@@ -28,13 +41,14 @@ Status route_stretch(const Cloud& cloud, const Stretch& stretch, const Partition
   TileWriter writer(work.run_folder, work.attempt, partition.dimension(), row_bytes(cloud.schema()),
                     budget::route_buffer_bytes(work.memory_bytes));
   BOOST_OUTCOME_TRYV(write_stretch(cloud, stretch, partition, writer, stop, work.routed));
-  return write_frame(stretch_file(work.run_folder, work.attempt), ScratchKind::stretch, to_bytes(writer.routed()));
+  return write_frame(stretch_file(work.run_folder, work.attempt), ScratchKind::stretch,
+                     owner_of(partition, work.attempt), to_bytes(writer.routed()));
 }
 
 Result<RoutedPoints> read_stretch(const std::filesystem::path& run_folder, std::uint32_t attempt,
                                   const Partition& partition) {
   const auto path = stretch_file(run_folder, attempt);
-  BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::stretch));
+  BOOST_OUTCOME_TRY(bytes, read_frame(path, ScratchKind::stretch, owner_of(partition, attempt)));
   RoutedPoints routed(partition.dimension());
   if (!from_bytes(bytes, partition.tiles(), routed)) return damaged_run(path, "is not what a stretch leaves");
   return routed;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "src/base/big_vector.h"
-#include "src/files/mapped_file.h"
 #include "src/files/names.h"
 #include "src/tiling/routed_run.h"
 
@@ -72,7 +71,19 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
   return order_points(points, run.dimension);
 }
 
-Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, const std::vector<PointId>& ids) {
+Result<const BundleMaps::Maps*> BundleMaps::of(std::uint32_t number) {
+  if (const auto found = maps_.find(number); found != maps_.end()) return &found->second;
+  const Bundle& bundle = run_.bundles[number];
+  const std::size_t row = row_bytes(run_.schema);
+  BOOST_OUTCOME_TRY(points, MappedFile::open(points_file(run_.folder, bundle.id)));
+  BOOST_OUTCOME_TRY(rows, MappedFile::open(attributes_file(run_.folder, bundle.id)));
+  if (points.bytes().size() < bundle.points * sizeof(LocalPoint) || rows.bytes().size() < bundle.points * row)
+    return damaged_run(points_file(run_.folder, bundle.id), "was cut short by another program");
+  return &maps_.emplace(number, Maps{std::move(points), std::move(rows)}).first->second;
+}
+
+Result<std::vector<std::byte>> load_rows(BundleMaps& maps, TileId tile, const std::vector<PointId>& ids) {
+  const RoutedRun& run = maps.run();
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
   const std::size_t row = row_bytes(run.schema);
   std::vector<std::byte> rows(ids.size() * row);
@@ -95,12 +106,9 @@ Result<std::vector<std::byte>> load_rows(const RoutedRun& run, TileId tile, cons
     if (after == segments.begin()) return no_point(wanted);
     const Segment& segment = *std::prev(after);
     const Bundle& bundle = run.bundles[segment.bundle];
-    BOOST_OUTCOME_TRY(points_map, MappedFile::open(points_file(run.folder, bundle.id)));
-    BOOST_OUTCOME_TRY(rows_map, MappedFile::open(attributes_file(run.folder, bundle.id)));
-    if (points_map.bytes().size() < bundle.points * sizeof(LocalPoint) || rows_map.bytes().size() < bundle.points * row)
-      return damaged_run(points_file(run.folder, bundle.id), "was cut short by another program");
-    const auto points = points_map.bytes().subspan(segment.begin * sizeof(LocalPoint));
-    const auto from = rows_map.bytes().subspan(segment.begin * row);
+    BOOST_OUTCOME_TRY(mapped, maps.of(segment.bundle));
+    const auto points = mapped->points.bytes().subspan(segment.begin * sizeof(LocalPoint));
+    const auto from = mapped->rows.bytes().subspan(segment.begin * row);
     // It gallops, since a neighbour tile asks for a few ids among a million.
     std::size_t low = 0;  // no record before it has an id >= the one looked for
     for (; next < order.size() && (after == segments.end() || ids[order[next]] < first_id(*after)); ++next) {

@@ -6,7 +6,6 @@
 #include <random>
 #include <string>
 
-#include "src/base/check.h"
 #include "src/predicates/independent/predicates.h"
 
 namespace tessera {
@@ -173,7 +172,9 @@ Status Hull::finish() {
                                            ": cells overlap");
     decided = true;
   }
-  check(rays_.empty() || decided, "all rays of the hull's proof pass through ridges");
+  if (!rays_.empty() && !decided)
+    return error(Errc::not_delaunay, out_.string() + ": all rays from the cell of vertices " + text_of(core_->ids) +
+                                         " leave the hull through borders of its facets");
   return success();
 }
 

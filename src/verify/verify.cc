@@ -11,6 +11,7 @@
 #include "src/verify/cell_copies.h"
 #include "src/verify/hull.h"
 #include "src/verify/match_facets.h"
+#include "src/verify/owners.h"
 #include "src/verify/result_files.h"
 #include "src/verify/tile_check.h"
 #include "src/verify/vertex_ids.h"
@@ -32,12 +33,18 @@ struct Contents {
   }
 };
 
-// Digests that are not there, as in results of older software, say nothing.
+// Without any digests, as in results of older software, they say nothing; but none may be missing beside others.
 Status check_contents(const Contents& contents, const Manifest& manifest, const fs::path& out) {
   const auto place = manifest_file(out).string();
   if (contents.bounds != manifest.bounds)
     return error(Errc::corrupt, place + ": its bounds are not those of the vertices");
   Digest sum;
+  const bool all = std::all_of(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& e) { return e.digest; });
+  const bool none = std::none_of(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& e) { return e.digest; });
+  if (!all && !none) return error(Errc::corrupt, place + ": some of its tiles have a digest, and others have none");
+  if (manifest.digest.has_value() != all)
+    return error(Errc::corrupt, place + (all ? ": has no digest, though all of its tiles have one"
+                                             : ": has a digest, though none of its tiles has one"));
   for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
     const TileEntry& entry = manifest.tiles[i];
     sum += contents.digests[i];
@@ -86,6 +93,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   if (options.against_cgal) cgal.emplace(manifest.dimension);
 
   Contents contents;
+  Owners owners(manifest);
   TileSinks sinks{copies, own, claims, hull};
   for (const auto& entry : manifest.tiles) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
@@ -97,6 +105,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     BOOST_OUTCOME_TRYV(check_tile(mesh, entry.tile, neighbors_stored, out, sinks, stop));
     if (cgal) cgal->add(mesh);
     contents.add(mesh);
+    owners.look_at(mesh, entry.tile, out);
     report.cells += entry.main_cells;
     report.vertices += entry.own_points;
   }
@@ -110,6 +119,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
                                          " cells, the tiles have " + std::to_string(report.cells) + " main ones");
   if (report.cells == 0) return error(Errc::not_delaunay, out.string() + ": holds no cell");
   BOOST_OUTCOME_TRYV(check_boxes(manifest, out));
+  BOOST_OUTCOME_TRYV(owners.finish());
   BOOST_OUTCOME_TRYV(check_contents(contents, manifest, out));
   report.facets = sinks.facets;
   report.hull_facets = hull.facets();
@@ -125,7 +135,8 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
       "the hull is closed, convex and winds around its inside once",
   };
   report.passed.emplace_back(
-      "the tiles' boxes part space, and each vertex is in its tile's; the bounds are the vertices'");
+      "the tiles' boxes part space, and each vertex is of the tile that the partition gives it to; the bounds are the "
+      "vertices'");
   if (manifest.digest) report.passed.push_back("the digest " + digest_text(*manifest.digest));
   if (cgal) {
     BOOST_OUTCOME_TRYV(cgal->compare(out));

@@ -59,6 +59,13 @@ class Query(CliTest):
         self.assertTrue(corner["on_hull"])
         self.assertIn("unbounded", self.ok("query", self.out, "star", "0"))
 
+    def test_one_answer_has_the_format_that_is_asked_for_or_is_refused(self):
+        for question, about in (("star", "44"), ("locate", "4.25,5.5")):
+            as_json = self.ok("query", self.out, question, about, "--json")
+            self.assertEqual(self.ok("query", self.out, question, about, "--format", "json"), as_json)
+            for other in ("csv", "npy", "nonsense"):
+                self.refused(USAGE, "query", self.out, question, about, "--format", other, says=f"--format {other}")
+
     def test_cells_of_a_box_and_a_polygon_in_every_format(self):
         self.ground()
         self.ok("query", self.out, "cells", "--bbox", "2.1,2.1,3.9,3.9", "-o", "part.geojson")

@@ -40,7 +40,7 @@ void sweep(Prepare prepare, Run run) {
 TEST(SettledDisk, WhatIsSaidToBeSyncedIs) {
   sweep([](const auto&) {},
         [](const auto& folder) {
-          SettledFiles files(folder, here);
+          SettledFiles files(folder, 0, here);
           if (!files.append(one, content)) return;
           if (files.sync()) {
             EXPECT_TRUE(was_synced(settled_file(folder, here)));
@@ -49,9 +49,9 @@ TEST(SettledDisk, WhatIsSaidToBeSyncedIs) {
 }
 
 TEST(SettledDisk, WhatAnEarlierProcessHasAppendedIsSyncedToo) {
-  sweep([](const auto& folder) { ASSERT_TRUE(SettledFiles(folder, here).append(one, content)); },
+  sweep([](const auto& folder) { ASSERT_TRUE(SettledFiles(folder, 0, here).append(one, content)); },
         [](const auto& folder) {
-          if (SettledFiles(folder, here).sync()) {
+          if (SettledFiles(folder, 0, here).sync()) {
             EXPECT_TRUE(was_synced(settled_file(folder, here)));
           }
         });
@@ -59,11 +59,11 @@ TEST(SettledDisk, WhatAnEarlierProcessHasAppendedIsSyncedToo) {
 
 TEST(SettledDisk, WhatWasAppendedIsThereOrAnErrorIsTold) {
   const auto prepare = [](const auto& folder) {
-    ASSERT_TRUE(SettledFiles(folder, here).append(one, content));
-    ASSERT_TRUE(SettledFiles(folder, NodeId{4}).append(two, content));
+    ASSERT_TRUE(SettledFiles(folder, 0, here).append(one, content));
+    ASSERT_TRUE(SettledFiles(folder, 0, NodeId{4}).append(two, content));
   };
   sweep(prepare, [](const auto& folder) {
-    SettledFiles files(folder, here);
+    SettledFiles files(folder, 0, here);
     for (const TileId tile : {one, two}) {
       if (const auto has = files.has(tile)) {
         EXPECT_TRUE(has.value());

@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "src/files/checksum.h"
+#include "src/files/descriptor.h"
 #include "src/files/disk_file.h"
+#include "src/files/frame.h"
 #include "src/files/mapped_file.h"
 #include "src/files/names.h"
 #include "src/files/output_file.h"
@@ -73,8 +75,35 @@ TEST_F(Files, ErrorsNameTheFileThatWasWantedAndWhatTheSystemSays) {
   EXPECT_EQ(write_whole(path, std::string_view("x")).error().where,
             path.string() + ": cannot create: No such file or directory");
   EXPECT_EQ(read_whole(path).error().where, path.string() + ": cannot open: No such file or directory");
-  EXPECT_EQ(read_whole(folder()).error().where, folder().string() + ": is not a file");
+  EXPECT_EQ(read_whole(folder()).error().where, folder().string() + ": is not a regular file");
   EXPECT_EQ(OutputFile::create(path).error().where, path.string() + ": cannot be written: No such file or directory");
+}
+
+// Opening a named pipe, or reading a device, could take for ever.
+TEST_F(Files, WhatIsNoRegularFileIsRefusedAtOnce) {
+  const auto pipe = folder() / "pipe", device = folder() / "device", empty = folder() / "empty";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", device);
+  fs::create_symlink("/dev/null", empty);
+  const auto refused = [](const auto& result, const fs::path& path) {
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Errc::io);
+    EXPECT_EQ(result.error().where, path.string() + ": is not a regular file");
+  };
+  for (const auto& path : {pipe, device, empty}) {
+    refused(read_whole(path), path);
+    refused(checksum_file(path), path);
+    refused(checksum_file(path, SumOf::pieces), path);
+    refused(MappedFile::open(path), path);
+    refused(DiskFile::open(path, DiskFile::Mode::read), path);
+    refused(read_frame(path, ScratchKind::state, {}), path);
+    refused(check_regular(path), path);
+  }
+  refused(DiskFile::open(pipe, DiskFile::Mode::append), pipe);
+  refused(append_frame(pipe, ScratchKind::mail, {}, {}), pipe);
+  const FileHandle reader(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK));  // also when somebody would read it
+  refused(DiskFile::open(pipe, DiskFile::Mode::append), pipe);
+  EXPECT_TRUE(DiskFile::open(empty, DiskFile::Mode::append));
 }
 
 TEST_F(Files, OfManyThatAreSyncedTheOneThatIsMissingIsNamed) {

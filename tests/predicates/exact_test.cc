@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <limits>
@@ -68,15 +69,16 @@ int reference(const std::array<Point, N>& points, int dimension, bool lifted) {
 }
 
 // A predicate of N points, and the determinant whose sign it is.
-template <std::size_t N, int dimension, bool lifted, auto staged_sign, auto plain_sign>
+template <std::size_t N, int d, bool lifted, auto staged_sign, auto plain_sign>
 struct Subject {
   static constexpr std::size_t n = N;
+  static constexpr int dimension = d;
   static exact::Staged staged(const std::array<Point, n>& p) { return std::apply(staged_sign, p); }
   static int sign(const std::array<Point, n>& p) { return std::apply(plain_sign, p); }
-  static int expected(const std::array<Point, n>& p) { return reference(p, dimension, lifted); }
+  static int expected(const std::array<Point, n>& p) { return reference(p, d, lifted); }
   static std::string name() {
-    if (lifted) return dimension == 2 ? "in_circle_2" : "in_sphere_3";
-    return dimension == 2 ? "orientation_2" : "orientation_3";
+    if (lifted) return d == 2 ? "in_circle_2" : "in_sphere_3";
+    return d == 2 ? "orientation_2" : "orientation_3";
   }
 };
 using Orientation2 = Subject<3, 2, false, exact::orientation_2_staged, exact::orientation_2>;
@@ -119,6 +121,11 @@ class ExactPredicate : public ::testing::Test {
   }
   Rng rng_{7};
   double unit() { return std::uniform_real_distribution<>(0, 1)(rng_); }
+  double of_any_exponent() {
+    double v = std::nan("");
+    while (!std::isfinite(v)) v = std::bit_cast<double>(rng_());
+    return v;
+  }
   int below(int n) { return static_cast<int>(rng_() % static_cast<std::uint64_t>(n)); }
 };
 using Predicates = ::testing::Types<Orientation2, Orientation3, InCircle2, InSphere3>;
@@ -164,10 +171,49 @@ TYPED_TEST(ExactPredicate, IsDecidedInWideIntegersForTiesWhoseDifferencesAreRoun
   EXPECT_EQ(stages[Stage::big], 0);
 }
 
+// Any finite double: one product exceeds all others by far.
+TYPED_TEST(ExactPredicate, IsDecidedWithExponentsOfAnySizeForPointsThatHaveThem) {
+  auto stages = this->check_many(80, [&](int) { return this->of_any_exponent(); });
+  EXPECT_GT(stages[Stage::any_exponent], TypeParam::n > 3 ? 50 : 30);
+  EXPECT_EQ(stages[Stage::big], 0);
+}
+
+TYPED_TEST(ExactPredicate, IsDecidedWithExponentsOfAnySizeForExponentialSpacing) {
+  auto stages = this->check_many(80, [&](int) {
+    const double v = std::exp(this->unit() * 600 - 300);
+    return this->below(2) ? v : -v;
+  });
+  EXPECT_GT(stages[Stage::any_exponent], TypeParam::n > 3 ? 40 : 3);
+  EXPECT_LT(stages[Stage::big], 5);
+}
+
+// A coordinate that two points have in common, and products that differ by one unit in the last place: what exponents
+// of any size cannot tell is told by integers, and never wrongly.
+TYPED_TEST(ExactPredicate, IsExactForNearTiesOfAnyExponent) {
+  for (int round = 0; round < 10; ++round) {
+    std::array<double, 4> values;
+    for (double& v : values) v = this->of_any_exponent();
+    this->check_many(8, [&](int) {
+      const double v = values[static_cast<std::size_t>(this->below(4))], moves = this->below(8);
+      return moves == 0 ? std::nextafter(v, 0) : moves == 1 ? v / 2 : moves == 2 ? -v : v;
+    });
+  }
+}
+
+// A lattice in a plane, and points next to none beside it: each axis spans few bits, all together thousands.
+TYPED_TEST(ExactPredicate, IsDecidedByAxisForALatticeInAPlaneAndPointsThatAreHardlyBesideIt) {
+  for (const double height : {1e-300, 1e300, 5e-324}) {
+    auto stages = this->check_many(
+        200, [&](int k) { return k == TypeParam::dimension - 1 ? height * this->below(2) : 1.0 * this->below(6); });
+    EXPECT_GT(stages[Stage::axes], 5);
+    EXPECT_EQ(stages[Stage::big], 0);
+  }
+}
+
 TYPED_TEST(ExactPredicate, IsDecidedInBigIntegersWhenMagnitudesAreFarApart) {
   const std::array<double, 6> values{1e300, 1e-300, 0, -1e300, 1, -1e-300};
   auto stages = this->check_many(200, [&](int) { return values[this->below(6)]; });
-  EXPECT_GT(stages[Stage::big], 40);
+  EXPECT_GT(stages[Stage::big], 15);
 }
 
 TYPED_TEST(ExactPredicate, IsExactForDenormalsAndZerosOfBothSigns) {

@@ -9,6 +9,7 @@
 
 #include "src/base/stopped.h"
 #include "src/files/folder_lock.h"
+#include "src/files/handed_file.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
 
@@ -49,6 +50,25 @@ class LockedStorage : public ::testing::Test {
   std::shared_ptr<RoutedRun> run_ = std::make_shared<RoutedRun>();
   std::optional<DiskStorage> storage_;
 };
+
+// All kinds, of a tile's own or of another run with the same tiles.
+TEST_F(LockedStorage, GivesNoTileWhatAnotherHasWritten) {
+  constexpr TileId other{8};
+  for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::mail, ScratchKind::duplicates}) {
+    ASSERT_TRUE(storage_->write(tile, what, bytes_));
+    ASSERT_TRUE(storage_->write(other, what, bytes_));
+    fs::rename(scratch_file(run_->folder, what, other), scratch_file(run_->folder, what, tile));
+    EXPECT_EQ(storage_->read(tile, what).error().code, Errc::corrupt);
+    ASSERT_TRUE(storage_->write(tile, what, bytes_));
+    run_->seal += 1;
+    EXPECT_EQ(storage_->read(tile, what).error().code, Errc::corrupt);
+    run_->seal -= 1;
+    EXPECT_EQ(storage_->read(tile, what).value(), TileStorage::Pieces{bytes_});
+  }
+  ASSERT_TRUE(storage_->hand_over(other, bytes_));
+  fs::rename(handed_file(run_->folder, other), handed_file(run_->folder, tile));
+  EXPECT_EQ(storage_->handed(tile).error().code, Errc::corrupt);
+}
 
 TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));

@@ -20,14 +20,14 @@ class Settled : public ::testing::Test {
   static BigVector<std::byte> bytes_of(std::uint32_t tile) {
     return BigVector<std::byte>(tile % 5 * 7, std::byte(tile));
   }
-  SettledFiles files(std::uint32_t node = 0) const { return {folder_.path(), NodeId{node}}; }
+  SettledFiles files(std::uint32_t node = 0) const { return {folder_.path(), seal, NodeId{node}}; }
   void append(std::uint32_t node, std::uint32_t begin, std::uint32_t end) const {
-    SettledFiles of_node(folder_.path(), NodeId{node});
+    SettledFiles of_node(folder_.path(), seal, NodeId{node});
     for (std::uint32_t t = begin; t < end; ++t) EXPECT_TRUE(of_node.append(TileId{t}, bytes_of(t)));
   }
   // The tiles that are said to be there; each is there as it was written, or found to be damaged.
   std::set<std::uint32_t> there(std::uint32_t tiles) const {
-    SettledFiles all(folder_.path(), NodeId{0});
+    SettledFiles all(folder_.path(), seal, NodeId{0});
     std::set<std::uint32_t> found;
     for (std::uint32_t t = 0; t < tiles; ++t) {
       const auto has = all.has(TileId{t});
@@ -44,6 +44,7 @@ class Settled : public ::testing::Test {
     return found;
   }
 
+  static constexpr std::uint64_t seal = 4711;
   TemporaryFolder folder_ = TemporaryFolder::make().value();
 };
 
@@ -52,7 +53,7 @@ TEST_F(Settled, OfAllNodesAreFoundByEach) {
   append(0, 0, 10);
   append(7, 10, 15);
   EXPECT_EQ(there(20).size(), 15u);
-  SettledFiles again(folder_.path(), NodeId{7});
+  SettledFiles again(folder_.path(), seal, NodeId{7});
   EXPECT_FALSE(again.has(TileId{15}).value());
   EXPECT_TRUE(again.append(TileId{15}, bytes_of(15)));
   EXPECT_EQ(again.read(TileId{15}).value(), bytes_of(15));
@@ -62,7 +63,7 @@ TEST_F(Settled, OfAllNodesAreFoundByEach) {
 }
 
 TEST_F(Settled, OfSeveralThreadsDoNotMix) {
-  SettledFiles shared(folder_.path(), NodeId{0});
+  SettledFiles shared(folder_.path(), seal, NodeId{0});
   {
     std::vector<std::jthread> threads;
     for (std::uint32_t k = 0; k < 4; ++k)
@@ -96,6 +97,12 @@ TEST_F(Settled, DamageOfATileIsItsOwnOrHidesThoseBehindIt) {
     EXPECT_LT(tiles.size(), 4u) << "cut to " << left;
     EXPECT_TRUE(tiles.empty() || *tiles.rbegin() == tiles.size()) << "cut to " << left << ": the first ones are left";
   }
+}
+
+TEST_F(Settled, OfAnotherRunAreDamage) {
+  append(0, 1, 3);
+  SettledFiles other(folder_.path(), seal + 1, NodeId{0});
+  for (std::uint32_t t = 1; t < 3; ++t) EXPECT_EQ(other.read(TileId{t}).error().code, Errc::corrupt);
 }
 
 // Older software had a file for each tile: not what is read here, so such a run is not taken for settled.

@@ -253,6 +253,27 @@ TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {
   }
 }
 
+// Readers of points make +0 of it, so that equal coordinates are equal bits: a file that has it is not ours.
+TEST(TileFile, ACoordinateOfMinusZeroIsDamage) {
+  for (const int dimension : {2, 3}) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const TemporaryFolder folder;
+      TileMesh mesh = sample_tiles(sample_points(Shape::lattice, dimension, 20), dimension, 1)[0];
+      const auto zero =
+          std::find_if(mesh.points.begin(), mesh.points.end(), [&](const Point& p) { return p[axis] == 0; });
+      ASSERT_NE(zero, mesh.points.end());
+      ASSERT_TRUE(write_tile(folder.path(), TileId{0}, mesh, {}, {}));
+      EXPECT_TRUE(read_tile(folder.path(), TileId{0}));
+      (*zero)[axis] = -0.0;
+      ASSERT_TRUE(write_tile(folder.path(), TileId{0}, mesh, {}, {}));
+      const auto read = read_tile(folder.path(), TileId{0});
+      ASSERT_FALSE(read);
+      EXPECT_EQ(read.error().code, Errc::corrupt);
+      EXPECT_NE(read.error().where.find("has the coordinate -0"), std::string::npos) << read.error().where;
+    }
+  }
+}
+
 TEST(TileFile, AMissingTileIsAnIoError) {
   const TemporaryFolder folder;
   const auto read = read_tile(folder.path(), TileId{3});

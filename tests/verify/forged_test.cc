@@ -11,6 +11,7 @@
 #include "src/files/whole_file.h"
 #include "src/store/manifest.h"
 #include "src/store/vtk_xml.h"
+#include "src/tiling/partition.h"
 #include "tests/verify/verify_testing.h"
 
 namespace tessera::test {
@@ -120,6 +121,12 @@ struct Sound {
   }
 };
 
+TileMesh with_foreign_owner(TileMesh mesh, std::uint32_t owner) {
+  for (std::size_t i = 0; i < mesh.owners.size(); ++i)
+    if (mesh.point_ghost[i] != 0) mesh.owners[i] = TileId{owner};
+  return mesh;
+}
+
 struct Forgery {
   const char* name;
   std::function<void(Sound&)> make;
@@ -217,6 +224,35 @@ const std::vector<Forgery>& forgeries() {
          s.restore(mesh, s.options);
        },
        "000001.vtu: its digest is "},
+      {"ADigestOfATileThatIsGone", [](Sound& s) { s.manifest.tiles[1].digest.reset(); },
+       "manifest.json: some of its tiles have a digest, and others have none"},
+      {"DigestsOfAllTilesThatAreGone",
+       [](Sound& s) {
+         for (TileEntry& entry : s.manifest.tiles) entry.digest.reset();
+       },
+       "manifest.json: has a digest, though none of its tiles has one"},
+      {"TheDigestThatIsGone", [](Sound& s) { s.manifest.digest.reset(); },
+       "manifest.json: has no digest, though all of its tiles have one"},
+      {"ForeignVerticesOfEachOthersTiles",
+       [](Sound& s) {
+         for (TileId& owner : s.meshes[1].owners) owner = TileId{2 - owner.value};  // 1 stays 1
+         s.restore(s.meshes[1], s.options);
+       },
+       ", by the partition it is of tile "},
+      {"ForeignVerticesOfATileThatIsNone", [](Sound& s) { s.restore(with_foreign_owner(s.meshes[1], 7), s.options); },
+       "is said to be of tile 7, by the partition it is of tile "},
+      {"ForeignVerticesOfTheLastNumber",
+       [](Sound& s) { s.restore(with_foreign_owner(s.meshes[1], ~std::uint32_t{0}), s.options); },
+       "is said to be of tile 4294967295, by the partition it is of tile "},
+      {"ARandomPartitionOfSlabs",
+       [](Sound& s) {
+         s.manifest.partition_kind = "random";
+         s.manifest.partition = R"({"kind": "random", "dimension": 3, "tiles": 3, "splits": []})";
+         s.manifest.boxes.assign(3, Box{});
+       },
+       ", by the partition it is of tile "},
+      {"CountsThatComeAround", [](Sound& s) { s.manifest.invalid = s.manifest.filtered = std::uint64_t{1} << 63; },
+       "9223372036854775808 filtered: they are more than there were"},
       {"DuplicatesWithoutAChecksum", [](Sound& s) { s.manifest.duplicates_xxh3 = 0; },
        "duplicates.bin: has no checksum in the manifest"},
       {"ALostPointHiddenInDuplicates",
@@ -251,6 +287,22 @@ TEST_P(Forged, IsFoundThoughAllChecksumsAreRight) {
     ASSERT_FALSE(result);
     EXPECT_NE(result.error().where.find(forgery.words), std::string::npos) << result.error().where;
     EXPECT_NE(result.error().where.find(sound.out.string()), std::string::npos) << result.error().where;
+  }
+}
+
+// A vertex with all that belongs to it is moved to another tile: only its coordinates tell that it is there wrongly.
+TEST(Verify, AVertexInAnotherTileThanItsHashSaysIsFound) {
+  const auto points = sample_points(Shape::uniform, 3, 200);
+  const auto partition = Partition::build_tiles(PartitionKind::random, 3, points, {}, 3);
+  for (const std::size_t moved : {points.size(), std::size_t{17}}) {
+    const auto meshes = sample_tiles(
+        points, 3, 3, [&](std::size_t i) { return (partition.tile_of(points[i]).value + (i == moved ? 1 : 0)) % 3; });
+    if (moved == points.size()) {
+      const auto sound = verify_meshes(meshes);
+      EXPECT_TRUE(sound) << sound.error().where;
+    } else {
+      expect_wrong(meshes, "vertex 17 is said to be of tile ");
+    }
   }
 }
 

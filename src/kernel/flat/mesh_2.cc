@@ -151,7 +151,7 @@ void Mesh::around(Vertex v, std::vector<Word>& found) const {
     found.push_back(slot);
     const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
     const Word across = t.n[next_of[i]];
-    check(!(across & frozen_bit), "the triangles around a vertex are not frozen");
+    check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
     slot = across >> 2;
   } while (slot != first);
 }
@@ -165,7 +165,7 @@ void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
     const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
     if (t.v[next_of[i]] != infinite_vertex) vertices.push_back(t.v[next_of[i]]);
     const Word across = t.n[next_of[i]];
-    check(!(across & frozen_bit), "the triangles around a vertex are not frozen");
+    check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
     slot = across >> 2;
   } while (slot != first);
 }

@@ -41,8 +41,7 @@ bool Mesh::conflicts(const Point& p, Word cell) const {
     if (up > 0) return exact::in_sphere_perturbed_3(apex, a, b, d, p) > 0;
     if (up < 0) return exact::in_sphere_perturbed_3(apex, b, a, d, p) > 0;
   }
-  check(false, "four vertices span the space");
-  return false;
+  throw Unsound("the first four vertices do not span the space");
 }
 
 // The slots of the zone first: they are in the cache. What is left of them is freed, and only that: free slots may be

@@ -70,7 +70,7 @@ template <class Mesh, class Cell>
 void MeshBase<Mesh, Cell>::insert(Vertex v) {
   const Point p = points[v];
   const Located found = locate(p);
-  check(found.same == 0, "the points of a kernel are distinct");
+  check_read(found.same == 0, "two points of a kernel are equal");
   self().find_zone(p, found.cell);
   self().fill(v);
 }

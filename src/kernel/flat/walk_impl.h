@@ -67,8 +67,7 @@ Located MeshBase<Mesh, Cell>::search(const Point& p, const std::vector<Word>& st
       if (!(across & frozen_bit)) meet(across >> 2);
     }
   }
-  check(false, "every point is in conflict with a cell that is not frozen");
-  return {};
+  throw Unsound("a point is in conflict with no cell that is left");
 }
 
 }  // namespace tessera::flat

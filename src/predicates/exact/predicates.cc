@@ -4,8 +4,11 @@
 #include <bit>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cstddef>
-#include <span>
+#include <optional>
+#include <utility>
 
+#include "src/predicates/exact/any_exponent.h"
+#include "src/predicates/exact/bits.h"
 #include "src/predicates/exact/integer.h"
 
 namespace tessera::exact {
@@ -17,54 +20,6 @@ int sign_of(double v) { return (v > 0) - (v < 0); }
 template <std::size_t N>
 int sign_of(const Integer<N>& v) {
   return v.sign();
-}
-
-// A finite double as magnitude * 2^exponent; all of them but 0 are odd.
-struct Parts {
-  std::uint64_t magnitude = 0;
-  int exponent = 0;
-  bool negative = false;
-  explicit Parts(double v) {
-    const auto bits = std::bit_cast<std::uint64_t>(v);
-    const int field = static_cast<int>(bits >> 52 & 0x7ff);
-    negative = bits >> 63;
-    magnitude = (bits & ((std::uint64_t{1} << 52) - 1)) | (std::uint64_t{field != 0} << 52);
-    if (magnitude == 0) return;
-    const int zeros = std::countr_zero(magnitude);
-    magnitude >>= zeros;
-    exponent = std::max(field, 1) - 1075 + zeros;
-  }
-  int end() const { return exponent + std::bit_width(magnitude); }  // |v| < 2^end
-};
-
-// The bits that a set of doubles spans: all are multiples of 2^low and less than 2^high in absolute value.
-struct BitRange {
-  int low = 5000, high = -5000;
-  template <std::size_t N>
-  explicit BitRange(const std::array<double, N>& values) {
-    for (const double v : values) {
-      const Parts p(v);
-      if (p.magnitude == 0) continue;
-      low = std::min(low, p.exponent);
-      high = std::max(high, p.end());
-    }
-  }
-  int bits() const { return high - low; }  // negative when all are 0
-};
-
-void scale(double v, int low, Integer<1>& to) {
-  const Parts p(v);
-  if (p.magnitude == 0) return;
-  const std::uint64_t m = p.magnitude << (p.exponent - low);
-  to.limb[0] = p.negative ? 0 - m : m;
-}
-
-void scale(double v, int low, Integer<2>& to) {
-  const Parts p(v);
-  if (p.magnitude == 0) return;
-  Wide m = Wide{p.magnitude} << (p.exponent - low);
-  if (p.negative) m = 0 - m;
-  to.limb = {static_cast<std::uint64_t>(m), static_cast<std::uint64_t>(m >> 64)};
 }
 
 void scale(double v, int low, Big& to) {
@@ -98,12 +53,90 @@ bool on_lattice(const std::array<double, N>& values, int bits) {
   return all;
 }
 
-// Calls sign(differences) with the differences of the points to the last one, exact, times a common power of two: `P`
-// points of `D` coordinates. The highest degree is 5, of 72 terms: with differences below 2^62 (limbs of 64 bits) or
-// 2^126 (of 128) 5 times as many limbs hold every determinant. Doubles hold it, as an integer below 2^53, when
-// differences are at most 2^`lattice_bits`.
-template <std::size_t P, std::size_t D, int lattice_bits, class Sign>
-Staged with_differences(const std::array<const Point*, P>& points, const std::array<int, D>& axes, Sign&& sign) {
+// How a determinant takes the squared length of a difference: as it is, or that of one coordinate alone.
+struct WholeLift {
+  template <class T, class... More>
+  auto operator()(const T& first, const More&... more) const {
+    return ((first * first) + ... + (more * more));
+  }
+};
+template <std::size_t axis>
+struct LiftAlong {
+  template <class T, class... More>
+  auto operator()(const T& first, const More&... more) const {
+    const T& c = *std::array{&first, &more...}[axis];
+    return c * c;
+  }
+};
+
+template <std::size_t P>
+using PointSet = std::array<const Point*, P>;
+
+// The exponents of the coordinates may be any, as long as one product exceeds the others by far.
+template <std::size_t columns, std::size_t P, std::size_t D>
+int any_exponent_sign(const PointSet<P>& points, const std::array<int, D>& axes) {
+  typename HomogeneousSign<P, columns, D>::Rows rows;
+  for (std::size_t i = 0; i < P; ++i)
+    for (std::size_t k = 0; k < D; ++k) rows[i][k] = AnyExponent((*points[i])[axes[k]]);
+  const HomogeneousSign<P, columns, D> homogeneous(rows);
+  if constexpr (P == columns + 2) {
+    return homogeneous.lifted();
+  } else {
+    return homogeneous.orientation();
+  }
+}
+
+template <std::size_t N>
+Big big_of(const Integer<N>& v) {
+  const Integer<N> magnitude = v.negative() ? Integer<N>{} - v : v;
+  Big to = 0;
+  boost::multiprecision::import_bits(to, magnitude.limb.begin(), magnitude.limb.end(), 64, false);
+  return v.negative() ? -to : to;
+}
+
+// Each axis has a power of two of its own: a determinant that is linear in its columns keeps its sign then. With a lift
+// it is the sum of those with the squares along one axis each, times the square of that one's power. Nothing when an
+// axis spans too many bits.
+template <std::size_t columns, std::size_t P, std::size_t D, class Sign>
+std::optional<int> per_axis_sign(const std::array<double, P * D>& coordinate, Sign&& sign) {
+  std::array<int, D> low{};
+  std::array<Integer<2>, (P - 1) * D> exact;
+  for (std::size_t k = 0; k < D; ++k) {
+    std::array<double, P> along;
+    for (std::size_t i = 0; i < P; ++i) along[i] = coordinate[i * D + k];
+    const BitRange range(along);
+    if (range.bits() > 125) return std::nullopt;
+    low[k] = range.low;
+    std::array<Integer<2>, P> scaled;
+    for (std::size_t i = 0; i < P; ++i) scale(along[i], range.low, scaled[i]);
+    for (std::size_t i = 0; i + 1 < P; ++i) exact[i * D + k] = scaled[i] - scaled[P - 1];
+  }
+  if constexpr (P == columns + 1) {
+    return sign_of(sign(exact, WholeLift{}));
+  } else {
+    const int least = *std::min_element(low.begin(), low.end());
+    Big sum = 0;
+    int all = 0, signs = 0;  // which signs there are, as bits
+    const auto add = [&]<std::size_t k>() {
+      const auto part = sign(exact, LiftAlong<k>{});
+      if (part.sign() == 0) return;
+      all = part.sign();
+      signs |= part.sign() > 0 ? 1 : 2;
+      sum += big_of(part) << static_cast<unsigned>(2 * (low[k] - least));
+    };
+    [&]<std::size_t... k>(std::index_sequence<k...>) { (add.template operator()<k>(), ...); }
+    (std::make_index_sequence<D>());
+    return signs == 3 ? sign_of(sum) : all;
+  }
+}
+
+// Calls sign(differences, lift) with the differences of the points to the last one, exact, times a common power of two,
+// or a power for each axis: `P` points of `D` coordinates, of which the first `columns` are columns of the determinant,
+// and all are in the lift, if it has one. The highest degree is 5, of 72 terms: with differences below 2^62 (limbs of
+// 64 bits) or 2^126 (of 128) 5 times as many limbs hold every determinant. Doubles hold it, as an integer below 2^53,
+// when differences are at most 2^`lattice_bits`.
+template <std::size_t columns, int lattice_bits, std::size_t P, std::size_t D, class Sign>
+Staged with_differences(const PointSet<P>& points, const std::array<int, D>& axes, Sign&& sign) {
   constexpr std::size_t n = (P - 1) * D;
   const Point& last = *points[P - 1];
   std::array<double, n> difference;
@@ -114,11 +147,11 @@ Staged with_differences(const std::array<const Point*, P>& points, const std::ar
     all_exact &= tail(a, b, difference[i]) == 0;
   }
   if (all_exact) {
-    if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference)), Stage::lattice};
+    if (on_lattice(difference, lattice_bits)) return {sign_of(sign(difference, WholeLift{})), Stage::lattice};
     if (const BitRange range(difference); range.bits() <= 62) {
       std::array<Integer<1>, n> scaled;
       for (std::size_t i = 0; i < n; ++i) scale(difference[i], range.low, scaled[i]);
-      return {sign_of(sign(scaled)), Stage::integer};
+      return {sign_of(sign(scaled, WholeLift{})), Stage::integer};
     }
   }
   std::array<double, P * D> coordinate;
@@ -129,23 +162,17 @@ Staged with_differences(const std::array<const Point*, P>& points, const std::ar
     for (std::size_t i = 0; i < P * D; ++i) scale(coordinate[i], range.low, scaled[i]);
     std::array<T, n> exact;
     for (std::size_t i = 0; i < n; ++i) exact[i] = scaled[i] - scaled[n + i % D];
-    return sign_of(sign(exact));
+    return sign_of(sign(exact, WholeLift{}));
   };
   if (range.bits() <= 125) return {with(Integer<2>{}), Stage::wide};
+  if (const int certain = any_exponent_sign<columns>(points, axes); certain != 0) return {certain, Stage::any_exponent};
+  if (const auto found = per_axis_sign<columns, P, D>(coordinate, sign)) return {*found, Stage::axes};
   return {with(Big{}), Stage::big};
 }
 
 template <class T>
 auto minor(const T& ax, const T& ay, const T& bx, const T& by) {
   return ax * by - ay * bx;
-}
-template <class T>
-auto lift(const T& x, const T& y) {
-  return x * x + y * y;
-}
-template <class T>
-auto lift(const T& x, const T& y, const T& z) {
-  return x * x + y * y + z * z;
 }
 // The determinant of three rows (x, y, l).
 template <class T, class L>
@@ -171,8 +198,8 @@ constexpr std::array<int, 2> xy{0, 1};
 constexpr std::array<int, 3> xyz{0, 1, 2};
 
 Staged projected_orientation(const Point& a, const Point& b, const Point& c, const std::array<int, 2>& axes) {
-  return with_differences<3, 2, area_bits>({&a, &b, &c}, axes,
-                                           [](const auto& v) { return minor(v[0], v[1], v[2], v[3]); });
+  return with_differences<2, area_bits>(PointSet<3>{&a, &b, &c}, axes,
+                                        [](const auto& v, const auto&) { return minor(v[0], v[1], v[2], v[3]); });
 }
 
 }  // namespace
@@ -184,20 +211,20 @@ Staged orientation_2_exact(const Point& a, const Point& b, const Point& c) {
 Staged orientation_3_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
   if (axis_parallel<4>({&a, &b, &c, &d})) return {0, Stage::lattice};
   // Rows b, a, c: differences to the last point instead of the first turn the sign.
-  return with_differences<4, 3, volume_bits>({&b, &a, &c, &d}, xyz, [](const auto& v) {
+  return with_differences<3, volume_bits>(PointSet<4>{&b, &a, &c, &d}, xyz, [](const auto& v, const auto&) {
     return determinant(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
   });
 }
 
 Staged in_circle_2_exact(const Point& a, const Point& b, const Point& c, const Point& d) {
-  return with_differences<4, 2, circle_bits>({&a, &b, &c, &d}, xy, [](const auto& v) {
+  return with_differences<2, circle_bits>(PointSet<4>{&a, &b, &c, &d}, xy, [](const auto& v, const auto& lift) {
     return determinant(v[0], v[1], lift(v[0], v[1]), v[2], v[3], lift(v[2], v[3]), v[4], v[5], lift(v[4], v[5]));
   });
 }
 
 Staged in_sphere_3_exact(const Point& a, const Point& b, const Point& c, const Point& d, const Point& e) {
   if (axis_parallel<5>({&a, &b, &c, &d, &e})) return {0, Stage::lattice};
-  return with_differences<5, 3, sphere_bits>({&a, &b, &c, &d, &e}, xyz, [](const auto& v) {
+  return with_differences<3, sphere_bits>(PointSet<5>{&a, &b, &c, &d, &e}, xyz, [](const auto& v, const auto& lift) {
     const auto ab = minor(v[0], v[1], v[3], v[4]), bc = minor(v[3], v[4], v[6], v[7]);
     const auto cd = minor(v[6], v[7], v[9], v[10]), da = minor(v[9], v[10], v[0], v[1]);
     const auto ac = minor(v[0], v[1], v[6], v[7]), bd = minor(v[3], v[4], v[9], v[10]);
@@ -220,16 +247,19 @@ int coplanar_orientation(const Point& a, const Point& b, const Point& c) {
 // In the plane, any two coordinates that are independent there serve as well as orthogonal ones; the lift is the true
 // squared distance in space.
 int coplanar_in_circle(const Point& a, const Point& b, const Point& c, const Point& d) {
-  const auto lifted = [&]<std::size_t U, std::size_t W>() {
-    return with_differences<4, 3, circle_bits>({&a, &b, &c, &d}, xyz, [](const auto& v) {
-      return determinant(v[U], v[W], lift(v[0], v[1], v[2]), v[3 + U], v[3 + W], lift(v[3], v[4], v[5]), v[6 + U],
-                         v[6 + W], lift(v[6], v[7], v[8]));
-    });
+  // `axes`: those two, and the third.
+  const auto lifted = [&](const std::array<int, 3>& axes) {
+    return with_differences<2, circle_bits>(PointSet<4>{&a, &b, &c, &d}, axes,
+                                            [](const auto& v, const auto& lift) {
+                                              return determinant(v[0], v[1], lift(v[0], v[1], v[2]), v[3], v[4],
+                                                                 lift(v[3], v[4], v[5]), v[6], v[7],
+                                                                 lift(v[6], v[7], v[8]));
+                                            })
+        .sign;
   };
-  if (const int turn = orientation_2(a, b, c); turn != 0) return turn * lifted.operator()<0, 1>().sign;
-  if (const int turn = projected_orientation(a, b, c, {1, 2}).sign; turn != 0)
-    return turn * lifted.operator()<1, 2>().sign;
-  return projected_orientation(a, b, c, {0, 2}).sign * lifted.operator()<0, 2>().sign;
+  if (const int turn = orientation_2(a, b, c); turn != 0) return turn * lifted({0, 1, 2});
+  if (const int turn = projected_orientation(a, b, c, {1, 2}).sign; turn != 0) return turn * lifted({1, 2, 0});
+  return projected_orientation(a, b, c, {0, 2}).sign * lifted({0, 2, 1});
 }
 
 namespace {

@@ -2,13 +2,16 @@
 // Properties:
 //  (1) The answer is the sign of the exact determinant of the coordinates as given, never an estimate.
 //  (2) It depends on coordinates alone; -0 equals 0.
-// Five stages, each only when the one before cannot tell:
+// Seven stages, each only when the one before cannot tell:
 //  filter   floating point on differences to the last point, with an error bound (here, inline);
 //  lattice  the differences are small multiples of a power of two, so that floating point does not round; or all points
 //           have one coordinate in common;
 //  integer  the differences are doubles without error, as among neighbours in quantised data: 64-bit integers times a
 //           common power of two, products in 128 to 320 bits;
 //  wide     the coordinates themselves as 128-bit integers;
+//  any_exponent  floating point whose exponents have no bounds, with an error bound (any_exponent.h): for points whose
+//           coordinates are of very different sizes;
+//  axes     the coordinates as 128-bit integers times a power of two for each axis;
 //  big      integers of any length.
 // Needs round-to-nearest, and code compiled without fused multiply-add, for the error bounds to hold.
 // The two-dimensional ones read x and y.
@@ -23,7 +26,7 @@
 
 namespace tessera::exact {
 
-enum class Stage : std::uint8_t { filter, lattice, integer, wide, big };
+enum class Stage : std::uint8_t { filter, lattice, integer, wide, any_exponent, axes, big };
 // Which stage told the sign: for tests and benchmarks.
 struct Staged {
   int sign = 0;
