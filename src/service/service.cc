@@ -213,6 +213,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
     return refuse("a job would have less than 64 MiB of memory: give more, or let fewer run at once");
   BOOST_OUTCOME_TRYV(make_directories(options.data));
   options.data = std::filesystem::absolute(options.data).lexically_normal();
+  BOOST_OUTCOME_TRYV(check_apart(options.data, options.roots));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(options.data));
   BOOST_OUTCOME_TRYV(check_data_format(options.data));
   if (options.uploads) {
