@@ -187,8 +187,7 @@ std::optional<proto::Problem> Service::Impl::in_its_place(const proto::JobRecord
       return !own;
     }();
     if (!taken) return problem_of(taken.error());
-    if (taken.value())
-      return judge("there is a triangulation called '" + name + "' already", owner_of_result(name));
+    if (taken.value()) return judge("there is a triangulation called '" + name + "' already", owner_of_result(name));
   }
   const auto output = export_output(inputs);
   const auto taken = output ? results.export_exists(name, *output) : Result<bool>(false);
