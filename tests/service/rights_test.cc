@@ -11,7 +11,7 @@ namespace {
 
 class Rights : public ServiceTest {
  protected:
-  Rights() { make_cloud("a.xyz", 500, 1, 2); }
+  Rights() { make_cloud("a.xyz", 500); }
 
   static proto::Inputs overwriting(proto::Inputs inputs) {
     if (inputs.has_triangulate()) inputs.mutable_triangulate()->set_overwrite(true);
@@ -87,7 +87,8 @@ TEST_F(Rights, AreKnownWhenTheJobIsForgotten) {
   ended(job);
   ended(submit(exported("mesh.ply")));
   restart();
-  for (const auto& each : service->jobs({}).value().jobs()) EXPECT_TRUE(service->dismiss(each.id(), alice));
+  const auto all = service->jobs({}).value();
+  for (const auto& each : all.jobs()) EXPECT_TRUE(service->dismiss(each.id(), alice));
   EXPECT_EQ(service->jobs({}).value().number_matched(), 0U);
   EXPECT_EQ(service->remove_export("hers", "mesh.ply", bob).error().status(), 403);
   EXPECT_EQ(service->remove_triangulation("hers", bob).error().status(), 403);
