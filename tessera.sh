@@ -43,7 +43,7 @@ demo() {
 serve() {
   deploy/install-deps.sh build
   build tesserad tessera_command
-  exec $build_folder/src/daemon/tesserad --data serve-data --inputs data/ign "$@"
+  exec $build_folder/src/daemon/tesserad --data serve-data --inputs data/ign --print-token "$@"
 }
 
 sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }

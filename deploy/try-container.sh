@@ -69,6 +69,13 @@ openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -days 
 indent() { sed 's/^/    /' "$1"; }
 printf 'apiVersion: v1\nkind: Secret\nmetadata: {name: tesserad-tls}\ndata:\n  tls.crt: |\n%s\n  tls.key: |\n%s\n' \
   "$(indent "$folder/certificate.pem")" "$(indent "$folder/key.pem")" | podman secret create tesserad-tls - >/dev/null
+# As Kubernetes makes it: podman 4.3 alone would let everybody read the key, which is refused. What is there keeps its rights.
+make_tls_volume() {
+  podman volume create tesserad-tls >/dev/null
+  podman run --rm --user 0 --network none -v tesserad-tls:/tls -v "$folder:/from:ro" --entrypoint /bin/bash localhost/tesserad \
+    -c 'install -m 0440 -g 65532 /from/key.pem /tls/tls.key && install -m 0444 /from/certificate.pem /tls/tls.crt'
+}
+make_tls_volume
 for manifest in "${manifests[@]}"; do podman kube play "$manifest" >/dev/null; done
 pod=tesserad-pod-0-tesserad
 wait_ready $pod
@@ -79,6 +86,7 @@ before=$(podman exec $pod cat /data/tokens | sha256sum)
 # As in an upgrade: down, and up again on the same data.
 podman kube down "${manifests[1]}" >/dev/null
 podman volume rm tesserad tesserad-tls >/dev/null
+make_tls_volume
 podman kube play "${manifests[1]}" >/dev/null
 wait_ready $pod
 [[ $(podman exec $pod cat /data/tokens | sha256sum) == "$before" ]]

@@ -27,7 +27,8 @@ class Bench:
     def __init__(self, args, folder):
         self.args, self.folder = args, folder
         self.tessera = args.build / "src/apps/tessera"
-        self.cloud, self.cluster = folder / "cloud.npy", folder / "cluster"
+        self.cloud, self.cluster = folder / "inputs" / "cloud.npy", folder / "cluster"
+        self.cloud.parent.mkdir()
         subprocess.run([self.tessera, "generate", args.kind, "-n", args.n, "--seed", "7", "-o", self.cloud, "--quiet"], check=True)
         # The command looks for the daemon there.
         os.environ["PATH"] = f"{(args.build / 'src/daemon').resolve()}:{os.environ['PATH']}"
@@ -35,7 +36,7 @@ class Bench:
 
     def up(self):
         told = last_line([self.tessera, "cluster", "up", "-n", self.args.nodes, "--threads", 1, "--memory", self.args.memory,
-                          "--inputs", self.folder, self.cluster, "--json"])
+                          "--inputs", self.cloud.parent, self.cluster, "--json"])
         token = pathlib.Path(told["token_file"]).read_text().split()[-1]
         self.server = {**os.environ, "TESSERA_SERVER": told["url"], "TESSERA_TOKEN": token}
 

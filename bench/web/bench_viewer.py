@@ -83,7 +83,7 @@ def main():
         seen = browser.Browser()
         try:
             prepare(folder, running, options.points)
-            seen.open(f"{running.url}?token={running.token}")
+            seen.open(f"{running.url}#token={running.token}")
             seen.until_text("Live", ".connection")
             seen.go("#/view/terrain")
             seen.until("return document.querySelector('.stage canvas')?.dataset.loaded === 'true'")

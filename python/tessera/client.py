@@ -271,6 +271,6 @@ def connect(url: str, token: str | None = None, ca: Path | None = None) -> Clien
     Nothing is sent before something is asked. Errors are those of tessera.Error: IoError when the daemon cannot be reached,
     UsageError when it refuses the token or is none, and what it answers by its cause.
     """
-    if token is None and "?token=" not in url:
+    if token is None and "#token=" not in url and "?token=" not in url:
         token = os.environ.get("TESSERA_TOKEN") or None
     return Client(Transport(url, token, None if ca is None else os.fspath(ca)))

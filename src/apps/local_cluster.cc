@@ -76,7 +76,7 @@ std::vector<std::string> arguments_of(const LocalCluster& cluster, const LocalNo
     add({"--join", address_of(cluster.nodes.front()), "--drain-timeout", "10s"});
     return words;
   }
-  add({"--listen", std::string(host) + ":" + std::to_string(cluster.api), "--uploads"});
+  add({"--listen", std::string(host) + ":" + std::to_string(cluster.api), "--uploads", "--print-token"});
   std::string inputs;
   for (const std::string& folder : cluster.inputs) inputs += (inputs.empty() ? "" : ",") + folder;
   if (!inputs.empty()) add({"--inputs", inputs});

@@ -4,8 +4,6 @@
 #include <openssl/crypto.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -18,6 +16,7 @@
 #include "src/base/check.h"
 #include "src/certs/certificates.h"
 #include "src/files/descriptor.h"
+#include "src/files/private_file.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -55,20 +54,6 @@ class FileBytes {
 // In place of OpenSSL's own, which asks at the terminal.
 int no_passphrase(char*, int, int, void*) { return -1; }
 
-// The group may read what is root's: that is how a service manager hands a key to a daemon of another user.
-Status check_private(const fs::path& file) {
-  struct stat status {};
-  if (::stat(file.c_str(), &status) != 0) return io_error(file, "cannot open", errno);
-  const uid_t self = ::geteuid();
-  const bool handed_over = status.st_uid == 0 && self != 0;
-  if (self != 0 && self != status.st_uid && !handed_over)
-    return error(Errc::usage, file.string() + ": belongs to another user, who can read it");
-  if ((status.st_mode & (S_IRWXG | S_IRWXO) & ~(handed_over ? S_IRGRP : 0U)) != 0)
-    return error(Errc::usage,
-                 file.string() + ": others can read it; its rights must be " + (handed_over ? "0640" : "0600"));
-  return success();
-}
-
 std::span<const std::byte> content(const Bio& bio) {
   char* begin = nullptr;
   const long size = BIO_get_mem_data(bio.get(), &begin);
@@ -95,7 +80,7 @@ Result<std::vector<Certificate>> read_certificates(const fs::path& file) {
 }
 
 Result<PrivateKey> read_key(const fs::path& file) {
-  BOOST_OUTCOME_TRYV(check_private(file));
+  BOOST_OUTCOME_TRYV(keep_private(file, Mend::refused));
   BOOST_OUTCOME_TRY(bytes, FileBytes::read(file));
   BOOST_OUTCOME_TRY(bio, bytes.bio());
   PrivateKey key(PEM_read_bio_PrivateKey(bio.get(), nullptr, no_passphrase, nullptr));

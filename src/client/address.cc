@@ -90,8 +90,8 @@ Result<ServerAddress> parse_address(std::string_view text) {
   address.base = path;
   while (address.base.ends_with('/')) address.base.pop_back();
   if (std::any_of(path.begin(), path.end(), [](unsigned char c) { return c <= 0x20 || c >= 0x7f; })) return bad();
-  constexpr std::string_view with_token = "?token=";
-  if (text.starts_with(with_token)) {
+  constexpr std::string_view with_token = "#token=";
+  if (text.starts_with(with_token) || text.starts_with("?token=")) {  // as daemons of before print it
     address.token = text.substr(with_token.size());
   } else if (!text.empty()) {
     return bad("nothing but a token may follow its path");

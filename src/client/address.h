@@ -23,7 +23,7 @@ struct ServerAddress {
 };
 
 // "http://127.0.0.1:7070", "https://host/tessera/", or the address with its token as the daemon prints it,
-// "http://127.0.0.1:7070/?token=...". Error usage for everything else.
+// "http://127.0.0.1:7070/#token=...". Error usage for everything else.
 Result<ServerAddress> parse_address(std::string_view text);
 
 // One part of a path or a value of a query: all but letters, digits and -._~ as %XX.

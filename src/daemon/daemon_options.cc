@@ -10,6 +10,7 @@
 #include "src/cluster/cluster_options.h"
 #include "src/daemon/add_option.h"
 #include "src/daemon/cluster_settings.h"
+#include "src/files/data_names.h"
 #include "src/files/names.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
@@ -95,6 +96,8 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
   add_option(app, top, "hosts", "NAME,...", "names of this machine that requests may ask for");
   add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
   add_option(app, top, "log", "text|json", "default: text");
+  add_switch(app, top, "print-token",
+             "print the address with a token also when stdout is no terminal: pipes and logs keep it");
   add_cluster_options(app, top);
   // Of these there are variables and keys alone: nobody types them.
   for (const char* key : {"queued", "jobs", "points", "disk", "data-lease"}) settings.limits.declare(key);
@@ -160,9 +163,12 @@ Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
   server.certificate = certificate.value_or("");
   server.key = key.value_or("");
   server.tokens = tokens_file(service.data);
+  server.sessions = sessions_file(service.data);
   server.hosts = hosts.value_or(std::vector<std::string>{});
   server.public_url = public_url.value_or("");
   server.insecure = insecure;
+  BOOST_OUTCOME_TRY(print_token, top.on("print-token"));
+  out.print_token = print_token;
   out.json_log = log.value_or("text") == "json";
   return out;
 }

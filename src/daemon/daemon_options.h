@@ -21,6 +21,7 @@ struct DaemonOptions {
   ServiceOptions service;  // its cluster included, also when this process only works for one
   http::ServerOptions http;
   bool json_log = false;
+  bool print_token = false;  // also where it is no terminal that reads it
 };
 
 // What the sources say, as text, until all have been asked.

@@ -164,7 +164,7 @@ void LastWords::end_by(int signal) {
 
 Result<std::unique_ptr<LastWords>> LastWords::keep(const std::filesystem::path& scratch) {
   const auto path = last_words_file(scratch);
-  BOOST_OUTCOME_TRY(file, open_handle(path, O_RDWR | O_CREAT));
+  BOOST_OUTCOME_TRY(file, open_handle(path, O_RDWR | O_CREAT | O_NOFOLLOW));
   BOOST_OUTCOME_TRY(size, size_of(file, path));
   // Sized before it is mapped, with its blocks: a full disk must not be found out by a signal.
   if (const int failed = ::posix_fallocate(file.get(), 0, sizeof(Record)); failed != 0)

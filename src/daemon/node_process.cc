@@ -18,6 +18,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/private_file.h"
 #include "src/files/whole_file.h"
 #include "src/http/node_health.h"
 #include "src/http/server.h"
@@ -78,7 +79,8 @@ class Health final : public http::NodeHealth {
 }  // namespace
 
 Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
-  BOOST_OUTCOME_TRYV(make_directories(scratch));
+  // What somebody else put into it would be read, and links of theirs followed.
+  BOOST_OUTCOME_TRYV(make_private_folder(scratch));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(scratch));
   FolderReader reader(scratch);
   while (const char* name = reader.next()) {

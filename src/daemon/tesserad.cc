@@ -30,6 +30,7 @@
 #include "src/daemon/last_words.h"
 #include "src/daemon/node_process.h"
 #include "src/daemon/supervisor.h"
+#include "src/files/open_files.h"
 #include "src/http/server.h"
 #include "src/job/version.h"
 #include "src/service/service.h"
@@ -168,10 +169,13 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   BOOST_OUTCOME_TRY(service, std::move(opened));
   BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
   const std::string address = address_of(options.http, server->ports().front());
-  // On stdout, once, for the one who started it; never in the log.
-  std::printf("%s?token=%s\n", address.c_str(), server->token().c_str());
-  std::fflush(stdout);
-  spdlog::info("tesserad {} serves at {}", version(), address);
+  // On stdout, once, for the one who started it; never in the log, which is where a service manager sends what it reads
+  // from a pipe. Behind '#' no browser sends it, so that it is in no log of a proxy either.
+  if (const std::string token = server->token(); !token.empty() && (options.print_token || ::isatty(STDOUT_FILENO))) {
+    std::printf("%s#token=%s\n", address.c_str(), token.c_str());
+    std::fflush(stdout);
+  }
+  spdlog::info("tesserad {} serves at {}; tokens: {}", version(), address, options.http.tokens.string());
   if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
   supervisor::ready("serving at " + address);
   life.run(*service, *server);
@@ -205,6 +209,7 @@ int tesserad_main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);
   // As for the command: pools of each thread keep what no account shows.
   mallopt(M_ARENA_MAX, 4);
+  raise_open_files_limit();  // a shell's is too small for connections and jobs together
   CLI::App app("Exact Delaunay triangulations as a service: jobs over HTTP.", "tesserad");
   app.set_version_flag("--version", std::string("tesserad ") + version());
   DaemonSettings settings;

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "src/base/random_token.h"
+#include "src/files/data_names.h"
 #include "src/files/handed_file.h"
 #include "src/files/there.h"
 
@@ -166,9 +167,11 @@ fs::path answer_file(const fs::path& folder, const std::string& ending) { return
 fs::path asked_points_file(const fs::path& folder, const std::string& ending) { return folder / ("points" + ending); }
 
 fs::path tokens_file(const fs::path& data) { return data / "tokens"; }
+fs::path sessions_file(const fs::path& data) { return data / "sessions"; }
 fs::path part_file(const fs::path& final_name) {
   return final_name.parent_path() / ("." + final_name.filename().string() + ".part");
 }
+fs::path owner_file(const fs::path& of) { return of.parent_path() / ("." + of.filename().string() + ".owner"); }
 fs::path unfinished_folder(const fs::path& folder, const std::string& job) { return folder / (unfinished + job); }
 fs::path desk_folder(const fs::path& folder, std::uint64_t term) { return folder / (desk + std::to_string(term)); }
 std::optional<std::uint64_t> term_of_desk(const fs::path& file) {

@@ -122,14 +122,8 @@ Answer ready(const Call& call, const Operations& operations) {
 void add_common_routes(std::vector<Route>& routes, Shared& shared) {
   const std::size_t first = routes.size();
   const Response page{200, json, "LandingPage", "Where everything is"};
-  routes.push_back({"GET",
-                    "/",
-                    Role::read,
-                    "getRoot",
-                    "Where everything is; ?token= is exchanged for a cookie",
-                    {page},
-                    landing,
-                    {{"token", "string", "Exchanged for a cookie"}}});
+  routes.push_back(
+      {"GET", "/", Role::read, "getRoot", "Where everything is; of browsers, the dashboard", {page}, landing});
   routes.push_back({"GET", "/v1", Role::read, "getLandingPage", "Where everything is", {page}, landing});
   routes.push_back({"GET",
                     "/v1/api",
@@ -170,7 +164,7 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared) {
                     "Who asks, and what that token may do",
                     {{200, json, "CallerInfo", "Name and role of the token"}},
                     caller});
-  for (std::size_t at = first; at < routes.size(); ++at) routes[at].waits = false;
+  for (std::size_t at = first; at < routes.size(); ++at) routes[at].runs = Runs::at_once;
 }
 
 void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations) {
@@ -197,7 +191,7 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operation
                 }};
   for (Route* route : {&live, &is_ready, &metrics}) {
     route->place = Place::operations;
-    route->waits = route != &live;
+    route->runs = route == &live ? Runs::at_once : Runs::health;
     routes.push_back(std::move(*route));
   }
 }
@@ -205,6 +199,7 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operation
 std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   std::vector<Route> routes;
   add_common_routes(routes, shared);
+  add_session_routes(routes, shared);
   add_job_routes(routes, shared);
   add_result_routes(routes);
   add_question_routes(routes);
@@ -214,6 +209,9 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   add_operations_routes(routes, shared,
                         {"service", [&backend] { return backend.unready(); },
                          [&backend](Metrics& metrics) { return metrics.text(backend.figures()); }});
+  for (Route& route : routes)
+    if (route.method != "GET" && route.method != "HEAD" && !route.upload && route.runs == Runs::disk)
+      route.runs = Runs::changes;
   shared.openapi = openapi_document(routes, "..");
   shared.metrics = std::make_unique<Metrics>(routes);
   return routes;

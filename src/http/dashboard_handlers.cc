@@ -61,7 +61,7 @@ void add_dashboard_routes(std::vector<Route>& routes) {
              {{200, "text/javascript", "", "The file"}, unchanged},
              file};
   for (Route* route : {&ui, &part}) {
-    route->waits = false;
+    route->runs = Runs::at_once;
     routes.push_back(std::move(*route));
   }
 }

@@ -29,27 +29,44 @@ bool is_page(const Headers& headers) {
 bool is_refusal(int status) { return status == 401 || status == 403 || status == 429; }
 
 // Who did what, and what came of it: the job of a submission, or why it was refused.
-void audit(const Request& request, const Answer& answer, const std::string& why) {
+std::string audit_line(const Request& request, const Answer& answer, const std::string& why) {
   std::string outcome = std::to_string(answer.status);
   for (const auto& [name, value] : answer.headers)
     if (name == "Location") outcome += ", " + value;
   if (!why.empty()) outcome += ", " + why;
-  spdlog::log(is_refusal(answer.status) ? spdlog::level::warn : spdlog::level::info,
-              "audit: {} ({}) from {}: {} {}: {}", request.caller.name.empty() ? "nobody" : request.caller.name,
-              word_of(request.caller.role), request.remote, request.method, request.target.path, outcome);
+  return "audit: " + (request.caller.name.empty() ? "nobody" : request.caller.name) + " (" +
+         std::string(word_of(request.caller.role)) + ") from " + request.remote + ": " + request.method + " " +
+         request.target.path + ": " + outcome;
 }
+
+void warn(const std::string& line) { spdlog::warn("{}", line); }
 
 }  // namespace
 
 Front::Front(Backend& backend, Tokens tokens, FrontOptions options)
     : tokens_(std::move(tokens)),
+      sessions_(options.sessions),
       links_(options.public_url),
-      guard_(tokens_, options.hosts, options.public_url),
+      guard_(tokens_, sessions_, options.hosts, options.public_url),
       router_(all_routes(shared_, backend)),
-      context_{&backend, links_} {}
+      context_{&backend, links_},
+      refusals_(warn) {
+  shared_.guard = &guard_;
+}
 
 Front::Front(const NodeHealth& node)
-    : links_({}), guard_(tokens_, {}, {}), router_(node_routes(shared_, node)), context_{nullptr, links_} {}
+    : links_({}),
+      guard_(tokens_, sessions_, {}, {}),
+      router_(node_routes(shared_, node)),
+      context_{nullptr, links_},
+      refusals_(warn) {}
+
+Status Front::load_sessions() { return sessions_.load(Sessions::Clock::now()); }
+
+Status Front::replace_tokens(Tokens tokens) {
+  tokens_.replace(std::move(tokens));
+  return sessions_.end_unless([this](const std::string& mark) { return tokens_.find_mark(mark).has_value(); });
+}
 
 std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::string_view target, Place place) {
   if (auto refused = guard_.check_host(request, place)) return refused;
@@ -82,8 +99,13 @@ std::optional<Answer> Front::refusal(Request& request, Admitted& admitted, std::
     answer.headers.emplace_back("Allow", joined(allowed));
     return answer;
   }
-  if (place == Place::api)
-    if (auto exchanged = guard_.exchange(request)) return exchanged;
+  // Whoever it is: the dashboard asks for what it lacks.
+  if (place == Place::api && request.target.path == "/" && request.method == "GET" && prefers(request, "text/html")) {
+    Answer answer;
+    answer.status = 303;
+    answer.headers.emplace_back("Location", "ui/");
+    return answer;
+  }
   const Guard::Shown shown = guard_.identify(request);
   if (auto refused = guard_.check_role(request, shown, admitted.route->role)) {
     if (shown.wrong) metrics().count_failed_authentication();
@@ -129,6 +151,9 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
   headers.emplace_back("X-Frame-Options", "DENY");
   headers.emplace_back("Referrer-Policy", "no-referrer");
   headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
+  // A browser then takes no other way to this name; "localhost" is everybody's.
+  if (request.tls && host_of(request.header("host")) != "localhost")
+    headers.emplace_back("Strict-Transport-Security", "max-age=31536000");
   // A report brings its own style and pictures; nothing runs in it, and nothing is fetched. The dashboard says itself
   // what it needs.
   if (!has(headers, "Content-Security-Policy"))
@@ -141,8 +166,12 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
       admitted.route ? static_cast<std::size_t>(admitted.route - router_.routes().data()) : router_.routes().size();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - admitted.began;
   metrics().count(place, answer.status, seconds.count());
-  if (admitted.route && (is_refusal(answer.status) || (request.method != "GET" && request.method != "HEAD")))
-    audit(request, answer, why);
+  if (!admitted.route) return;
+  if (is_refusal(answer.status)) {
+    refusals_.refused(request.remote, audit_line(request, answer, why), RefusalLog::Clock::now());
+  } else if (request.method != "GET" && request.method != "HEAD") {
+    spdlog::info("{}", audit_line(request, answer, why));
+  }
 }
 
 }  // namespace tessera::http

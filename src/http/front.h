@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +14,9 @@
 #include "src/http/handlers.h"
 #include "src/http/links.h"
 #include "src/http/message.h"
+#include "src/http/refusal_log.h"
 #include "src/http/router.h"
+#include "src/http/sessions.h"
 #include "src/http/tokens.h"
 #include "src/service/service.h"
 
@@ -21,7 +24,8 @@ namespace tessera::http {
 
 struct FrontOptions {
   std::string public_url;
-  std::vector<std::string> hosts;  // beside those of the loopback
+  std::vector<std::string> hosts;       // beside those of the loopback
+  std::filesystem::path sessions = {};  // where those of browsers are kept; empty: nowhere
 };
 
 // What is known of a request once its header is there.
@@ -35,6 +39,8 @@ struct Admitted {
 class Front {
  public:
   Front(Backend& backend, Tokens tokens, FrontOptions options);
+  // Sessions that the process before has left go on. Errors as of Sessions::load().
+  Status load_sessions();
   // Of a process without an API: health and figures alone, which need no token.
   explicit Front(const NodeHealth& node);
 
@@ -48,18 +54,23 @@ class Front {
 
   const Router& router() const { return router_; }
   const Tokens& tokens() const { return tokens_; }
-  void replace_tokens(Tokens tokens) { tokens_.replace(std::move(tokens)); }
+  // Sessions of tokens that are gone end. Error io: they have, until a restart at which they are back.
+  Status replace_tokens(Tokens tokens);
+  // What has not been told of refusals (RefusalLog::tell).
+  void tell_refusals(RefusalLog::Clock::time_point now) { refusals_.tell(now); }
   Metrics& metrics() { return *shared_.metrics; }
 
  private:
   std::optional<Answer> refusal(Request& request, Admitted& admitted, std::string_view target, Place place);
 
   Tokens tokens_;
+  Sessions sessions_;
   Links links_;
   Guard guard_;
   Shared shared_;
   Router router_;
   Context context_;
+  RefusalLog refusals_;
 };
 
 }  // namespace tessera::http

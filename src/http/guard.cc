@@ -57,6 +57,13 @@ std::optional<std::string> password_of(std::string_view value) {
   return colon == std::string::npos ? std::nullopt : std::optional(pair.substr(colon + 1));
 }
 
+// Of "Bearer ..."; none of anything else.
+std::optional<std::string_view> bearer_of(std::string_view value) {
+  constexpr std::string_view scheme = "bearer ";
+  if (!has_scheme(value, scheme)) return std::nullopt;
+  return value.substr(scheme.size());
+}
+
 bool changes_state(std::string_view method) { return method != "GET" && method != "HEAD" && method != "OPTIONS"; }
 
 }  // namespace
@@ -93,8 +100,9 @@ std::string host_of(std::string_view authority) {
   return host;
 }
 
-Guard::Guard(const Tokens& tokens, const std::vector<std::string>& hosts, std::string_view public_url)
-    : tokens_(tokens), hosts_{"localhost", "127.0.0.1", "[::1]"} {
+Guard::Guard(const Tokens& tokens, Sessions& sessions, const std::vector<std::string>& hosts,
+             std::string_view public_url)
+    : tokens_(tokens), sessions_(sessions), hosts_{"localhost", "127.0.0.1", "[::1]"} {
   for (const std::string& host : hosts) hosts_.insert(host_of(host));
   const std::size_t authority = public_url.find("://");
   if (authority == std::string_view::npos) return;
@@ -118,10 +126,8 @@ Guard::Shown Guard::identify(Request& request) const {
   std::optional<Caller> caller;
   if (request.count("authorization") > 0) {
     std::string_view value = request.header("authorization");
-    constexpr std::string_view scheme = "bearer ";
-    const bool bearer = has_scheme(value, scheme);
-    if (bearer) {
-      caller = tokens_.find(value.substr(scheme.size()));
+    if (const auto token = bearer_of(value)) {
+      caller = tokens_.find(*token);
     } else if (const auto password = password_of(value)) {
       // Programs that know only names and passwords, and browsers, which send them unasked: to read, whatever the role.
       caller = tokens_.find(*password);
@@ -130,7 +136,8 @@ Guard::Shown Guard::identify(Request& request) const {
     shown.wrong = !caller;
   } else if (const std::string_view session = cookie(request.header("cookie"), cookie_name(request));
              !session.empty()) {
-    caller = tokens_.find_session(session);
+    const auto mark = sessions_.find(session, Sessions::Clock::now());
+    if (mark) caller = tokens_.find_mark(*mark);
     shown.by_cookie = caller.has_value();
     shown.wrong = !caller;
   }
@@ -139,9 +146,11 @@ Guard::Shown Guard::identify(Request& request) const {
 }
 
 Answer Guard::refuse(const Request& request, bool wrong) {
-  if (wrong && !failures_.allow(request.remote, FailureRate::Clock::now()))
-    return problem(429, "too many wrong tokens from this address");
-
+  if (wrong && !failures_.allow(request.remote, FailureRate::Clock::now())) {
+    Answer answer = problem(429, "too many wrong tokens from this address");
+    answer.close = true;  // as many as fit into one connection would cost next to nothing
+    return answer;
+  }
   Answer answer = problem(401, wrong ? "the token is not one of this service's" : "a token is needed");
   answer.headers.emplace_back("WWW-Authenticate", "Bearer realm=\"tessera\"");
   return answer;
@@ -166,18 +175,31 @@ std::optional<Answer> Guard::check_origin(const Request& request, const Shown& s
   return problem(403, "the request comes from a page of another origin");
 }
 
-std::optional<Answer> Guard::exchange(const Request& request) {
-  const auto token = request.target.parameter("token");
-  if (!token || request.target.path != "/" || request.method != "GET") return std::nullopt;
-  const std::string session = tokens_.session_of(*token);
-  if (session.empty()) return refuse(request, true);
+Answer Guard::sign_in(const Request& request) {
+  const auto token = bearer_of(request.header("authorization"));
+  if (!token) return problem(400, "a session is begun with a token: Authorization: Bearer", 2);
+  const auto session = sessions_.begin(Tokens::mark_of(*token), Sessions::Clock::now());
+  if (!session) return problem(500, session.error().where, static_cast<int>(session.error().code));
   Answer answer;
-  answer.status = 303;
-  answer.headers = {{"Location", prefers(request, "text/html") ? "ui/" : "./"},
-                    {"Cache-Control", "no-store"},
-                    {"Set-Cookie", cookie_name(request) + "=" + session + "; Path=/; HttpOnly; SameSite=Strict" +
-                                       (request.tls ? "; Secure" : "")}};
+  answer.status = 204;
+  answer.headers.emplace_back("Set-Cookie", set_cookie(request, session.value(), Sessions::lifetime));
   return answer;
+}
+
+Answer Guard::sign_out(const Request& request) {
+  const std::string_view session = cookie(request.header("cookie"), cookie_name(request));
+  if (const Status ended = sessions_.end(session); !ended)
+    return problem(500, ended.error().where, static_cast<int>(ended.error().code));
+  Answer answer;
+  answer.status = 204;
+  answer.headers.emplace_back("Set-Cookie", set_cookie(request, "", std::chrono::seconds(0)));
+  return answer;
+}
+
+std::string Guard::set_cookie(const Request& request, const std::string& session, std::chrono::seconds lifetime) {
+  return cookie_name(request) + "=" + session +
+         "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(lifetime.count()) +
+         (request.tls ? "; Secure" : "");
 }
 
 // Of its own for each port: browsers share cookies among all ports of a host.

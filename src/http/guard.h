@@ -14,6 +14,7 @@
 
 #include "src/http/message.h"
 #include "src/http/router.h"
+#include "src/http/sessions.h"
 #include "src/http/tokens.h"
 
 namespace tessera::http {
@@ -45,7 +46,7 @@ std::string host_of(std::string_view authority);
 class Guard {
  public:
   // `hosts`: names allowed in Host beside those of this machine's loopback and of the public address.
-  Guard(const Tokens& tokens, const std::vector<std::string>& hosts, std::string_view public_url);
+  Guard(const Tokens& tokens, Sessions& sessions, const std::vector<std::string>& hosts, std::string_view public_url);
 
   // The answer to refuse with, if any. Sets request.caller.
   std::optional<Answer> check_host(const Request& request, Place place) const;
@@ -57,14 +58,18 @@ class Guard {
   std::optional<Answer> check_role(const Request& request, const Shown& shown, Role needed);
   // A browser sends its cookie for every page that asks it to; only our own pages may.
   std::optional<Answer> check_origin(const Request& request, const Shown& shown) const;
-  // GET /?token=...: the cookie, and the way back to the page without it, or to the dashboard.
-  std::optional<Answer> exchange(const Request& request);
+  // A session in exchange for the token that the request shows: the answer has its cookie.
+  Answer sign_in(const Request& request);
+  // The session of the request's cookie ends, and the browser forgets the cookie.
+  Answer sign_out(const Request& request);
 
  private:
   Answer refuse(const Request& request, bool wrong);
   static std::string cookie_name(const Request& request);
+  static std::string set_cookie(const Request& request, const std::string& session, std::chrono::seconds lifetime);
 
   const Tokens& tokens_;
+  Sessions& sessions_;
   std::set<std::string> hosts_;
   std::string public_origin_;
   FailureRate failures_{20, 1};

@@ -14,11 +14,14 @@
 
 namespace tessera::http {
 
+class Guard;
+
 // What outlives the handlers, and grows after them: the document and the figures are made from the table.
 struct Shared {
   EventTexts texts;
   std::string openapi;
   std::unique_ptr<Metrics> metrics;
+  Guard* guard = nullptr;
 };
 
 // What the listener for supervisors asks.
@@ -33,6 +36,7 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend);
 std::vector<Route> node_routes(Shared& shared, const NodeHealth& node);
 
 void add_common_routes(std::vector<Route>& routes, Shared& shared);
+void add_session_routes(std::vector<Route>& routes, Shared& shared);
 void add_job_routes(std::vector<Route>& routes, Shared& shared);
 void add_result_routes(std::vector<Route>& routes);
 void add_question_routes(std::vector<Route>& routes);

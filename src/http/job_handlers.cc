@@ -290,7 +290,7 @@ void add_job_routes(std::vector<Route>& routes, Shared& shared) {
   // What the service knows by heart.
   for (Route& route : routes)
     for (const char* name : {"listJobs", "getJob", "watchJob", "watchAll"})
-      if (route.name == name) route.waits = false;
+      if (route.name == name) route.runs = Runs::at_once;
 }
 
 }  // namespace tessera::http

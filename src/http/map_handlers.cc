@@ -200,11 +200,11 @@ void add_map_routes(std::vector<Route>& routes) {
              {"limit", "integer", "How many at most: 10, up to 10000"},
              {"after", "integer", "The id that ended the page before"},
              {"datetime", "string", "Has no effect: the features have no time"}});
-  all.asks = true;
+  all.runs = Runs::questions;
   routes.push_back(std::move(all));
   Route one = route(of_collection + "/items/{item}", "getFeature", "A feature",
                     {{200, geojson, "Feature", "The feature"}}, item, {crs});
-  one.asks = true;
+  one.runs = Runs::questions;
   routes.push_back(std::move(one));
   routes.push_back(route(tiles, "listMapTilesets", "The raster dem.tif of a 2D result as a map",
                          {{200, json, "TileSets", "Its sets of tiles: one"}}, map_tilesets));
@@ -213,7 +213,7 @@ void add_map_routes(std::vector<Route>& routes) {
   Route tile = route(tiles + "/WebMercatorQuad/{tileMatrix}/{tileRow}/{tileCol}", "getMapTile", "A tile of it",
                      {{200, png, "", "256 x 256 pixels, transparent where there are no heights"}}, map_tile,
                      {{"style", "string", "hillshade, or terrain-rgb: heights as colours"}});
-  tile.asks = true;
+  tile.runs = Runs::questions;
   routes.push_back(std::move(tile));
 }
 

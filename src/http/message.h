@@ -30,7 +30,7 @@ struct Request {
   std::uint16_t port = 0;
   bool tls = false;
   Caller caller;
-  std::stop_token stop = {};  // the caller has gone; only while a question is answered
+  std::stop_token stop = {};  // the caller has gone; only where callers take turns (Runs)
 
   // The value, empty when it is not there.
   std::string_view header(std::string_view name) const;

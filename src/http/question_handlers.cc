@@ -109,7 +109,7 @@ Route route(const char* method, const char* path, const char* name, const char* 
              std::move(responses),
              std::move(handler),
              std::move(query)};
-  made.asks = true;
+  made.runs = Runs::questions;
   if (made.method == "GET") made.responses.push_back({304, "", "", "It is the answer that If-None-Match names"});
   return made;
 }

@@ -44,6 +44,17 @@ using Handler = std::function<Answer(const Call&)>;
 // Begins to take a body of any length.
 using UploadHandler = std::function<Reply<std::unique_ptr<Backend::Upload>>(const Call&)>;
 
+// Where a handler runs, which may wait for a disk, or for who writes to one.
+enum class Runs : std::uint8_t {
+  at_once,   // never waits: by a thread that serves connections
+  health,    // beside all others
+  disk,      // for a short time
+  changes,   // in turn with other callers, here and below: what reads inputs, makes jobs or removes what is there
+  questions  // to results
+};
+// Callers take turns, and it ends when its caller goes.
+constexpr bool in_turn(Runs runs) { return runs == Runs::changes || runs == Runs::questions; }
+
 struct Route {
   std::string method, path;  // "/v1/jobs/{job}"; a last "{path*}" takes all that is left
   Role role = Role::admin;   // the least that is allowed to
@@ -54,9 +65,7 @@ struct Route {
   std::string body = {};                     // the name of the schema of what is sent
   std::vector<std::string> body_types = {};  // media types that it may have beside JSON; none: protobuf
   Place place = Place::api;
-  bool waits =
-      true;  // for a disk, or for who writes to one: its handler runs beside the threads that serve connections
-  bool asks = false;  // a question to a result: it may take long, has threads of its own, and ends when its caller goes
+  Runs runs = Runs::disk;
   UploadHandler upload = {};  // instead of reading the body for `handler`, which then answers once all is taken
 };
 

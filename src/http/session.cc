@@ -32,6 +32,13 @@ std::string lower_case(beast::string_view text) {
   return lower;
 }
 
+// Obsolete folding (RFC 9112, 5.2), which Beast takes.
+bool has_folded_line(std::string_view header) {
+  for (std::size_t end = header.find('\n'); end != std::string_view::npos; end = header.find('\n', end + 1))
+    if (end + 1 < header.size() && (header[end + 1] == ' ' || header[end + 1] == '\t')) return true;
+  return false;
+}
+
 }  // namespace
 
 Session::Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
@@ -120,8 +127,8 @@ asio::awaitable<bool> Session::serve_one() {
   bool whole = co_await read_header(incoming);
   if (!whole) co_return false;
   if (incoming.admitted.answer) {
-    unread_ = incoming.has_body();
     Answer refused = std::move(*incoming.admitted.answer);
+    unread_ = unread_ || incoming.has_body() || refused.close;
     co_return co_await send(incoming, std::move(refused));
   }
   if (incoming.admitted.route->upload) co_return co_await take_upload(incoming);
@@ -134,15 +141,30 @@ asio::awaitable<bool> Session::serve_one() {
 }
 
 asio::awaitable<Answer> Session::answer(Incoming& incoming) {
-  const Route& route = *incoming.admitted.route;
-  if (!route.waits) co_return front_.answer(incoming.request, incoming.admitted);
+  const Runs runs = incoming.admitted.route->runs;
+  if (runs == Runs::at_once) co_return front_.answer(incoming.request, incoming.admitted);
   never_give_up();
-  if (route.asks) {
-    incoming.request.stop = asked_.emplace().get_token();
-    watch_caller();
+  Request& request = incoming.request;
+  if (in_turn(runs)) {
+    asked_ = std::make_unique<Asked>();
+    request.stop = request.caller.stop = asked_->stop.get_token();
+    watch_caller(runs);
   }
-  const auto work = [&] { return front_.answer(incoming.request, incoming.admitted); };
-  std::optional<Answer> answered = co_await on_worker(route.asks ? workers_.questions : workers_.disk, work);
+  const auto work = [&] {
+    if (asked_) {
+      asked_->since = std::chrono::steady_clock::now();
+      asked_->begun = true;
+    }
+    return front_.answer(request, incoming.admitted);
+  };
+  const auto post = [&](auto task) {
+    if (in_turn(runs))
+      turns(runs).post(request.caller.name, std::move(task));
+    else
+      asio::post(runs == Runs::health ? workers_.health : workers_.disk, std::move(task));
+  };
+  std::optional<Answer> answered = co_await on_worker(post, work);
+  incoming.place.reset();
   asked_.reset();
   look_.cancel();
   co_return std::move(*answered);
@@ -162,8 +184,11 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
     idle_ = false;
     if (error) co_return false;
   }
+  bool folded = false;
   for (bool timed = false;; timed = true) {
     const std::size_t used = parser.put(buffer_.data(), error);
+    // All at once, when all of it is there.
+    folded = folded || has_folded_line({static_cast<const char*>(buffer_.data().data()), used});
     buffer_.consume(used);
     if (!error && parser.is_header_done()) break;
     if (error && error != beast::http::error::need_more) {
@@ -203,6 +228,11 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
     incoming.keep_alive = false;
     unread_ = true;
     admitted.answer = problem(501, "Transfer-Encoding: only chunked is understood");
+  } else if (folded) {
+    // What stands before this service may read it as a header of its own.
+    incoming.keep_alive = false;
+    unread_ = true;
+    admitted.answer = problem(400, "a line of the header begins with a space");
   } else if (message.version() != 11 && message.version() != 10)
     admitted.answer = problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
   else if (!expect.empty() && !incoming.expects_continue)
@@ -211,9 +241,11 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
     admitted.answer = problem(413, "the body is larger than " + std::to_string(limits_.body_bytes) + " bytes");
   else if (!admitted.answer && admitted.route->upload && (incoming.chunked || !incoming.length))
     admitted.answer = problem(411, "Content-Length is needed");
+  if (!admitted.answer) admitted.answer = take_place(incoming);
   give_up_after(limits_.body);
   if (!admitted.answer && incoming.expects_continue && incoming.has_body() && buffer_.size() == 0) {
-    error = co_await transport_->write("HTTP/1.1 100 Continue\r\n\r\n", {});
+    const std::function<void()> no_matter = [] {};
+    error = co_await transport_->write("HTTP/1.1 100 Continue\r\n\r\n", {}, no_matter);
     if (error) co_return false;
   }
   co_return true;
@@ -224,12 +256,12 @@ asio::awaitable<bool> Session::send(Incoming& incoming, Answer answer) {
   const bool keep = incoming.keep_alive && !answer.close && !draining_ && !unread_;
   const std::string head = head_of(answer, keep);
   const bool bare = incoming.head || has_no_body(answer.status);
-  give_up_after(limits_.write);
-  ErrorCode error =
-      co_await transport_->write(head, bare || answer.file || answer.events ? std::string_view() : answer.body);
+  const std::function<void()> progress = [this] { give_up_after(limits_.write); };  // a slow reader is no dead one
+  progress();
+  ErrorCode error = co_await transport_->write(
+      head, bare || answer.file || answer.events ? std::string_view() : answer.body, progress);
   if (!error && !bare && answer.file)
-    error = co_await transport_->send_file(answer.file->file.get(), answer.file->offset, answer.file->bytes,
-                                           [this] { give_up_after(limits_.write); });
+    error = co_await transport_->send_file(answer.file->file.get(), answer.file->offset, answer.file->bytes, progress);
   if (!error && !bare && answer.events) {
     events_ = answer.events;
     error = co_await send_events(*events_);

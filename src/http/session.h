@@ -3,6 +3,7 @@
 
 #include "src/http/transport.h"
 
+#include <atomic>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <chrono>
@@ -21,7 +22,8 @@ namespace tessera::http {
 struct SessionLimits {
   std::uint32_t header_bytes = 8 << 10;
   std::uint64_t body_bytes = 1 << 20;  // uploads apart
-  std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000};
+  // `write`: without any progress; `work`: of what takes turns, but for questions, which have bounds of their own.
+  std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000}, work{60'000};
 };
 
 class Session : public std::enable_shared_from_this<Session> {
@@ -37,14 +39,19 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::awaitable<void> run();
   // From any thread: nothing new is begun, an idle connection ends, streams of events end.
   void drain();
-  // The question that is being answered, if any, ends. REQUIRES: nothing runs the session any more.
+  // What is being done for it, if anything, ends. REQUIRES: nothing runs the session any more.
   void stop_asking() {
-    if (asked_) asked_->request_stop();
+    if (asked_) asked_->stop.request_stop();
   }
   asio::any_io_executor executor() { return transport_->socket().get_executor(); }
 
  private:
   struct Incoming;  // a request while it is read
+  struct Asked {    // what is done in turn with others
+    std::stop_source stop;
+    std::atomic<bool> begun = false;
+    std::chrono::steady_clock::time_point since;  // set before `begun`
+  };
 
   void give_up_after(std::chrono::milliseconds time);
   void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker is at it
@@ -52,13 +59,15 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
   asio::awaitable<bool> read_header(Incoming& incoming);
+  std::optional<Answer> take_place(Incoming& incoming);
+  Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
   asio::awaitable<bool> read_body(Incoming& incoming);
   asio::awaitable<bool> take_upload(Incoming& incoming);
   asio::awaitable<ErrorCode> read_more();
   asio::awaitable<bool> send(Incoming& incoming, Answer answer);
   asio::awaitable<ErrorCode> send_events(EventQueue& queue);
   void watch_peer();
-  void watch_caller();
+  void watch_caller(Runs runs);
   asio::awaitable<void> linger();
 
   std::unique_ptr<Transport> transport_;
@@ -71,8 +80,8 @@ class Session : public std::enable_shared_from_this<Session> {
   std::chrono::steady_clock::time_point deadline_;
   asio::steady_timer wake_;  // while events are waited for
   std::shared_ptr<EventQueue> events_;
-  asio::steady_timer look_;                // at the caller, while a question is answered
-  std::optional<std::stop_source> asked_;  // of that question
+  asio::steady_timer look_;       // at the caller, while it waits for its turn and is answered
+  std::unique_ptr<Asked> asked_;  // of that request
   bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
   std::string remote_;
   std::uint16_t port_ = 0;

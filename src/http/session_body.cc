@@ -1,6 +1,7 @@
 #include "src/http/incoming.h"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <utility>
 
@@ -11,6 +12,19 @@ namespace beast = boost::beast;
 constexpr std::size_t buffered_max = 64 << 10, upload_piece = 256 << 10;
 
 }  // namespace
+
+// Why it has none.
+std::optional<Answer> Session::take_place(Incoming& incoming) {
+  const Runs runs = incoming.admitted.route->runs;
+  if (!in_turn(runs)) return std::nullopt;
+  auto place = turns(runs).enter(incoming.request.caller.name,
+                                 incoming.chunked ? limits_.body_bytes : incoming.length.value_or(0));
+  if (place) {
+    incoming.place.emplace(std::move(*place));
+    return std::nullopt;
+  }
+  return problem(503, "too many requests wait already, of this token or of all");
+}
 
 asio::awaitable<bool> Session::read_body(Incoming& incoming) {
   beast::http::request_parser<beast::http::string_body> parser(std::move(*incoming.parser));
@@ -43,7 +57,8 @@ asio::awaitable<bool> Session::read_body(Incoming& incoming) {
 asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
   never_give_up();
   const auto begin = [&] { return front_.begin_upload(incoming.request, incoming.admitted); };
-  auto begun = co_await on_worker(workers_.disk, begin);
+  const auto post = [this](auto task) { asio::post(workers_.disk, std::move(task)); };
+  auto begun = co_await on_worker(post, begin);
   auto& upload = *begun;
   std::uint64_t left = *incoming.length;
   unread_ = true;
@@ -65,7 +80,7 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
     const auto write = [&] {
       return upload.value()->write(std::string_view(static_cast<const char*>(buffer_.data().data()), bytes));
     };
-    const auto written = co_await on_worker(workers_.disk, write);
+    const auto written = co_await on_worker(post, write);
     if (!*written) {
       Answer refused = problem(written->error());
       co_return co_await send(incoming, std::move(refused));
@@ -76,7 +91,7 @@ asio::awaitable<bool> Session::take_upload(Incoming& incoming) {
   unread_ = false;
   never_give_up();
   const auto finish = [&] { return upload.value()->finish(); };
-  const auto finished = co_await on_worker(workers_.disk, finish);
+  const auto finished = co_await on_worker(post, finish);
   if (!*finished) {
     Answer refused = problem(finished->error());
     co_return co_await send(incoming, std::move(refused));

@@ -16,6 +16,7 @@ using asio::use_awaitable;
 
 asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
   ErrorCode error;
+  const std::function<void()> progress = [this] { give_up_after(limits_.write); }, no_matter = [] {};
   queue.on_wake([weak = weak_from_this(), executor = transport_->socket().get_executor()] {
     asio::post(executor, [weak] {
       if (const auto self = weak.lock()) self->wake_.cancel();
@@ -26,8 +27,8 @@ asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
     bool over = false;
     const std::string text = queue.take(over);
     if (!text.empty()) {
-      give_up_after(limits_.write);
-      error = co_await transport_->write(text, {});
+      progress();
+      error = co_await transport_->write(text, {}, progress);
       continue;
     }
     if (over || peer_gone_ || draining_) break;
@@ -36,7 +37,7 @@ asio::awaitable<ErrorCode> Session::send_events(EventQueue& queue) {
     wake_.expires_after(limits_.comment);
     ErrorCode woken;
     co_await wake_.async_wait(redirect_error(use_awaitable, woken));
-    if (!woken) error = co_await transport_->write(": still here\n\n", {});
+    if (!woken) error = co_await transport_->write(": still here\n\n", {}, no_matter);
   }
   co_return error;
 }
@@ -58,17 +59,20 @@ void Session::watch_peer() {
 }
 
 // Looks now and then: what the caller may send meanwhile is its next request, and stays where it is.
-void Session::watch_caller() {
+void Session::watch_caller(Runs runs) {
   constexpr std::chrono::milliseconds between{200};
   look_.expires_after(between);
-  look_.async_wait([weak = weak_from_this()](ErrorCode error) {
+  look_.async_wait([weak = weak_from_this(), runs](ErrorCode error) {
     const auto self = weak.lock();
     if (error || !self || !self->asked_) return;
+    Asked& asked = *self->asked_;
     pollfd peer{self->transport_->socket().native_handle(), POLLRDHUP, 0};
-    if (::poll(&peer, 1, 0) > 0) {
-      self->asked_->request_stop();
+    const bool late =
+        runs == Runs::changes && asked.begun && std::chrono::steady_clock::now() - asked.since > self->limits_.work;
+    if (late || ::poll(&peer, 1, 0) > 0) {
+      asked.stop.request_stop();
     } else {
-      self->watch_caller();
+      self->watch_caller(runs);
     }
   });
 }

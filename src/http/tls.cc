@@ -4,12 +4,15 @@
 
 #include <string>
 
+#include "src/files/private_file.h"
+
 namespace tessera::http {
 
 namespace ssl = boost::asio::ssl;
 
 Result<std::shared_ptr<ssl::context>> tls_context(const std::filesystem::path& certificate,
                                                   const std::filesystem::path& key) {
+  BOOST_OUTCOME_TRYV(keep_private(key, Mend::refused));
   auto context = std::make_shared<ssl::context>(ssl::context::tls_server);
   boost::system::error_code failed;
   SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);

@@ -1,24 +1,23 @@
 #include "src/http/tokens.h"
 
 #include <fcntl.h>
-#include <openssl/crypto.h>
-#include <openssl/evp.h>
-#include <openssl/hmac.h>
-#include <openssl/rand.h>
+#include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstddef>
 #include <mutex>
+#include <set>
 #include <span>
 #include <sstream>
 #include <utility>
 
-#include "src/base/check.h"
+#include "src/base/utf8.h"
 #include "src/files/descriptor.h"
-#include "src/files/disk_file.h"
+#include "src/files/private_file.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/http/secrets.h"
 
 namespace tessera::http {
 namespace {
@@ -27,32 +26,9 @@ constexpr std::size_t token_bytes = 32, token_length_min = 32;
 constexpr std::array<std::pair<Role, std::string_view>, 3> roles{
     {{Role::read, "read"}, {Role::submit, "submit"}, {Role::admin, "admin"}}};
 
-std::string hex(std::span<const unsigned char> bytes) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
-}
-
-std::string derived(std::string_view token) {
-  constexpr std::string_view purpose = "tessera browser session";
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned length = 0;
-  const unsigned char* made =
-      HMAC(EVP_sha256(), token.data(), static_cast<int>(token.size()),
-           reinterpret_cast<const unsigned char*>(purpose.data()), purpose.size(), digest.data(), &length);
-  check(made != nullptr, "HMAC failed");
-  return hex(std::span(digest).first(length));
-}
-
 // Not there before, and readable by nobody else from its first moment.
 Status make_file(const std::filesystem::path& file) {
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (fd < 0) return io_error(file, "cannot make it", errno);
-  FileHandle handle(fd);
+  BOOST_OUTCOME_TRY(handle, open_handle(file, O_WRONLY | O_CREAT | O_EXCL, file, S_IRUSR | S_IWUSR));
   const std::string text =
       "# NAME ROLE TOKEN; roles: read, submit, admin\nowner admin " + random_hex(token_bytes) + "\n";
   return write_on(handle.get(), std::as_bytes(std::span(text)), file);
@@ -72,27 +48,17 @@ std::string_view word_of(Role role) {
   return "none";
 }
 
-std::string random_hex(std::size_t bytes) {
-  std::vector<unsigned char> random(bytes);
-  check(RAND_bytes(random.data(), static_cast<int>(bytes)) == 1, "no random numbers");
-  return hex(random);
-}
-
-bool equal_in_constant_time(std::string_view a, std::string_view b) {
-  return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-Result<Tokens> Tokens::open(const std::filesystem::path& file) {
-  struct stat status {};
-  if (::stat(file.c_str(), &status) != 0) {
-    if (errno != ENOENT) return io_error(file, "cannot read it", errno);
+Result<Tokens> Tokens::open(const std::filesystem::path& file, Empty empty) {
+  BOOST_OUTCOME_TRY(there, is_there(file));
+  if (!there) {
     BOOST_OUTCOME_TRYV(make_file(file));
-  } else if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
-    return error(Errc::usage, file.string() + ": others can read it; its rights must be 0600");
   }
+  BOOST_OUTCOME_TRY(mended, keep_private(file, Mend::allowed));
+  if (mended) spdlog::warn("{}: its group could read it; its rights are 0600 again", file.string());
   BOOST_OUTCOME_TRY(bytes, read_whole(file));
   std::istringstream text{std::string(as_text(bytes))};
   Tokens tokens;
+  std::set<std::string> names;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {
     std::istringstream words(line);
@@ -100,13 +66,17 @@ Result<Tokens> Tokens::open(const std::filesystem::path& file) {
     if (!(words >> name) || name[0] == '#') continue;
     words >> role >> token;
     const std::optional<Role> known = role_of(role);
-    if (!known || token.size() < token_length_min || words >> more)
-      return error(Errc::usage,
-                   file.string() + ", line " + std::to_string(number) +
-                       ": must be a name, a role (read, submit, admin) and a token of at least 32 characters");
-    tokens.held_->entries.push_back({{name, *known}, token, derived(token)});
+    const auto refuse = [&](const std::string& why) {
+      return error(Errc::usage, file.string() + ", line " + std::to_string(number) + ": " + why);
+    };
+    if (!known || token.size() < token_length_min || words >> more || !is_utf8(name))
+      return refuse("must be a name, a role (read, submit, admin) and a token of at least 32 characters");
+    if (!names.insert(name).second)
+      return refuse("there is a token of the name '" + name + "' already, and what it makes would be this one's, too");
+    tokens.held_->entries.push_back({{name, *known}, token, mark_of(token)});
   }
-  if (tokens.held_->entries.empty()) return error(Errc::usage, file.string() + ": holds no token");
+  if (empty == Empty::refused && tokens.held_->entries.empty())
+    return error(Errc::usage, file.string() + ": holds no token");
   return tokens;
 }
 
@@ -124,14 +94,13 @@ std::optional<Caller> Tokens::find(std::string_view token) const {
   return found;
 }
 
-std::string Tokens::session_of(std::string_view token) const { return find(token) ? derived(token) : std::string(); }
+std::string Tokens::mark_of(std::string_view token) { return checksum_of_secret(token); }
 
-std::optional<Caller> Tokens::find_session(std::string_view session) const {
+std::optional<Caller> Tokens::find_mark(std::string_view mark) const {
   const std::shared_lock lock(held_->mutex);
-  std::optional<Caller> found;
-  for (const Entry& entry : held_->entries)
-    if (equal_in_constant_time(entry.session, session)) found = entry.caller;
-  return found;
+  const auto found = std::find_if(held_->entries.begin(), held_->entries.end(),
+                                  [&](const Entry& entry) { return entry.mark == mark; });
+  return found == held_->entries.end() ? std::nullopt : std::optional(found->caller);
 }
 
 std::string Tokens::first(Role role) const {

@@ -1,7 +1,6 @@
 // Who may do what: a file of tokens, one a line, "NAME ROLE TOKEN", that its owner alone can read.
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,32 +14,30 @@
 
 namespace tessera::http {
 
-// `bytes` random bytes of the system, in hexadecimal.
-std::string random_hex(std::size_t bytes);
-// In a time that depends on the lengths alone.
-bool equal_in_constant_time(std::string_view a, std::string_view b);
-
 class Tokens {
  public:
-  // Made with one token of role admin when there is none. Errors: usage for a line that is no token, and for a file
-  // that others can read; io.
-  static Result<Tokens> open(const std::filesystem::path& file);
+  // Whether a file without a token is one: then nobody gets in.
+  enum class Empty : bool { refused, allowed };
+
+  // Made with one token of role admin when there is none. Of a file that is ours the rights of others are taken away,
+  // where they are the group's alone: what mounts a volume anew may have given them. Errors: usage for a line that is
+  // no token, for a second token of one name, which owns what its jobs make, and for a file that others can read; io.
+  static Result<Tokens> open(const std::filesystem::path& file, Empty empty = Empty::refused);
 
   // Those of `others` instead, from now on; called by any thread.
   void replace(Tokens others);
 
   std::optional<Caller> find(std::string_view token) const;
-  // What a browser keeps in place of the token: derived from it, the same after a restart, and of no use once the token
-  // is gone. Empty for what is no token.
-  std::string session_of(std::string_view token) const;
-  std::optional<Caller> find_session(std::string_view session) const;
-  // The first token of that role, for the address that is printed.
+  // Tells this token from all others, and is of no use in its place: what may be kept of it.
+  static std::string mark_of(std::string_view token);
+  std::optional<Caller> find_mark(std::string_view mark) const;
+  // The first token of that role, for the address that is printed; empty when there is none.
   std::string first(Role role) const;
 
  private:
   struct Entry {
     Caller caller;
-    std::string token, session;
+    std::string token, mark;
   };
   struct Held {
     std::shared_mutex mutex;

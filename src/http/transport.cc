@@ -24,6 +24,16 @@ constexpr int pieces_in_a_row = 8;  // then other connections have their turn
 
 ErrorCode system_error(int number) { return {number, boost::system::system_category()}; }
 
+// As asio::transfer_all(), which is asked whenever some of it has been taken.
+auto until_all(const std::function<void()>& progress) {
+  constexpr std::size_t piece = 1 << 16;  // as there
+  return [&progress](const ErrorCode& error, std::size_t) -> std::size_t {
+    if (error) return 0;
+    progress();
+    return piece;
+  };
+}
+
 class Plain final : public Transport {
  public:
   explicit Plain(tcp::socket socket) : socket_(std::move(socket)) {}
@@ -40,10 +50,11 @@ class Plain final : public Transport {
     co_return bytes;
   }
 
-  asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body) override {
+  asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body,
+                                   const std::function<void()>& progress) override {
     ErrorCode error;
     const std::array<asio::const_buffer, 2> both{asio::buffer(head), asio::buffer(body)};
-    co_await asio::async_write(socket_, both, redirect_error(use_awaitable, error));
+    co_await asio::async_write(socket_, both, until_all(progress), redirect_error(use_awaitable, error));
     co_return error;
   }
 
@@ -102,10 +113,11 @@ class Tls final : public Transport {
     co_return bytes;
   }
 
-  asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body) override {
+  asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body,
+                                   const std::function<void()>& progress) override {
     ErrorCode error;
     const std::array<asio::const_buffer, 2> both{asio::buffer(head), asio::buffer(body)};
-    co_await asio::async_write(stream_, both, redirect_error(use_awaitable, error));
+    co_await asio::async_write(stream_, both, until_all(progress), redirect_error(use_awaitable, error));
     co_return error;
   }
 

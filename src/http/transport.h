@@ -28,8 +28,9 @@ class Transport {
   virtual asio::awaitable<ErrorCode> handshake() = 0;
   // 0 bytes with an error, at the end as well.
   virtual asio::awaitable<std::size_t> read_some(asio::mutable_buffer buffer, ErrorCode& error) = 0;
-  virtual asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body) = 0;
-  // `progress` is called whenever the peer has taken some of it.
+  // `progress` is called whenever the peer has taken some of it, here and below. The three outlive the answer.
+  virtual asio::awaitable<ErrorCode> write(std::string_view head, std::string_view body,
+                                           const std::function<void()>& progress) = 0;
   virtual asio::awaitable<ErrorCode> send_file(int file, std::uint64_t offset, std::uint64_t bytes,
                                                std::function<void()> progress) = 0;
   // Says that nothing more will come.

@@ -15,7 +15,9 @@
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/service/beneath.h"
+#include "src/service/kinds.h"
 #include "src/service/naming.h"
+#include "src/service/owners.h"
 #include "src/service/problem.h"
 
 namespace tessera {
@@ -96,35 +98,6 @@ bool is_served(const fs::path& path) {
 
 }  // namespace
 
-std::string media_type_of(const fs::path& path) {
-  static const std::map<std::string, std::string> types{
-      {".json", "application/json"},
-      {".geojson", "application/geo+json"},
-      {".csv", "text/csv"},
-      {".gpkg", "application/geopackage+sqlite3"},
-      {".glb", "model/gltf-binary"},
-      {".obj", "model/obj"},
-      {".pvtu", "application/vnd.vtk.xml"},
-      {".vtu", "application/vnd.vtk.xml"},
-      {".tif", "image/tiff; application=geotiff; profile=cloud-optimized"},
-      {".txt", "text/plain; charset=utf-8"},
-      {".ply", "application/vnd.ply"},
-      {".xml", "application/landxml+xml"},
-  };
-  const auto found = types.find(path.extension().string());
-  return found == types.end() ? "application/octet-stream" : found->second;
-}
-
-Result<ServedFile> served(FileHandle file, const fs::path& path, const std::string& type, std::string etag) {
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
-  if (!S_ISREG(status.st_mode)) return error(Errc::io, path.string() + ": is no file");
-  const int descriptor = ::fcntl(file.get(), F_DUPFD_CLOEXEC, 0);
-  if (descriptor < 0) return io_error(path, "cannot be opened", errno);
-  return ServedFile{descriptor, static_cast<std::uint64_t>(status.st_size), type,
-                    etag.empty() ? "" : "\"" + etag + "\""};
-}
-
 Results::Results(const fs::path& data, Desk& desk) : results_(results_folder(data)), desk_(desk) {}
 
 fs::path Results::folder(std::string_view name) const { return results_ / std::string(name); }
@@ -180,20 +153,28 @@ Result<bool> Results::export_exists(std::string_view name, const std::string& fi
   return is_there(exports_folder(folder(name)) / file, FollowLinks::no);
 }
 
-std::vector<std::string> Results::command_of(const std::string& job, const std::string& process) {
-  return {program, process, job};
+std::vector<std::string> Results::command_of(const proto::JobRecord& job) {
+  return {program, process_of(job.inputs()), job.id(), job.caller()};
 }
 
-Result<bool> Results::made_by(std::string_view name, const std::string& job) const {
+Result<Results::Maker> Results::maker(std::string_view name) {
   BOOST_OUTCOME_TRY(there, exists(name));
-  if (!there) return false;
-  const auto manifest = read_manifest(folder(name));
-  if (!manifest && manifest.error().code == Errc::io) return manifest.error();
-  return manifest && manifest.value().command.size() == 3 && manifest.value().command.front() == program &&
-         manifest.value().command.back() == job;
+  if (!there) return Maker{};
+  const auto found = manifest(name);
+  if (!found && found.error().code == Errc::io) return found.error();
+  if (!found) return Maker{};
+  const auto& command = found.value()->command;
+  // Older ones end with the job.
+  if ((command.size() != 3 && command.size() != 4) || command.front() != program) return Maker{};
+  return Maker{command[2], command.size() == 4 ? command[3] : ""};
 }
 
-Result<bool> Results::is_published(const std::string& job, std::string_view name) const {
+Result<bool> Results::made_by(std::string_view name, const std::string& job) {
+  BOOST_OUTCOME_TRY(known, maker(name));
+  return known.job == job;
+}
+
+Result<bool> Results::is_published(const std::string& job, std::string_view name) {
   BOOST_OUTCOME_TRY(unpublished, is_there(unfinished(job), FollowLinks::no));
   if (unpublished) return false;
   return made_by(name, job);
@@ -243,17 +224,37 @@ Status Results::discard(const fs::path& folder) {
   return remove_result(folder);
 }
 
-Status Results::publish_export(const std::string& job, const std::string& name) {
-  const auto made = unfinished_export(name, job);
+Result<std::string> Results::export_owner(std::string_view name, const std::string& file) const {
+  return owner_of(exports_folder(folder(name)) / file);
+}
+
+Status Results::publish_export(const proto::JobRecord& job) {
+  const auto& name = job.triangulation();
+  const auto output = export_output(job.inputs()).value_or("");
+  const auto made = unfinished_export(name, job.id());
   const auto to = exports_folder(folder(name));
+  std::set<std::string> replaceable{job.caller()};  // whose
+  BOOST_OUTCOME_TRY(replaced, export_exists(name, output));
+  if (replaced) {
+    BOOST_OUTCOME_TRY(owner, export_owner(name, output));
+    replaceable.insert(owner);
+  }
+  BOOST_OUTCOME_TRY(files, names_in(made));
+  for (const auto& file : files) {
+    BOOST_OUTCOME_TRY(stands, export_exists(name, file));
+    if (file == output || !stands) continue;
+    BOOST_OUTCOME_TRY(owner, export_owner(name, file));
+    if (!replaceable.contains(owner))
+      return error(Errc::usage, "output: it would replace the export '" + file + "', which somebody else has made");
+  }
   BOOST_OUTCOME_TRY(ours, desk_.pick_up(made));
   const auto published = [&]() -> Status {
-    BOOST_OUTCOME_TRY(names, names_in(ours));
-    for (const auto& file : names) {
+    for (const auto& file : files) {
       BOOST_OUTCOME_TRY(in_the_way, is_folder(to / file, FollowLinks::no));
       if (in_the_way) {  // cannot be renamed over
         BOOST_OUTCOME_TRYV(remove_export(name, file));
       }
+      BOOST_OUTCOME_TRYV(set_owner(desk_, to / file, job.caller()));
       BOOST_OUTCOME_TRYV(desk_.put_down(ours / file, to / file));
     }
     return sync_folder(to);
@@ -269,7 +270,8 @@ Status Results::remove_export(std::string_view name, const std::string& file) {
   const auto exports = exports_folder(folder(name));
   const auto gone = removed_folder(exports, random_token());
   BOOST_OUTCOME_TRYV(desk_.move(exports / file, gone));
-  return remove_whole(gone);
+  BOOST_OUTCOME_TRYV(remove_whole(gone));
+  return forget_owner(exports / file);
 }
 
 Result<fs::path> Results::take_away(std::string_view name) {

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "job_record.pb.h"
 #include "service.pb.h"
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
@@ -38,11 +39,16 @@ class Results {
   // False also for what can be no name. Error io, here and below.
   Result<bool> exists(std::string_view name) const;
   Result<bool> export_exists(std::string_view name, const std::string& file) const;
-  // The command in the manifest of what this job makes; by it a result is known to be the job's.
-  static std::vector<std::string> command_of(const std::string& job, const std::string& process);
-  Result<bool> made_by(std::string_view name, const std::string& job) const;
+  // The command in the manifest of what this job makes; by it a result is known to be the job's, and its owner's, even
+  // when nothing is known of the job any more.
+  static std::vector<std::string> command_of(const proto::JobRecord& job);
+  struct Maker {
+    std::string job, owner;  // empty when the manifest does not say, or is damaged
+  };
+  Result<Maker> maker(std::string_view name);
+  Result<bool> made_by(std::string_view name, const std::string& job);
   // Whether the job's folder has become the result already: before a crash.
-  Result<bool> is_published(const std::string& job, std::string_view name) const;
+  Result<bool> is_published(const std::string& job, std::string_view name);
 
   // The job's folder becomes the result; for one that stood there before, what is to be given to discard(). Error usage
   // when one stands there that may not be replaced.
@@ -54,7 +60,11 @@ class Results {
   Status drop_unfinished_export(std::string_view exported_from, const std::string& job);
 
   Status remove_export(std::string_view name, const std::string& file);
-  Status publish_export(const std::string& job, const std::string& name);
+  // Empty when nobody knows. Error io.
+  Result<std::string> export_owner(std::string_view name, const std::string& file) const;
+  // What the job has made beside its output replaces only what was its owner's, or of one piece with what stood in the
+  // output's place. Error usage.
+  Status publish_export(const proto::JobRecord& job);
   // The result is gone; its files are, once what this returns is given to discard(), which takes its time. Error io.
   Result<std::filesystem::path> take_away(std::string_view name);
   static Status discard(const std::filesystem::path& folder);

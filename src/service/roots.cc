@@ -177,6 +177,22 @@ Result<Roots::Root> Roots::open_root(const fs::path& path) {
   return Root{std::move(given), std::move(real), std::move(folder)};
 }
 
+Status check_apart(const fs::path& data, const std::vector<fs::path>& roots) {
+  const auto lies_in = [](const fs::path& inner, const fs::path& outer) {
+    return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+  };
+  std::error_code missing;
+  const auto real_data = fs::canonical(data, missing);
+  if (missing) return io_error(data, "cannot be looked at", missing.value());
+  for (const auto& root : roots) {
+    const auto real = fs::canonical(root, missing);
+    if (missing || (!lies_in(real_data, real) && !lies_in(real, real_data))) continue;
+    return error(Errc::usage, option("inputs") + ": " + root.string() + " and the data folder " + data.string() +
+                                  " lie in one another; name folders that do not");
+  }
+  return success();
+}
+
 Result<Roots> Roots::open(const std::vector<fs::path>& roots, const fs::path& uploads) {
   BOOST_OUTCOME_TRYV(check_beneath());
   Roots opened;

@@ -10,6 +10,10 @@
 
 namespace tessera {
 
+// Error usage when the data folder and a folder of inputs lie in one another: jobs could read what belongs to others,
+// and remove what they were given. A root that is not there is left to who opens it. Error io.
+Status check_apart(const std::filesystem::path& data, const std::vector<std::filesystem::path>& roots);
+
 class Roots {
  public:
   // `uploads` is the folder of uploads, or empty when none are taken. Error io for one that is no folder.

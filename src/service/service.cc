@@ -229,6 +229,7 @@ Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {
   if (options.memory_bytes / options.limits.running < (std::uint64_t{64} << 20))
     return refuse("a job would have less than 64 MiB of memory: give more, or let fewer run at once");
   options.data = std::filesystem::absolute(options.data).lexically_normal();
+  BOOST_OUTCOME_TRYV(check_apart(options.data, options.roots));
   BOOST_OUTCOME_TRY(held, DataFolder::hold(options));
   BOOST_OUTCOME_TRY(roots, Roots::open(options.roots, options.uploads ? uploads_folder(options.data) : ""));
   BOOST_OUTCOME_TRY(events, Events::open(event_numbers_file(options.data), held->desk(), options.log));

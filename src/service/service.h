@@ -27,6 +27,7 @@ enum class Role : std::uint8_t { none, read, submit, admin };
 struct Caller {
   std::string name;  // of the token
   Role role = Role::none;
+  std::stop_token stop = {};  // it has gone, or has waited too long: what it asked for is of no use any more
 };
 
 // An answer, or the problem with its HTTP status.

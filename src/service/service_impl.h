@@ -94,18 +94,23 @@ struct Service::Impl {
 
   // service_submit.cc
   // REQUIRES: `mutex` is held. It has an id, a place and its key from here on; nobody is told of it.
-  Reply<std::shared_ptr<Job>> admit(proto::JobRecord record);
+  Reply<std::shared_ptr<Job>> admit(proto::JobRecord record, const Caller& caller);
   // Once its record is on disk, or could not be written.
   Reply<Service::Submitted> welcome(const std::shared_ptr<Job>& job, const Status& added);
   std::optional<proto::Problem> check_inputs(const proto::Inputs& inputs, std::string& triangulation) const;
   std::optional<proto::Problem> check_options(const proto::Inputs& inputs) const;
   Reply<proto::Estimate> costs(const proto::TriangulateInputs& inputs, std::optional<proto::Problem>& refused) const;
   Reply<proto::Estimate> costs(const proto::Inputs& inputs, std::optional<proto::Problem>& refused);
-  // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others.
-  std::optional<proto::Problem> conflict(const proto::JobRecord& job) const;
+  // REQUIRES: `mutex` is held. Why it cannot wait or run now beside the others, as far as the caller may have it so.
+  std::optional<proto::Problem> conflict(const proto::JobRecord& job, const Caller& caller);
+  // REQUIRES: `mutex` is held. Why what stands where the job's result or export will be cannot be replaced.
+  std::optional<proto::Problem> in_its_place(const proto::JobRecord& job, const Caller& caller);
   // REQUIRES: `lock` is that of `mutex`. Waits for a job with this key that is just arriving.
   std::optional<Service::Submitted> same_as(const proto::Inputs& inputs, const Caller& caller, const std::string& key,
                                             std::unique_lock<std::mutex>& lock, std::optional<proto::Problem>& other);
+
+  // service_results.cc. REQUIRES: `mutex` is held. Of a result: who may remove it; empty when nobody knows.
+  Result<std::string> owner_of_result(const std::string& name);
 
   const ServiceOptions options;
   const Share share;

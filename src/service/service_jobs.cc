@@ -233,7 +233,7 @@ Reply<proto::StatusInfo> Service::resume(std::string_view id, const Caller& call
   if (job->is(job_state::successful))
     return problem(409, "job " + std::string(id) + " is successful: there is nothing to resume", Errc::usage);
   auto record = job->record;
-  if (const auto against = impl.conflict(record)) return *against;
+  if (const auto against = impl.conflict(record, caller)) return *against;
   const auto place = impl.next_place++;
   lock.unlock();
   const auto changed = impl.change(*job, Impl::Need::written, [&](proto::JobRecord& resumed) {

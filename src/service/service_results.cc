@@ -9,6 +9,7 @@
 #include "src/files/names.h"
 #include "src/report/human.h"
 #include "src/service/costs.h"
+#include "src/service/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -56,6 +57,13 @@ Reply<proto::TriangulationList> Service::triangulations(std::uint32_t limit, std
   return list;
 }
 
+Result<std::string> Service::Impl::owner_of_result(const std::string& name) {
+  BOOST_OUTCOME_TRY(maker, results.maker(name));
+  if (!maker.owner.empty()) return maker.owner;
+  const auto job = jobs.find(maker.job);  // of a result from before manifests said so
+  return job == jobs.end() ? std::string() : job->second->record.caller();
+}
+
 Reply<proto::TriangulationInfo> Service::triangulation(std::string_view name) { return impl_->results.info(name); }
 
 Reply<ServedFile> Service::file(std::string_view name, std::string_view path) {
@@ -75,12 +83,10 @@ Reply<void> Service::remove_triangulation(std::string_view name, const Caller& c
       if (impl.jobs.at(id)->record.triangulation() == name)
         return problem(409, "triangulation '" + std::string(name) + "': job " + id + " works on it", Errc::usage);
     }
-    const bool own = std::any_of(impl.jobs.begin(), impl.jobs.end(), [&](const auto& job) {
-      const auto& record = job.second->record;
-      return record.caller() == caller.name && record.triangulation() == name && makes_result(record.inputs());
-    });
-    if (caller.role < Role::admin && !(own && caller.role >= Role::submit))
-      return problem(403, "triangulation '" + std::string(name) + "': who submitted its job or an admin may remove it",
+    const auto owner = impl.owner_of_result(std::string(name));
+    if (!owner) return problem_of(owner.error());
+    if (!may_remove(owner.value(), caller))
+      return problem(403, "triangulation '" + std::string(name) + "': who made it or an admin may remove it",
                      Errc::usage);
     auto taken = impl.results.take_away(name);
     if (!taken) return problem_of(taken.error());
@@ -103,20 +109,20 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
   if (!there) return problem_of(there.error());
   if (!there.value())
     return problem(404, "triangulation '" + triangulation + "' has no export '" + output + "'", Errc::usage);
+  const auto owner = impl.results.export_owner(name, output);
+  if (!owner) return problem_of(owner.error());
   std::string last;  // the job that has made it
   {
     const std::lock_guard lock(impl.mutex);
-    bool own = false;
     for (const auto& [id, job] : impl.jobs) {
       const auto& record = job->record;
       if (record.triangulation() != name || export_output(record.inputs()) != output) continue;
       if (impl.active.contains(id))
         return problem(409, "export '" + output + "': job " + id + " works on it", Errc::usage);
-      own = own || record.caller() == caller.name;
       if (job->is(job_state::successful)) last = id;
     }
-    if (caller.role < Role::admin && !(own && caller.role >= Role::submit))
-      return problem(403, "export '" + output + "': who submitted its job or an admin may remove it", Errc::usage);
+    if (!may_remove(owner.value(), caller))
+      return problem(403, "export '" + output + "': who made it or an admin may remove it", Errc::usage);
   }
   std::set<std::string> names{output};
   if (const auto found = outcome(last)) names.merge(exports_in(found.value()));
@@ -124,6 +130,10 @@ Reply<void> Service::remove_export(std::string_view name, std::string_view file,
     const auto stands = impl.results.export_exists(name, each);
     if (!stands) return problem_of(stands.error());
     if (!stands.value()) continue;
+    // What the job wrote beside it may have been replaced since.
+    const auto of_each = impl.results.export_owner(name, each);
+    if (!of_each) return problem_of(of_each.error());
+    if (of_each.value() != owner.value()) continue;
     if (const auto removed = impl.results.remove_export(name, each); !removed) return problem_of(removed.error());
   }
   return success();
@@ -133,7 +143,7 @@ Reply<std::unique_ptr<Service::Upload>> Service::upload(std::string_view folder,
                                                         std::uint64_t offset, const Caller& caller) {
   if (const auto refused = no_uploads(impl_->options)) return *refused;
   if (caller.role < Role::submit) return problem(403, "an upload takes the role submit", Errc::usage);
-  return impl_->uploads.begin(folder, file, offset);
+  return impl_->uploads.begin(folder, file, offset, caller);
 }
 
 Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view file) {

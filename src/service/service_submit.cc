@@ -6,6 +6,7 @@
 #include "src/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/drawing_options.h"
+#include "src/service/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 #include "src/service/work_region.h"
@@ -141,7 +142,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
   return estimate;
 }
 
-std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& job) const {
+std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& job, const Caller& caller) {
   const auto& inputs = job.inputs();
   const auto& name = job.triangulation();
   const auto output = export_output(inputs);
@@ -165,7 +166,19 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   if (of_caller >= options.limits.jobs_of_a_caller) {
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
   }
-  if (overwrites(inputs)) return std::nullopt;
+  return in_its_place(job, caller);
+}
+
+std::optional<proto::Problem> Service::Impl::in_its_place(const proto::JobRecord& job, const Caller& caller) {
+  const auto& inputs = job.inputs();
+  const auto& name = job.triangulation();
+  // To replace is to remove: who may not do the one may not do the other.
+  const auto judge = [&](const std::string& what, const Result<std::string>& owner) -> std::optional<proto::Problem> {
+    if (!overwrites(inputs)) return problem(409, "output: " + what + "; overwrite: true replaces it", Errc::usage);
+    if (!owner) return problem_of(owner.error());
+    if (may_remove(owner.value(), caller)) return std::nullopt;
+    return problem(403, "output: " + what + ", and who made it or an admin may replace it", Errc::usage);
+  };
   if (makes_result(inputs) && !name.empty()) {
     const auto taken = [&]() -> Result<bool> {
       BOOST_OUTCOME_TRY(there, results.exists(name));
@@ -174,13 +187,13 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
       return !own;
     }();
     if (!taken) return problem_of(taken.error());
-    if (taken.value())
-      return clash("output: there is a triangulation called '" + name + "' already; overwrite: true replaces it");
+    if (taken.value()) return judge("there is a triangulation called '" + name + "' already", owner_of_result(name));
   }
+  const auto output = export_output(inputs);
   const auto taken = output ? results.export_exists(name, *output) : Result<bool>(false);
   if (!taken) return problem_of(taken.error());
   if (taken.value())
-    return clash("output: '" + name + "' has an export of this name already; overwrite: true replaces it");
+    return judge("'" + name + "' has an export of this name already", results.export_owner(name, *output));
   return std::nullopt;
 }
 
@@ -199,14 +212,14 @@ std::optional<Service::Submitted> Service::Impl::same_as(const proto::Inputs& in
   return std::nullopt;
 }
 
-Reply<std::shared_ptr<Job>> Service::Impl::admit(proto::JobRecord record) {
+Reply<std::shared_ptr<Job>> Service::Impl::admit(proto::JobRecord record, const Caller& caller) {
   record.set_id(ids.next(system_clock::now()));
   record.set_place(next_place++);
   record.set_state(job_state::accepted);
   if (makes_result(record.inputs()) && record.triangulation().empty()) record.set_triangulation(record.id());
   record.set_created(time_text(system_clock::now()));
   record.set_updated(record.created());
-  if (const auto against = conflict(record)) return *against;
+  if (const auto against = conflict(record, caller)) return *against;
   const auto job = std::make_shared<Job>();
   job->record = std::move(record);
   job->arriving = true;
@@ -269,7 +282,7 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
   if (other) return *other;
   const std::string beyond = problem(0, beyond_share(inputs, impl.share)).detail();  // options named as fields
   record.set_message("waits" + (beyond.empty() ? "" : "; " + beyond));
-  BOOST_OUTCOME_TRY(job, impl.admit(std::move(record)));
+  BOOST_OUTCOME_TRY(job, impl.admit(std::move(record), caller));
   lock.unlock();
   Status added = success();
   try {

@@ -91,7 +91,9 @@ Reply<proto::JobTiles> Service::tiles(std::string_view id, bool with_layout) {
   if (state != job_state::successful)
     return tiles;  // nothing is known of them; whoever watches may learn so a moment later
   const auto manifest = impl_->results.manifest(name);
-  if (!manifest || manifest.value()->command != Results::command_of(std::string(id), "triangulate"))
+  const auto own = impl_->results.made_by(name, std::string(id));
+  if (!own) return problem_of(own.error());
+  if (!manifest || !own.value())
     return problem(410, "the triangulation of job " + std::string(id) + " was removed or replaced", Errc::usage);
   if (const auto told = tell_stored(*manifest.value(), with_layout, tiles); !told) return problem_of(told.error());
   return tiles;

@@ -141,7 +141,7 @@ Reply<JobDone> Service::Impl::finish(const proto::JobRecord& job, Reply<JobDone>
       if (!replaced.empty()) questions.close(job.triangulation());
     }
     if (export_output(job.inputs())) {
-      BOOST_OUTCOME_TRYV(results.publish_export(job.id(), job.triangulation()));
+      BOOST_OUTCOME_TRYV(results.publish_export(job));
     }
     return success();
   }();

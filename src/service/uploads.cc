@@ -15,6 +15,7 @@
 #include "src/files/whole_file.h"
 #include "src/report/human.h"
 #include "src/service/naming.h"
+#include "src/service/owners.h"
 #include "src/service/problem.h"
 
 namespace tessera {
@@ -126,13 +127,30 @@ Reply<std::uint64_t> Uploads::uploaded(std::string_view folder, std::string_view
 }
 
 Reply<std::unique_ptr<Service::Upload>> Uploads::begin(std::string_view folder, std::string_view file,
-                                                       std::uint64_t offset) {
+                                                       std::uint64_t offset, const Caller& caller) {
   BOOST_OUTCOME_TRY(path, path_of(folder, file));
   const std::lock_guard lock(mutex_);
   if (active_.contains(path)) return problem(409, "this file is being sent already", Errc::usage);
   const auto sent = bytes_of(part_file(path));
   if (!sent) return problem_of(sent.error());
   const auto there = sent.value();
+  // Of the file, or of what has come of it; empty when there is neither.
+  const auto known = [&]() -> Result<std::optional<std::string>> {
+    BOOST_OUTCOME_TRY(whole, is_there(path, FollowLinks::no));
+    BOOST_OUTCOME_TRY(part, is_there(part_file(path), FollowLinks::no));
+    if (!whole && !part) return std::optional<std::string>();
+    BOOST_OUTCOME_TRY(found, owner_of(path));
+    return std::optional(std::move(found));
+  }();
+  if (!known) return problem_of(known.error());
+  std::string owner;
+  if (known.value()) {
+    owner = *known.value();
+    if (!may_remove(owner, caller))
+      return problem(
+          403, "upload '" + std::string(folder) + "/" + std::string(file) + "': who sent it or an admin may replace it",
+          Errc::usage);
+  }
   if (offset != 0 && offset != there) {
     return problem(409, "offset " + std::to_string(offset) + ": " + std::to_string(there) + " bytes have come so far",
                    Errc::usage);
@@ -141,6 +159,9 @@ Reply<std::unique_ptr<Service::Upload>> Uploads::begin(std::string_view folder, 
     std::error_code failed;
     if (fs::create_directory(path.parent_path(), failed); failed)
       return error(Errc::io, path.parent_path().string() + ": cannot be made: " + failed.message());
+    if (owner != caller.name) {
+      BOOST_OUTCOME_TRYV(set_owner(desk_, path, caller.name));
+    }
     const int again = offset == 0 ? O_TRUNC : O_APPEND;
     return open_handle(part_file(path), O_WRONLY | O_CREAT | O_NOFOLLOW | again, path);
   };

@@ -25,8 +25,9 @@ class Uploads {
 
   // Goes on at `offset`, which must be what uploaded() says: 409. 400 for names that do not fit, 409 while the same
   // file is being sent by another, 507 over the limit. A file that is there already is replaced when the new one is
-  // whole.
-  Reply<std::unique_ptr<Service::Upload>> begin(std::string_view folder, std::string_view file, std::uint64_t offset);
+  // whole; 403 for that of another, and for what has come of it.
+  Reply<std::unique_ptr<Service::Upload>> begin(std::string_view folder, std::string_view file, std::uint64_t offset,
+                                                const Caller& caller);
   // Bytes of it that have come: of the part, or of the whole file. 404 for neither.
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) const;
 

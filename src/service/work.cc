@@ -71,7 +71,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   if (!options) return problem_of(options.error());
   if (shop.limits.running > 0 && !inputs.has_threads())
     options.value().threads = std::max(options.value().threads, shop.engine.threads() / shop.limits.running);
-  options.value().command = Results::command_of(job.id(), process_of(job.inputs()));
+  options.value().command = Results::command_of(job);
   options.value().log = work.log;
   options.value().cloud.spool_bytes_max = unpacked_max(shop.limits, shop.data);
   // Complete, and given its name, just before an earlier process ended.

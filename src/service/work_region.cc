@@ -61,7 +61,7 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
   const auto& job = work.job;
   auto options = options_of(shop, job.inputs().region());
   if (!options) return problem_of(options.error());
-  options.value().command = Results::command_of(job.id(), process_of(job.inputs()));
+  options.value().command = Results::command_of(job);
   options.value().limits.progress = [&](std::uint64_t points, std::uint64_t needed) {
     work.progress.points_total = needed;
     work.progress.points_triangulated = points;

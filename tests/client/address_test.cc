@@ -15,6 +15,7 @@ TEST(ServerAddress, IsReadAsItIsWritten) {
   EXPECT_EQ(parsed("http://127.0.0.1:7070"), (ServerAddress{false, "127.0.0.1", "7070", "", ""}));
   EXPECT_EQ(parsed("https://host.example/"), (ServerAddress{true, "host.example", "443", "", ""}));
   EXPECT_EQ(parsed("http://[::1]:80/tessera/"), (ServerAddress{false, "::1", "80", "/tessera", ""}));
+  EXPECT_EQ(parsed("http://localhost:7070/#token=a-b_c"), (ServerAddress{false, "localhost", "7070", "", "a-b_c"}));
   EXPECT_EQ(parsed("http://localhost:7070/?token=a-b_c"), (ServerAddress{false, "localhost", "7070", "", "a-b_c"}));
 }
 

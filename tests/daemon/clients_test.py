@@ -91,7 +91,7 @@ class Command(ClientsTest):
         port = self.daemon.port
         watching = subprocess.Popen(
             [TESSERA, "triangulate", "*.las", "-o", "block", "--tiles", "30", "--server",
-             f"{self.daemon.url}?token={self.daemon.token}"],
+             f"{self.daemon.url}#token={self.daemon.token}"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.addCleanup(watching.stdout.close)
         self.addCleanup(watching.stderr.close)
@@ -113,7 +113,7 @@ class Command(ClientsTest):
 @unittest.skipIf(tessera is None, "the Python package is not built")
 class Python(ClientsTest):
     def test_all_that_the_command_can(self):
-        client = tessera.connect(f"{self.daemon.url}?token={self.daemon.token}")
+        client = tessera.connect(f"{self.daemon.url}#token={self.daemon.token}")
         job = client.submit("*.las", "block", dim=2, classes=[2, 9], tiles=5)
         t = job.result(self.folder / "copy")
         self.assertEqual(client.verify("block"), t.verify())

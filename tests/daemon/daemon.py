@@ -24,10 +24,11 @@ class Daemon:
         self.log = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
             [*prefix, TESSERAD, "--data", str(data), "--listen", listen, "--metrics", "none", "--inputs", str(inputs),
+             "--print-token",
              *(() if "--memory" in options else ("--memory", "1G")), "--threads", "2", *map(str, options)],
             env=clean | (env or {}), text=True, stdout=subprocess.PIPE, stderr=self.log)
         line = self.process.stdout.readline()
-        found = re.fullmatch(r"(http://127\.0\.0\.1:\d+/)\?token=(\S+)\n", line)
+        found = re.fullmatch(r"(http://127\.0\.0\.1:\d+/)#token=(\S+)\n", line)
         if not found:
             status = self.process.wait()
             self.process.stdout.close()

@@ -23,7 +23,8 @@ class Kills(ClusterTest):
     def make_cloud(self):
         if not CLOUD:
             return super().make_cloud()
-        return pathlib.Path(shutil.copy(CLOUD, self.folder))
+        (self.folder / "inputs").mkdir()
+        return pathlib.Path(shutil.copy(CLOUD, self.folder / "inputs"))
 
     def setUp(self):
         super().setUp()

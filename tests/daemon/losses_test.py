@@ -54,19 +54,21 @@ class Node:
 class Cluster(DaemonTest):
     def setUp(self):
         super().setUp()
+        (self.folder / "inputs").mkdir()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", "a", "b", "c", "d", "e")
         self.port, self.http = free_port(), free_port()
-        self.tessera("generate", "uniform", "-n", POINTS, "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", POINTS, "-o", "inputs/cloud.npy", "--quiet")
         self.coordinator = self.start_coordinator()
         self.nodes = {name: self.join(name) for name in "bcd"}
         self.wait_for_members(4)
         self.digest = self.result(self.run_job("whole"))
 
     def start_coordinator(self):
+        (self.folder / "inputs").mkdir(exist_ok=True)
         return self.start("--cluster", f"127.0.0.1:{self.port}", "--certs", str(self.folder / "certs"), "--node-name",
                           "a", "--lease", LEASE, "--memory", "512M", listen=f"127.0.0.1:{self.http}",
-                          inputs=self.folder)
+                          inputs=self.folder / "inputs")
 
     def join(self, name, *more, **options):
         return Node(self, name, self.port, *more, **options)
@@ -91,7 +93,7 @@ class Cluster(DaemonTest):
     def submit(self, name):
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": name, "tiles": 16}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": name, "tiles": 16}})
         self.assertEqual(status, 201, job)
         return job["jobID"]
 
@@ -119,7 +121,7 @@ class Cluster(DaemonTest):
         return self.coordinator.request("GET", f"/v1/triangulations/{name}")[2]["digest"]
 
     def test_the_result_is_the_one_of_the_command(self):
-        alone = self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", "16", "--json")
+        alone = self.tessera("triangulate", "inputs/cloud.npy", "-o", "alone", "--tiles", "16", "--json")
         self.assertEqual(json.loads(alone.splitlines()[-1])["digest"], self.digest)
 
     def test_a_node_that_was_stopped_for_longer_than_its_lease_begins_anew(self):

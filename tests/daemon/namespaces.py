@@ -131,7 +131,8 @@ class ClusterTest(unittest.TestCase):
         self.addresses = {}
 
     def make_cloud(self):
-        cloud = self.folder / "cloud.npy"
+        cloud = self.folder / "inputs" / "cloud.npy"
+        cloud.parent.mkdir(exist_ok=True)
         run(TESSERA, "generate", "uniform", "-n", self.points, "-o", cloud, "--quiet")
         return cloud
 
@@ -140,7 +141,7 @@ class ClusterTest(unittest.TestCase):
             self.addresses[name] = self.network.add(name)
         return Process(self, self.network, name, data or self.data, certs or self.certs, "--cluster",
                        f"{self.addresses[name]}:{CLUSTER_PORT}", "--listen", f"127.0.0.1:{HTTP_PORT}", "--inputs",
-                       self.folder, *options)
+                       self.folder / "inputs", *options)
 
     def node(self, name, *options, join="a", data=None, certs=None, wrap=()):
         if name not in self.addresses:

@@ -14,7 +14,7 @@ class Commands(regions_test.WithDaemon):
 
     def setUp(self):
         super().setUp()
-        self.server = ["--server", f"{self.daemon.url}?token={self.daemon.token}"]
+        self.server = ["--server", f"{self.daemon.url}#token={self.daemon.token}"]
         self.execute("triangulate", **INPUTS, dim=2, output="ground", tiles=4)
         self.result = self.folder / "data/results/ground"
 

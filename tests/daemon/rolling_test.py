@@ -17,10 +17,11 @@ POINTS, TILES = os.environ.get("ROLLING_POINTS", "600k"), 48
 class Rolling(DaemonTest):
     def setUp(self):
         super().setUp()
+        (self.folder / "inputs").mkdir()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", *"abcd")
         self.port, self.http = free_port(), free_port()
-        self.tessera("generate", "uniform", "-n", POINTS, "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", POINTS, "-o", "inputs/cloud.npy", "--quiet")
         self.coordinator = self.start_coordinator()
         self.nodes = {name: self.join(name) for name in "bcd"}
         self.wait_for_members(set("abcd"))
@@ -48,14 +49,14 @@ class Rolling(DaemonTest):
         return self.coordinator.request("GET", f"/v1/jobs/{job}/log")[2].decode()
 
     def alone(self):
-        told = self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", str(TILES), "--json")
+        told = self.tessera("triangulate", "inputs/cloud.npy", "-o", "alone", "--tiles", str(TILES), "--json")
         return json.loads(told.splitlines()[-1])["digest"]
 
     def running(self, output, *names):
         """A job that is not settled yet, and in which these nodes have begun tiles."""
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": output, "tiles": TILES}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": output, "tiles": TILES}})
         self.assertEqual(status, 201, job)
         job = job["jobID"]
         self.wait_for_phase(job, "triangulating", "splaying")
@@ -167,7 +168,7 @@ class Rolling(DaemonTest):
     def test_how_a_node_ended_stands_in_the_log_of_its_job(self):
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": "killed", "tiles": TILES}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": "killed", "tiles": TILES}})
         self.assertEqual(status, 201, job)
         job = job["jobID"]
         self.wait_for_phase(job, "triangulating")

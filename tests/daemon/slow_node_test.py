@@ -53,12 +53,13 @@ class SlowNode(DaemonTest):
 
     def setUp(self):
         super().setUp()
+        (self.folder / "inputs").mkdir()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", *"abcd")
-        self.tessera("generate", "uniform", "-n", POINTS, "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", POINTS, "-o", "inputs/cloud.npy", "--quiet")
         self.port, self.http = free_port(), free_port()
         self.coordinator = self.start("--cluster", f"127.0.0.1:{self.port}", "--certs", self.folder / "certs", "--node-name",
-                                      "a", "--memory", MEMORY, listen=f"127.0.0.1:{self.http}", inputs=self.folder)
+                                      "a", "--memory", MEMORY, listen=f"127.0.0.1:{self.http}", inputs=self.folder / "inputs")
         self.nodes = {name: losses_test.Node(self, name, self.port, "certs", "--memory", MEMORY, "--threads", "2")
                       for name in "bcd"}
         self.wait_for_members(4)
@@ -66,7 +67,7 @@ class SlowNode(DaemonTest):
     def job(self, name):
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": name, "tiles": TILES}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": name, "tiles": TILES}})
         self.assertEqual(status, 201, job)
         began = time.monotonic()
         digest = self.result(job["jobID"])

@@ -9,7 +9,7 @@ import unittest
 SOURCE = pathlib.Path(os.environ["SOURCE"])
 TEXT = (SOURCE / "config/tesserad.toml").read_text()
 KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "uploads", "retention", "tls-certificate",
-        "tls-key", "public-url", "hosts", "insecure", "log",
+        "tls-key", "public-url", "hosts", "insecure", "log", "print-token",
         "cluster", "advertise", "join", "certs", "roles", "node-name", "cluster-name", "scratch", "lease", "grace",
         "drain-timeout"}
 LIMITS = {"queued", "jobs", "points", "disk"}

@@ -53,6 +53,14 @@ class Abuse(serving.ServerTest):
             with self.subTest(data):
                 self.assertEqual(self.statuses(data), [400])
 
+    def test_a_header_that_goes_on_in_the_next_line_is_refused(self):
+        # What stands before this service may take the second line for a header of its own.
+        for more in ("X-A: b\r\n Transfer-Encoding: chunked\r\n", "X-A: b\r\n\tc\r\n", "X-A:\r\n b\r\nX-C: d\r\n"):
+            with self.subTest(more):
+                self.assertEqual(self.statuses(self.head("GET", "/v1", more) * 2), [400])
+        self.assertEqual(self.statuses(b"GET /v1 HTTP/1.1\r\n Host: localhost\r\n\r\n"), [400])
+        self.assertEqual(self.statuses(self.head("GET", "/v1", "X-A: \t b \r\nConnection: close\r\n")), [200])
+
     def test_ten_thousand_mutated_requests(self):
         choose = random.Random(20)
         body = b'{"inputs":{"inputs":["a.las"],"tiles":5,"crop":[0,0,0,1,1,1]}}'

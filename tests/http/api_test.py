@@ -66,6 +66,7 @@ class Api(serving.ServerTest):
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",
                                               f"/v1/jobs/{job}/tiles?layout=2", "/v1/jobs/none/tiles"],
+            ("POST", "/v1/session"): ["/v1/session"], ("DELETE", "/v1/session"): ["/v1/session"],
             ("GET", "/v1/caller"): ["/v1/caller"], ("GET", "/ui"): ["/ui", "/ui/"],
             ("GET", "/ui/{file}"): ["/ui/app.js", "/ui/none"],
             ("GET", "/v1/nodes"): ["/v1/nodes"],

@@ -5,6 +5,7 @@ import os
 import re
 import socket
 import threading
+import time
 import unittest
 
 import serving
@@ -179,6 +180,67 @@ class Slow(serving.ServerTest):
             connection.close()
 
 
+class SlowReader(serving.ServerTest):
+    options = {"write_ms": 2000, "profile_bytes": 24_000_000}
+    profile = "/v1/triangulations/block/profile?line=0,0%201,1"
+
+    def test_who_reads_on_gets_all_of_an_answer(self):
+        # More slowly than would do for the whole of it at once.
+        with socket.create_connection(("127.0.0.1", self.server.port), 30) as connection:
+            connection.sendall(self.head("GET", self.profile, "Connection: close\r\n"))
+            began, got = time.monotonic(), bytearray()
+            while piece := connection.recv(1 << 18):
+                got += piece
+                while time.monotonic() - began < 5 * len(got) / 24e6:
+                    time.sleep(0.01)  # the pace is what is tried
+        head, body = bytes(got).split(b"\r\n\r\n", 1)
+        self.assertIn(b"Content-Length: 24000000", head)
+        self.assertEqual(len(body), 24_000_000)
+
+    def test_who_reads_no_more_is_cut_off(self):
+        with socket.create_connection(("127.0.0.1", self.server.port), 30) as connection:
+            connection.sendall(self.head("GET", self.profile, "Connection: close\r\n"))
+            self.assertTrue(connection.recv(1000).startswith(b"HTTP/1.1 200 "))
+            # Until the one that asks is the only one left.
+            while "tessera_http_connections 1\n" not in self.ask(
+                    "GET", "/metrics", token=None, port=self.server.operations).body.decode():
+                pass
+            self.assertLess(len(closed(connection)), 24_000_000)
+
+
+class FewDescriptors(serving.ServerTest):
+    """Of 100 open files 25 connections, half of them from one address; the rest is for jobs."""
+    options = {"open_files": 100}
+
+    def test_are_left_to_jobs_and_to_others(self):
+        held = []
+        for _ in range(60):
+            connection = socket.create_connection(("127.0.0.1", self.server.port), 30)
+            self.addCleanup(connection.close)
+            connection.sendall(self.head("GET", "/v1/jobs"))
+            if connection.recv(65536).startswith(b"HTTP/1.1 200 "):
+                held.append(connection)
+        self.assertEqual(len(held), 12)
+        self.assertLess(self.server.descriptors(), 50)
+        with socket.create_connection(("127.0.0.1", self.server.port), 30, ("127.0.0.2", 0)) as other:
+            other.sendall(self.head("GET", "/v1/jobs"))
+            self.assertTrue(other.recv(65536).startswith(b"HTTP/1.1 200 "))
+        self.assertIn("the limit of open files", self.server.log())
+
+
+class Operations(serving.ServerTest):
+    def test_connections_to_it_are_bounded_and_keep_nobody_from_the_api(self):
+        held = []
+        for number in range(80):
+            connection = socket.create_connection(("127.0.0.1", self.server.operations), 30, (f"127.0.0.{2 + number % 4}", 0))
+            self.addCleanup(connection.close)
+            connection.sendall(b"GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            if connection.recv(65536).startswith(b"HTTP/1.1 200 "):
+                held.append(connection)
+        self.assertEqual(len(held), 64)
+        self.assertEqual(self.ask("GET", "/v1").status, 200)
+
+
 class Bounded(serving.ServerTest):
     options = {"connections": 5}
 
@@ -229,23 +291,6 @@ class Drained(serving.ServerTest):
             socket.create_connection(("127.0.0.1", self.server.port), 30)
         for connection in (idle, watcher, busy):
             connection.close()
-
-
-class Waiting(serving.ServerTest):
-    options = {"threads": 1, "workers": 2}
-
-    def test_who_waits_for_a_disk_holds_up_nobody_else(self):
-        self.assertTrue(self.server.tell("hold 1"))
-        token = {"Authorization": "Bearer " + self.server.tokens["read"]}
-        waiting = [self.connect() for _ in range(6)]
-        for connection in waiting:
-            connection.request("GET", "/v1/triangulations", headers=token)
-        self.assertTrue(self.server.tell("held 2"))  # all workers there are
-        self.assertEqual(self.ask("GET", "/livez", port=self.server.operations).body, b"live\n")
-        self.assertEqual(self.ask("GET", "/v1/jobs").status, 200)
-        self.assertEqual(self.ask("GET", "/v1").status, 200)
-        self.assertTrue(self.server.tell("hold 0"))
-        self.assertEqual([connection.getresponse().status for connection in waiting], [200] * 6)
 
 
 if __name__ == "__main__":

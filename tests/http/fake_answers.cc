@@ -1,5 +1,8 @@
 // What the made-up service answers to questions.
+#include <condition_variable>
 #include <mutex>
+#include <string>
+#include <utility>
 
 #include "query.pb.h"
 #include "tests/http/fake_backend.h"
@@ -63,14 +66,8 @@ Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
     return QuestionAnswer{.text = {}, .file = opened.value()};
   }
   if (question.about == Question::About::star && question.vertex == "13") {
-    std::condition_variable_any never;
     std::unique_lock lock(mutex_);
-    never.wait(lock, question.stop, [] { return false; });
-    ++given_up_;
-    held_changed_.notify_all();
-    proto::Problem gone = missing("nobody waits for it");
-    gone.set_status(410);
-    return gone;
+    return give_up(lock, question.stop);
   }
   std::string text = R"({"point":[1,2],"cell":null})";
   if (question.about == Question::About::star)
@@ -87,11 +84,26 @@ Reply<QuestionAnswer> FakeBackend::ask(const Question& question) {
     if (!question.options.contains("after")) page.next = 1;
     return page;
   }
-  if (question.about == Question::About::profile)
-    return QuestionAnswer{.text = R"({"points":[{"distance":0,"x":1,"y":2,"z":3,"part":0}]})",
-                          .type = "application/json"};
+  if (question.about == Question::About::profile) {
+    std::string profile = R"({"points":[{"distance":0,"x":1,"y":2,"z":3,"part":0}]})";
+    if (profile.size() < profile_bytes) profile.resize(profile_bytes, ' ');
+    return QuestionAnswer{.text = std::move(profile), .type = "application/json"};
+  }
   if (question.body) text = R"({"answers":[{"point":[1,2],"value":3}]})";
   return QuestionAnswer{.text = text, .type = "application/json"};
+}
+
+proto::Problem FakeBackend::give_up(std::unique_lock<std::mutex>& lock, const std::stop_token& stop) {
+  std::condition_variable_any never;
+  ++asked_;
+  held_changed_.notify_all();
+  never.wait(lock, stop, [] { return false; });
+  --asked_;
+  ++given_up_;
+  held_changed_.notify_all();
+  proto::Problem gone = missing("nobody waits for it");
+  gone.set_status(410);
+  return gone;
 }
 
 Reply<std::vector<FeatureCollection>> FakeBackend::collections() {

@@ -119,7 +119,13 @@ Reply<Backend::Submitted> FakeBackend::submit(const proto::Inputs& inputs, const
   return Submitted{job, true};
 }
 
-Reply<proto::Estimate> FakeBackend::estimate(const proto::Inputs&, const Caller&) {
+Reply<proto::Estimate> FakeBackend::estimate(const proto::Inputs& inputs, const Caller& caller) {
+  {
+    std::unique_lock lock(mutex_);
+    const auto& names = inputs.triangulate().inputs();
+    if (std::find(names.begin(), names.end(), "until.gone") != names.end()) return give_up(lock, caller.stop);
+    wait_while_held(lock);
+  }
   proto::Estimate estimate;
   estimate.set_points(9'007'199'254'740'993);  // more than a double holds
   estimate.set_accepted(true);
@@ -206,6 +212,13 @@ void FakeBackend::hold(bool held) {
   held_changed_.notify_all();
 }
 
+void FakeBackend::wait_while_held(std::unique_lock<std::mutex>& lock) {
+  ++held_;
+  held_changed_.notify_all();
+  held_changed_.wait(lock, [&] { return !holding_; });
+  --held_;
+}
+
 void FakeBackend::wait_for_held(int count) {
   std::unique_lock lock(mutex_);
   held_changed_.wait(lock, [&] { return held_ >= count; });
@@ -214,10 +227,7 @@ void FakeBackend::wait_for_held(int count) {
 Reply<proto::TriangulationList> FakeBackend::triangulations(std::uint32_t, std::string_view after) {
   {
     std::unique_lock lock(mutex_);
-    ++held_;
-    held_changed_.notify_all();
-    held_changed_.wait(lock, [&] { return !holding_; });
-    --held_;
+    wait_while_held(lock);
   }
   proto::TriangulationList list;
   if (after.empty()) *list.add_triangulations() = triangulation("block").value();
@@ -260,6 +270,11 @@ Reply<std::unique_ptr<Backend::Upload>> FakeBackend::upload(std::string_view fol
 Reply<std::string> FakeBackend::identity(std::string_view name) {
   if (name != "block") return refused(404, "there is no such triangulation");
   return std::string("block-1");
+}
+
+void FakeBackend::wait_for_asked(int count) {
+  std::unique_lock lock(mutex_);
+  held_changed_.wait(lock, [&] { return asked_ >= count; });
 }
 
 void FakeBackend::wait_for_given_up(int count) {

@@ -26,12 +26,16 @@ class FakeBackend final : public Backend {
 
   // The job is in that state from now on; watchers hear of it.
   void set_state(const std::string& id, const std::string& state);
-  // From now on lists of results are not answered, until they are again.
+  // From now on lists of results and estimates are not answered, until they are again.
   void hold(bool held);
   // Until so many are not answered.
   void wait_for_held(int count);
   // Watchers of all jobs hear `count` events.
   void tell(int count);
+  // Until so many stars of vertex 13 are being looked for, or estimates of "until.gone" made.
+  void wait_for_asked(int count);
+  // Profiles have so many bytes at least.
+  std::size_t profile_bytes = 0;
   // Called by subscribe() before it does anything.
   std::function<void()> before_subscribe;
 
@@ -53,7 +57,7 @@ class FakeBackend final : public Backend {
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::string> identity(std::string_view name) override;
-  // At once; but the star of vertex 13 only when nobody waits for it any more.
+  // At once; but the star of vertex 13, and an estimate of "until.gone", only when nobody waits for it any more.
   Reply<QuestionAnswer> ask(const Question& question) override;
   Reply<std::vector<FeatureCollection>> collections() override;
   Reply<FeatureCollection> collection(std::string_view id) override;
@@ -70,6 +74,9 @@ class FakeBackend final : public Backend {
   std::optional<std::string> lost() const override;
 
  private:
+  // REQUIRES: `lock` is that of mutex_. Until nobody waits.
+  void wait_while_held(std::unique_lock<std::mutex>& lock);
+  proto::Problem give_up(std::unique_lock<std::mutex>& lock, const std::stop_token& stop);
   class Watcher;
   class Taken;
   using Event = std::shared_ptr<const proto::Event>;
@@ -81,7 +88,7 @@ class FakeBackend final : public Backend {
   std::condition_variable held_changed_;  // with mutex_
   bool holding_ = false;
   int held_ = 0;
-  int given_up_ = 0;
+  int given_up_ = 0, asked_ = 0;
   std::vector<proto::StatusInfo> jobs_;                                           // j1, j2, ...
   std::map<std::string, std::pair<std::string, std::string>, std::less<>> keys_;  // key -> inputs, id
   std::vector<Event> events_;

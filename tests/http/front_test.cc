@@ -12,6 +12,7 @@
 #include <string>
 
 #include "query.pb.h"
+#include "src/http/secrets.h"
 #include "tests/http/fake_backend.h"
 
 namespace tessera::http {

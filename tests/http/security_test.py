@@ -1,6 +1,7 @@
 """Nobody gets in who does not belong: every route of the document, and every way around."""
 
 import base64
+import http.client
 import re
 import unittest
 import urllib.parse
@@ -53,8 +54,9 @@ class Security(serving.ServerTest):
         moved = self.ask("GET", "/ui", token=None)
         self.assertEqual((moved.status, moved.headers["Location"]), (303, "ui/"))
         self.assertEqual(self.ask("GET", "/ui/none", token=None).status, 404)
-        self.assertEqual(self.ask("GET", "/?token=" + self.server.tokens["read"], token=None,
-                                  headers={"Accept": "text/html"}).headers["Location"], "ui/")
+        for token in (None, "read", "x" * 40):
+            answer = self.ask("GET", "/", token=token, headers={"Accept": "text/html"})
+            self.assertEqual((answer.status, answer.headers["Location"]), (303, "ui/"))
 
     def test_a_token_as_password_reads_and_no_more(self):
         def ask(method, path, pair, body=None):
@@ -93,24 +95,61 @@ class Security(serving.ServerTest):
         self.assertEqual(self.ask("GET", "/v1", token=None, headers={"Authorization": "bearer " + token}).status, 200)
         self.assertEqual(self.ask("GET", "/v1?token=" + token, token=None).status, 401)
 
-    def cookie(self):
-        answer = self.ask("GET", "/?token=" + self.server.tokens["submit"], token=None)
-        self.assertEqual((answer.status, answer.headers["Location"]), (303, "./"))
+    def cookie(self, token="submit"):
+        answer = self.ask("POST", "/v1/session", token=token)
+        self.assertEqual((answer.status, answer.body), (204, b""))
         cookie, *attributes = answer.headers["Set-Cookie"].split("; ")
-        self.assertLessEqual({"HttpOnly", "SameSite=Strict"}, set(attributes))
-        self.assertNotIn(self.server.tokens["submit"], cookie)
+        self.assertEqual(set(attributes), {"HttpOnly", "SameSite=Strict", "Path=/", "Max-Age=604800"})
+        self.assertNotIn(self.server.tokens[token], cookie)
         return cookie
+
+    def caller(self, cookie):
+        answer = self.ask("GET", "/v1/caller", token=None, headers={"Cookie": cookie})
+        return answer.json()["name"] if answer.status == 200 else answer.status
 
     def test_a_token_is_exchanged_for_a_cookie(self):
         cookie = self.cookie()
-        page = self.ask("GET", "/", token=None, headers={"Cookie": "a=b; " + cookie, "Accept": "text/html"})
+        page = self.ask("GET", "/v1", token=None, headers={"Cookie": "a=b; " + cookie, "Accept": "text/html"})
         self.assertEqual(page.status, 200)
         self.assertIn("text/html", page.headers["Content-Type"])
-        self.assertEqual(self.ask("GET", "/", token=None, headers={"Cookie": cookie + "0"}).status, 401)
-        self.assertIn(self.ask("GET", "/?token=" + "y" * 40, token=None).status, (401, 429))
+        self.assertEqual(self.caller(cookie), "submiter")
+        self.assertIn(self.caller(cookie + "0"), (401, 429))
         # The cookie's value is no token.
         value = cookie.split("=")[1]
         self.assertIn(self.ask("GET", "/v1", token=None, headers={"Authorization": "Bearer " + value}).status, (401, 429))
+
+    def test_no_token_stands_in_an_address(self):
+        # What is in one is in the log of every proxy before it.
+        self.assertIn(self.ask("GET", "/?token=" + self.server.tokens["submit"], token=None).status, (401, 429))
+        self.assertEqual(self.ask("GET", "/?token=" + self.server.tokens["submit"]).status, 400)
+
+    def test_sessions_differ_and_are_no_function_of_the_token(self):
+        self.assertEqual(len({self.cookie() for _ in range(5)}), 5)
+
+    def test_a_session_ends_when_it_is_ended_and_no_other_does(self):
+        cookie, other = self.cookie(), self.cookie()
+        own = {"Cookie": cookie, "Sec-Fetch-Site": "same-origin"}
+        self.assertEqual(self.ask("DELETE", "/v1/session", token=None, headers={"Cookie": cookie}).status, 403)
+        answer = self.ask("DELETE", "/v1/session", token=None, headers=own)
+        self.assertEqual(answer.status, 204)
+        self.assertIn("Max-Age=0", answer.headers["Set-Cookie"])
+        self.assertIn(self.caller(cookie), (401, 429))
+        self.assertEqual(self.caller(other), "submiter")
+
+    def test_a_session_is_begun_with_a_token_alone(self):
+        own = {"Cookie": self.cookie(), "Sec-Fetch-Site": "same-origin"}
+        self.assertEqual(self.ask("POST", "/v1/session", token=None, headers=own).status, 400)
+        password = base64.b64encode(b"x:" + self.server.tokens["admin"].encode()).decode()
+        answer = self.ask("POST", "/v1/session", token=None, headers={"Authorization": "Basic " + password})
+        self.assertEqual((answer.status, answer.headers["Set-Cookie"]), (400, None))
+
+    def test_what_is_kept_of_sessions_is_of_no_use(self):
+        cookie = self.cookie()
+        file = self.server.folder / "sessions"
+        self.assertEqual(file.stat().st_mode & 0o777, 0o600)
+        text = file.read_text()
+        for secret in (cookie.split("=")[1], *self.server.tokens.values()):
+            self.assertNotIn(secret, text)
 
     def test_a_page_of_another_origin_changes_nothing(self):
         cookie = self.cookie()
@@ -166,6 +205,63 @@ class Security(serving.ServerTest):
         self.assertIn(f"audit: submiter (submit) from 127.0.0.1: DELETE /v1/jobs/{job}: 200", self.server.log())
 
 
+class Tokens(serving.ServerTest):
+    def setUp(self):
+        self.file = self.server.folder / "tokens"
+        self.text = self.file.read_text()
+
+    def tearDown(self):
+        self.file.write_text(self.text)
+        self.assertTrue(self.server.tell("reload"))
+
+    caller = Security.caller
+    cookie = Security.cookie
+
+    def test_the_last_one_that_is_taken_out_is_refused(self):
+        cookie = self.cookie()
+        self.file.write_text("# nobody\n")
+        self.assertTrue(self.server.tell("reload"))
+        self.assertIn(self.ask("GET", "/v1/caller").status, (401, 429))
+        self.assertIn(self.caller(cookie), (401, 429))
+        self.file.write_text(self.text)
+        self.assertTrue(self.server.tell("reload"))
+        self.assertEqual(self.ask("GET", "/v1/caller").status, 200)
+        self.assertIn(self.caller(cookie), (401, 429), "a session that has ended does not begin again")
+
+    def test_what_is_no_file_of_tokens_changes_nothing(self):
+        self.file.write_text("ana read short\n")
+        self.assertFalse(self.server.tell("reload"))
+        self.assertEqual(self.ask("GET", "/v1/caller").status, 200)
+
+    def test_a_bad_certificate_does_not_keep_one_that_is_taken_back(self):
+        self.file.write_text(self.text.replace("a" * 40, "b" * 40))
+        self.assertTrue(self.server.tell("reload"))
+        self.assertIn(self.ask("GET", "/v1/caller", token="a" * 40).status, (401, 429))
+        self.assertEqual(self.ask("GET", "/v1/caller", token="b" * 40).json()["role"], "admin")
+
+
+class Restarted(unittest.TestCase):
+    def test_sessions_go_on_and_those_of_tokens_that_are_gone_do_not(self):
+        server = serving.Server()
+        self.addCleanup(server.close)
+        def ask(method, path, headers):
+            connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+            connection.request(method, path, headers=headers)
+            answer = serving.Answer(connection.getresponse())
+            connection.close()
+            return answer
+        cookies = {}
+        for role in ("read", "submit"):
+            answer = ask("POST", "/v1/session", {"Authorization": f"Bearer {server.tokens[role]}"})
+            cookies[role] = answer.headers["Set-Cookie"].split("; ")[0].split("=")[1]
+        text = (server.folder / "tokens").read_text()
+        (server.folder / "tokens").write_text(text.replace("s" * 40, "t" * 40))
+        server.restart()
+        def status(role):
+            return ask("GET", "/v1/caller", {"Cookie": f"tessera-{server.port}={cookies[role]}"}).status
+        self.assertEqual((status("read"), status("submit")), (200, 401))
+
+
 class FailedAuthentications(serving.ServerTest):
     def test_are_bounded_and_lock_nobody_out(self):
         statuses = [self.ask("GET", "/v1", token="z" * 40).status for _ in range(40)]
@@ -174,6 +270,24 @@ class FailedAuthentications(serving.ServerTest):
         self.assertEqual(self.ask("GET", "/v1").status, 200)
         text = self.ask("GET", "/metrics", token=None, port=self.server.operations).body.decode()
         self.assertIn("tessera_http_authentications_failed_total 40", text)
+
+
+class ManyFailures(serving.ServerTest):
+    def test_fill_no_log_and_end_their_connection(self):
+        wrong = b"GET /v1 HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer " + b"w" * 40 + b"\r\n\r\n"
+        answers = 0
+        while answers < 100:
+            got = self.raw(wrong * 1000)
+            statuses = re.findall(rb"HTTP/1.1 (\d+) ", got)
+            self.assertEqual(set(statuses[:-1]) - {b"401"}, set())
+            self.assertEqual(statuses[-1], b"429", "the last of its connection")
+            answers += len(statuses)
+        self.assertEqual(self.server.end(), 0)  # tells what it has not told
+        log = self.server.log()
+        lines = log.count("audit: nobody (none) from 127.0.0.1: GET /v1: ")
+        more = sum(int(count) for count in re.findall(r"and (\d+) more refusals?", log))
+        self.assertEqual(lines + more, answers)
+        self.assertGreater(more, 0)
 
 
 class Beyond(unittest.TestCase):

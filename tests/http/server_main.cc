@@ -1,8 +1,10 @@
 // The HTTP server before a fake service, for the tests in Python: FOLDER NAME=VALUE... Prints one line of JSON with
 // ports and token; then obeys lines on standard input, answering each with "ok": "state ID STATE", "tell COUNT",
-// "hold 1", "hold 0" and "held COUNT" (FakeBackend::hold), "reload", "drain"; ends with its input.
+// "hold 1", "hold 0" and "held COUNT" (FakeBackend::hold), "asked COUNT", "given_up COUNT", "reload", "drain"; ends
+// with its input.
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include <filesystem>
 #include <iostream>
@@ -11,6 +13,7 @@
 #include <sstream>
 #include <string>
 
+#include "src/files/open_files.h"
 #include "src/http/server.h"
 #include "tests/http/fake_backend.h"
 
@@ -26,10 +29,17 @@ int main(int argc, char** argv) {
   const auto number = [&](const char* name, int usual) {
     return given.contains(name) ? std::stoi(given[name]) : usual;
   };
+  raise_open_files_limit();
+  if (given.contains("open_files")) {
+    const rlimit limit{static_cast<rlim_t>(number("open_files", 0)), static_cast<rlim_t>(number("open_files", 0))};
+    if (::setrlimit(RLIMIT_NOFILE, &limit) != 0) return 1;
+  }
   FakeBackend backend(folder, static_cast<std::uint64_t>(number("file_bytes", 1000)));
+  backend.profile_bytes = static_cast<std::size_t>(number("profile_bytes", 0));
   http::ServerOptions options;
   options.listeners = {{.address = given.contains("address") ? given["address"] : "127.0.0.1"}, {.operations = true}};
   options.tokens = folder / "tokens";
+  options.sessions = folder / "sessions";
   options.certificate = given["certificate"];
   options.key = given["key"];
   options.public_url = given["public_url"];
@@ -39,6 +49,7 @@ int main(int argc, char** argv) {
   options.connections = static_cast<std::uint32_t>(number("connections", 2048));
   options.header_time = std::chrono::milliseconds(number("header_ms", 10'000));
   options.idle_time = std::chrono::milliseconds(number("idle_ms", 60'000));
+  options.write_time = std::chrono::milliseconds(number("write_ms", 30'000));
   options.comment_time = std::chrono::milliseconds(number("comment_ms", 15'000));
   auto started = http::Server::start(options, backend);
   if (!started) {
@@ -58,6 +69,7 @@ int main(int argc, char** argv) {
     if (what == "tell") backend.tell(std::stoi(id));
     if (what == "hold") backend.hold(id == "1");
     if (what == "held") backend.wait_for_held(std::stoi(id));
+    if (what == "asked") backend.wait_for_asked(std::stoi(id));
     if (what == "given_up") backend.wait_for_given_up(std::stoi(id));
     if (what == "reload") done = server.reload().has_value();
     if (what == "drain") done = server.drain(std::chrono::seconds(10));

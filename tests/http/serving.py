@@ -22,11 +22,14 @@ class Server:
         file = self.folder / "tokens"
         file.touch(0o600)
         file.write_text("".join(f"{role}er {role} {token}\n" for role, token in self.tokens.items()))
-        with open(self.folder / "log", "w") as log:
-            self.process = subprocess.Popen([os.environ["SERVER"], str(self.folder),
-                                             *(f"{name}={value}" for name, value in options.items())],
-                                            env=os.environ | (environment or {}),
-                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log, text=True)
+        self.command = [os.environ["SERVER"], str(self.folder), *(f"{name}={value}" for name, value in options.items())]
+        self.environment = os.environ | (environment or {})
+        self.begin()
+
+    def begin(self):
+        with open(self.folder / "log", "a") as log:
+            self.process = subprocess.Popen(self.command, env=self.environment, stdin=subprocess.PIPE,
+                                            stdout=subprocess.PIPE, stderr=log, text=True)
         self.started = json.loads(self.process.stdout.readline())
         self.port, self.operations = self.started.get("ports", (0, 0))
 
@@ -45,10 +48,18 @@ class Server:
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
 
-    def close(self):
+    def end(self):
         self.process.stdin.close()
         self.process.stdout.close()
-        status = self.process.wait(60)
+        return self.process.wait(60)
+
+    def restart(self):
+        status = self.end()
+        self.begin()
+        return status
+
+    def close(self):
+        status = self.end()
         shutil.rmtree(self.folder)
         return status
 

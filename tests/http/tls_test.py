@@ -52,8 +52,22 @@ class Tls(serving.ServerTest):
         self.assertEqual(part.body, content[2_000_000:3_000_000])
 
     def test_the_cookie_is_for_tls_alone(self):
-        answer = self.get("/?token=" + self.server.tokens["read"])
-        self.assertIn("; Secure", answer.headers["Set-Cookie"])
+        connection = http.client.HTTPSConnection("127.0.0.1", self.server.port, timeout=30, context=self.context())
+        connection.request("POST", "/v1/session", headers={"Authorization": "Bearer " + self.server.tokens["read"]})
+        self.assertIn("; Secure", connection.getresponse().headers["Set-Cookie"])
+        connection.close()
+
+    def test_browsers_are_told_to_come_no_other_way(self):
+        self.assertEqual(self.get("/v1").headers["Strict-Transport-Security"], "max-age=31536000")
+        # That name is all programs' of the user's own machine.
+        self.assertIsNone(self.get("/v1", Host="localhost").headers["Strict-Transport-Security"])
+
+    def test_a_key_that_others_can_read_is_refused(self):
+        for rights, status in ((0o644, 2), (0o604, 2), (0o640, 2), (0o400, 0), (0o600, 0)):
+            (self.folder / "key.pem").chmod(rights)
+            server = serving.Server(certificate=self.folder / "cert.pem", key=self.folder / "key.pem")
+            self.assertEqual("others can read it" in server.started.get("error", ""), status == 2, rights)
+            self.assertEqual(server.close(), status)
 
     def test_old_versions_and_plain_text_are_refused(self):
         with socket.create_connection(("127.0.0.1", self.server.port), 30) as plain:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/http/guard.h"
+#include "src/http/secrets.h"
 
 namespace tessera::http {
 namespace {
@@ -41,10 +42,9 @@ TEST_F(TokensFile, IsMadeForItsOwnerAlone) {
   EXPECT_EQ(tokens.value().find(token)->role, Role::admin);
   const auto again = Tokens::open(file_);
   EXPECT_EQ(again.value().first(Role::admin), token);
-  EXPECT_EQ(again.value().session_of(token), tokens.value().session_of(token));
 }
 
-TEST_F(TokensFile, TellsTokensAndSessionsApart) {
+TEST_F(TokensFile, TellsTokensAndTheirMarksApart) {
   const std::string read(32, 'r'), submit(40, 's');
   write("# who\n\nana read " + read + "\nbob submit " + submit + "\n");
   const Tokens tokens = Tokens::open(file_).value();
@@ -52,17 +52,20 @@ TEST_F(TokensFile, TellsTokensAndSessionsApart) {
   EXPECT_EQ(tokens.find(submit)->role, Role::submit);
   EXPECT_FALSE(tokens.find(""));
   EXPECT_FALSE(tokens.find(read + "r"));
-  const std::string session = tokens.session_of(submit);
-  EXPECT_EQ(tokens.find_session(session)->name, "bob");
-  EXPECT_FALSE(tokens.find(session));
-  EXPECT_FALSE(tokens.find_session(submit));
-  EXPECT_EQ(tokens.session_of("another"), "");
+  const std::string mark = Tokens::mark_of(submit);
+  EXPECT_EQ(tokens.find_mark(mark)->name, "bob");
+  EXPECT_FALSE(tokens.find(mark));
+  EXPECT_FALSE(tokens.find_mark(submit));
+  EXPECT_FALSE(tokens.find_mark(Tokens::mark_of("another")));
 }
 
 TEST_F(TokensFile, IsRefusedWhenOthersCanReadItOrALineIsNone) {
   const std::string token(32, 't');
-  write("ana read " + token + "\n", 0640);
-  EXPECT_EQ(Tokens::open(file_).error().code, Errc::usage);
+  for (const int rights : {0644, 0604, 0666, 0601}) {
+    write("ana read " + token + "\n", rights);
+    EXPECT_EQ(Tokens::open(file_).error().code, Errc::usage) << rights;
+  }
+  ASSERT_EQ(chmod(file_.c_str(), 0600), 0);
   const std::vector<std::string> wrong{"ana read short", "ana root " + token, "ana read", "ana read " + token + " more",
                                        ""};
   for (const std::string& line : wrong) {
@@ -71,6 +74,34 @@ TEST_F(TokensFile, IsRefusedWhenOthersCanReadItOrALineIsNone) {
     ASSERT_FALSE(tokens) << line;
     EXPECT_EQ(tokens.error().code, Errc::usage);
   }
+}
+
+// Kubernetes gives a volume's files to a group whenever it mounts the volume (fsGroup): the daemon must start again.
+TEST_F(TokensFile, IsMendedWhenOnlyItsGroupCanReadIt) {
+  const std::string token(32, 't');
+  for (const int rights : {0660, 0640, 0620}) {
+    write("ana read " + token + "\n", rights);
+    const auto tokens = Tokens::open(file_);
+    ASSERT_TRUE(tokens) << rights << ": " << tokens.error().where;
+    struct stat status {};
+    ASSERT_EQ(stat(file_.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600U) << rights;
+  }
+}
+
+TEST_F(TokensFile, HasATokenOfANameOnce) {
+  write("ana read " + std::string(32, 'r') + "\nana admin " + std::string(32, 'a') + "\n");
+  const auto tokens = Tokens::open(file_);
+  ASSERT_FALSE(tokens);
+  EXPECT_NE(tokens.error().where.find("line 2: there is a token of the name 'ana' already"), std::string::npos);
+}
+
+TEST_F(TokensFile, MayBeEmptyWhenThatIsSaid) {
+  write("# nobody\n");
+  EXPECT_FALSE(Tokens::open(file_));
+  const auto tokens = Tokens::open(file_, Tokens::Empty::allowed);
+  ASSERT_TRUE(tokens);
+  EXPECT_EQ(tokens.value().first(Role::admin), "");
 }
 
 TEST(FailureRate, IsBoundedForAnAddressAndComesBack) {

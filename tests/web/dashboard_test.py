@@ -211,6 +211,23 @@ class Dashboard(looking.LookingTest):
         b.until_text("No jobs yet")
         self.assertNotIn(looking.TOKENS["admin"], b.script("return JSON.stringify({...localStorage, ...sessionStorage}) + document.cookie"))
 
+    def test_who_signs_out_is_asked_for_a_token_again(self):
+        self.forgive = ("status of 401",)
+        self.serve()
+        self.enter()
+        b = self.browser
+        b.until_text("No jobs yet")
+        (cookie,) = b.driver.get_cookies()
+        b.press("Sign out", "header")
+        b.until_text("Sign in")
+        self.assertEqual(b.driver.get_cookies(), [])
+        # Nor is it of use to whoever has got hold of it.
+        shown = {"Cookie": f"{cookie['name']}={cookie['value']}"}
+        self.assertEqual(self.daemon.request("GET", "/v1/caller", headers=shown, token=False)[0], 401)
+        b.open(self.daemon.url)
+        b.until_text("Sign in")
+        self.assertNotIn(looking.TOKENS["admin"], self.daemon.messages())
+
     def test_all_of_it_is_reached_by_keys(self):
         self.serve()
         self.enter()

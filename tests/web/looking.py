@@ -31,7 +31,7 @@ class LookingTest(daemon.DaemonTest):
         return self.daemon
 
     def enter(self, role="admin"):
-        self.browser.open(f"{self.daemon.url}?token={TOKENS[role]}")
+        self.browser.open(f"{self.daemon.url}#token={TOKENS[role]}")
         self.assertEqual(self.browser.driver.current_url, self.daemon.url + "ui/")
         self.browser.until_text("Live", ".connection")
 

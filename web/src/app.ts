@@ -9,7 +9,7 @@ import {LatePage} from "./late_page";
 import {Context, emptyState, heading, Page} from "./page";
 import {ResultPage} from "./result_page";
 import {ResultsPage} from "./results_page";
-import {signIn} from "./sign_in";
+import {exchange, signIn, signOut, takeToken} from "./sign_in";
 import {SubmitPage} from "./submit_page";
 import {themeSwitch} from "./theme";
 
@@ -21,6 +21,7 @@ class App {
   private readonly main = h("main", {id: "main"});
   private readonly connection = h("span", {class: "connection", role: "status"}, h("span", {class: "dot", "aria-hidden": "true"}), h("span"));
   private readonly who = h("span", {class: "who muted"});
+  private readonly leave = h("button", {type: "button", class: "quiet", onclick: () => void this.endSession()}, "Sign out");
   private readonly lost = h("div", {class: "lost", role: "alert"});
   private readonly heard = h("p", {class: "unseen", "aria-live": "polite"});
   private readonly nav: HTMLElement;
@@ -40,24 +41,29 @@ class App {
     }}, "Skip to the content");
     document.body.append(skip,
       h("header", {}, h("a", {class: "brand", href: "#/jobs"}, h("img", {src: "icon.svg", alt: "", width: 24, height: 24}), "Tessera"),
-        this.nav, h("div", {class: "side"}, this.connection, this.who, theme)),
+        this.nav, h("div", {class: "side"}, this.connection, this.who, this.leave, theme)),
       this.lost, this.main, this.heard);
     show(this.lost, false);
+    show(this.leave, false);
     this.live.onState = state => this.tellConnection(state);
     this.tellConnection("connecting");
-    onSignedOut(() => this.signOut());
+    onSignedOut(() => this.askForToken());
     addEventListener("hashchange", () => this.open(true));
     void this.begin();
   }
 
   // Who looks decides what is shown.
   private async begin(): Promise<void> {
+    let token = takeToken();
     for (let pause = 250; ; pause = Math.min(4000, pause * 2)) {
       try {
+        if (token !== null) await this.bring(token);
+        token = null;
         const caller = await get<Caller>(address("caller"));
         this.context = {caller, live: this.live, announce: text => say(this.heard, text)};
         say(this.who, `${caller.name} · ${caller.role}`);
         show(this.nav, true);
+        show(this.leave, true);
         this.live.start();
         return this.open(false);
       } catch (error) {
@@ -68,12 +74,32 @@ class App {
     }
   }
 
-  private signOut(): void {
+  // One that is refused leaves it to the form to ask for another.
+  private async bring(token: string): Promise<void> {
+    try {
+      await exchange(token);
+    } catch (error) {
+      if (!(error instanceof Failure)) throw error;
+    }
+  }
+
+  private async endSession(): Promise<void> {
+    try {
+      await signOut();
+    } catch (error) {
+      // Without the daemon it goes on, and so does the page.
+      if (!(error instanceof Failure) || error.status !== 401) return this.tellConnection("lost");
+    }
+    this.askForToken();
+  }
+
+  private askForToken(): void {
     if (this.page?.title === "Sign in") return;
     this.live.stop();
     this.context = null;
     say(this.who, "");
     show(this.nav, false);
+    show(this.leave, false);
     show(this.lost, false);
     say(this.connection.lastElementChild!, "");
     this.connection.dataset.state = "";

@@ -1,0 +1,104 @@
+// Threads for work that may take long, shared by callers in turn: nobody's work waits for the work of others alone.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+namespace tessera::http {
+
+struct TurnLimits {
+  std::uint32_t usual = 2;  // of whom, at once
+  std::uint32_t most = 8;   // beyond it only callers of whom nothing is under way, to so many in all
+  // Of those that have a place: requests that wait or are being answered, and the bytes of their bodies.
+  std::uint32_t places = 256, places_of_a_caller = 64;
+  std::uint64_t bytes = std::uint64_t{64} << 20, bytes_of_a_caller = std::uint64_t{32} << 20;
+};
+
+// Safe from any thread. Places outlive it.
+class Turns : public std::enable_shared_from_this<Turns> {
+ public:
+  // A request's: taken before its body is read, so that bodies that wait are bounded. Given back when it goes.
+  class Place {
+   public:
+    Place(Place&&) noexcept = default;
+    Place& operator=(Place&&) = delete;
+    ~Place() {
+      if (turns_) turns_->leave(caller_, bytes_);
+    }
+
+   private:
+    friend Turns;
+    Place(std::shared_ptr<Turns> turns, std::string caller, std::uint64_t bytes)
+        : turns_(std::move(turns)), caller_(std::move(caller)), bytes_(bytes) {}
+    std::shared_ptr<Turns> turns_;
+    std::string caller_;
+    std::uint64_t bytes_;
+  };
+
+  explicit Turns(const TurnLimits& limits) : limits_(limits) {}
+  // REQUIRES: stop() and join() were called if anything was posted.
+  ~Turns();
+
+  // Nothing when there are too many already.
+  std::optional<Place> enter(const std::string& caller, std::uint64_t bytes);
+  // `work()` is called by a thread when it is the caller's turn. After stop() it never is.
+  template <class Work>
+  void post(const std::string& caller, Work work) {
+    add(caller, std::make_unique<TaskOf<Work>>(std::move(work)));
+  }
+  // What is not begun is forgotten.
+  void stop();
+  void join();
+
+ private:
+  struct Task {
+    virtual ~Task() = default;
+    virtual void run() = 0;
+  };
+  template <class Work>
+  struct TaskOf final : Task {
+    explicit TaskOf(Work given) : work(std::move(given)) {}
+    void run() override { work(); }
+    Work work;
+  };
+  struct Lane {  // a caller's
+    std::deque<std::unique_ptr<Task>> waiting;
+    std::uint32_t running = 0;
+    std::uint64_t last_turn = 0;
+    std::uint32_t places = 0;
+    std::uint64_t bytes = 0;
+    bool idle() const { return waiting.empty() && running == 0 && places == 0; }
+  };
+  using Lanes = std::map<std::string, Lane, std::less<>>;
+
+  void add(const std::string& caller, std::unique_ptr<Task> task);
+  void leave(const std::string& caller, std::uint64_t bytes);
+  void work();
+  // Of whom it is the turn; the end of `lanes_` when nothing may begin. REQUIRES: `mutex_` is held, here and below.
+  Lanes::iterator next();
+  // A thread for what may begin.
+  void wake();
+  void forget_if_idle(Lanes::iterator lane);
+
+  const TurnLimits limits_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  Lanes lanes_;
+  std::uint32_t running_ = 0, idle_threads_ = 0, places_ = 0;
+  std::uint64_t bytes_ = 0, turn_ = 0;
+  bool stopping_ = false;
+  std::vector<std::thread> threads_;  // made when they are needed
+};
+
+}  // namespace tessera::http
