@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
+#include "src/base/ledger.h"
 #include "src/base/progress.h"
 #include "src/service/convert.h"
 #include "src/service/kinds.h"
@@ -35,7 +35,7 @@ struct Workshop {
 struct JobWork {
   const proto::JobRecord& job;
   Progress& progress;
-  std::stop_token stop;
+  Ledger& ledger;
   std::function<void(const std::string&)> log;
   std::filesystem::path scratch;
 };
@@ -48,7 +48,8 @@ struct JobDone {
 
 // A triangulation is complete in Results::unfinished(job), an export in Results::unfinished_export(), and nowhere else,
 // when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it
-// was. After other problems what cannot be gone on with is removed.
+// was. After other problems what cannot be gone on with is removed. Whatever the kind of the job, it draws from
+// `work.ledger`; of a bound that it meets its problem tells.
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
 
 // The problem of a comparison with CGAL, which is made in memory, that needs more than there is.

@@ -1,12 +1,14 @@
 #include "src/service/work_exports.h"
 
 #include <functional>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/export/export.h"
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
@@ -22,8 +24,6 @@ namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* tileset_format = "3dtiles";  // of exports, beside those of src/export
 
 // What an export has made in `folder`: where the result will have it, its bytes and checksum.
 Result<Json> written_files(const std::filesystem::path& folder) {
@@ -55,7 +55,13 @@ auto written_aside(const std::filesystem::path& folder, const JobWork& work, con
   auto made = [&]() -> decltype(write()) {
     if (const auto left = remove_tree(folder)) return io_error(folder, "cannot be removed", left.value());
     BOOST_OUTCOME_TRYV(make_directories(folder));
-    return write();
+    try {
+      return write();
+    } catch (const Stopped& stopped) {
+      return error(Errc::interrupted, stopped.what());
+    } catch (const std::bad_alloc&) {
+      return worded([] { return error(Errc::memory, "the system has no more memory to give"); });
+    }
   }();
   if (!made) {
     if (const auto left = remove_tree(folder)) work.log(folder.string() + ": cannot be removed: " + left.message());
@@ -81,7 +87,8 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(folder, work, [&] {
-    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options, work.stop);
+    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options,
+                         work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   Json outcome = Json::parse(to_json(made.value()));
@@ -100,8 +107,9 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
   const auto& inputs = work.job.inputs();
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
-  const auto made = written_aside(
-      folder, work, [&] { return write(shop.results.folder(name), folder / output, options.value(), work.stop); });
+  const auto made = written_aside(folder, work, [&] {
+    return write(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
+  });
   if (!made) return problem_of(made.error());
   auto written = written_files(folder);
   if (!written) return problem_of(written.error());
@@ -125,7 +133,7 @@ Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
   const auto exported = written_aside(folder, work, [&] {
     // A name without an ending is a folder of files.
     return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
-                         work.stop);
+                         work.ledger.token());
   });
   if (!exported) return problem_of(exported.error());
   auto written = written_files(folder);

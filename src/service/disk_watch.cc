@@ -1,0 +1,66 @@
+#include "src/service/disk_watch.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "src/base/thread_name.h"
+#include "src/files/folder.h"
+
+namespace tessera {
+namespace {
+
+using std::chrono::steady_clock;
+
+// Of the files below it, as the disk has them. What goes or cannot be looked at meanwhile counts nothing.
+std::uint64_t bytes_below(const std::filesystem::path& folder) {
+  std::uint64_t bytes = 0;
+  std::vector<std::filesystem::path> folders{folder};
+  while (!folders.empty()) {
+    const auto here = std::move(folders.back());
+    folders.pop_back();
+    FolderReader reader(here);
+    while (const char* name = reader.next()) {
+      struct stat status {};
+      const auto path = here / name;
+      if (::lstat(path.c_str(), &status) != 0) continue;
+      if (S_ISDIR(status.st_mode)) folders.push_back(path);
+      constexpr std::uint64_t block_bytes = 512;  // of st_blocks, whatever the file system's are
+      if (S_ISREG(status.st_mode)) bytes += static_cast<std::uint64_t>(status.st_blocks) * block_bytes;
+    }
+  }
+  return bytes;
+}
+
+}  // namespace
+
+DiskWatch::DiskWatch(std::filesystem::path folder, Ledger& ledger)
+    : folder_(std::move(folder)), ledger_(ledger), thread_([this](const std::stop_token& done) {
+        name_thread("disk");
+        std::mutex mutex;
+        std::condition_variable_any ended;
+        std::unique_lock lock(mutex);
+        while (!done.stop_requested()) {
+          const auto began = steady_clock::now();
+          if (!look()) return;
+          constexpr steady_clock::duration least = std::chrono::seconds(1);
+          const auto pause = std::max(least, (steady_clock::now() - began) * 20);
+          ended.wait_for(lock, done, pause, [&] { return done.stop_requested(); });
+        }
+      }) {}
+
+Status DiskWatch::look() const { return ledger_.written_by_others(bytes_below(folder_)); }
+
+Status DiskWatch::finish() {
+  thread_.request_stop();
+  thread_.join();
+  return look();
+}
+
+}  // namespace tessera
