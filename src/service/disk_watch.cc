@@ -1,25 +1,26 @@
 #include "src/service/disk_watch.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "src/base/thread_name.h"
+#include "src/files/descriptor.h"
 #include "src/files/folder.h"
+#include "src/files/there.h"
 
 namespace tessera {
 namespace {
 
 using std::chrono::steady_clock;
 
-// Of the files below it, as the disk has them. What goes or cannot be looked at meanwhile counts nothing.
-std::uint64_t bytes_below(const std::filesystem::path& folder) {
+// Of the files below it, as the disk has them. What goes meanwhile counts nothing.
+Result<std::uint64_t> bytes_below(const std::filesystem::path& folder) {
   std::uint64_t bytes = 0;
   std::vector<std::filesystem::path> folders{folder};
   while (!folders.empty()) {
@@ -27,13 +28,14 @@ std::uint64_t bytes_below(const std::filesystem::path& folder) {
     folders.pop_back();
     FolderReader reader(here);
     while (const char* name = reader.next()) {
-      struct stat status {};
-      const auto path = here / name;
-      if (::lstat(path.c_str(), &status) != 0) continue;
-      if (S_ISDIR(status.st_mode)) folders.push_back(path);
+      BOOST_OUTCOME_TRY(found, look_at(here / name, FollowLinks::no));
+      if (!found) continue;
+      if (S_ISDIR(found->st_mode)) folders.push_back(here / name);
       constexpr std::uint64_t block_bytes = 512;  // of st_blocks, whatever the file system's are
-      if (S_ISREG(status.st_mode)) bytes += static_cast<std::uint64_t>(status.st_blocks) * block_bytes;
+      if (S_ISREG(found->st_mode)) bytes += static_cast<std::uint64_t>(found->st_blocks) * block_bytes;
     }
+    if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+      return io_error(here, "cannot be listed", reader.error().value());
   }
   return bytes;
 }
@@ -48,14 +50,19 @@ DiskWatch::DiskWatch(std::filesystem::path folder, Ledger& ledger)
         std::unique_lock lock(mutex);
         while (!done.stop_requested()) {
           const auto began = steady_clock::now();
-          if (!look()) return;
+          // What cannot be told now may be the next time; finish() wants to know.
+          static_cast<void>(look());
+          if (!ledger_.go_on()) return;
           constexpr steady_clock::duration least = std::chrono::seconds(1);
           const auto pause = std::max(least, (steady_clock::now() - began) * 20);
           ended.wait_for(lock, done, pause, [&] { return done.stop_requested(); });
         }
       }) {}
 
-Status DiskWatch::look() const { return ledger_.written_by_others(bytes_below(folder_)); }
+Status DiskWatch::look() const {
+  BOOST_OUTCOME_TRY(bytes, bytes_below(folder_));
+  return ledger_.written_by_others(bytes);
+}
 
 Status DiskWatch::finish() {
   thread_.request_stop();

@@ -16,7 +16,7 @@ class DiskWatch {
   // Both outlive this. The folder need not be there yet.
   DiskWatch(std::filesystem::path folder, Ledger& ledger);
 
-  // The last look. Error of the ledger.
+  // The last look. Error of the ledger; io when the folder cannot be looked at.
   Status finish();
 
  private:

@@ -1,7 +1,5 @@
 #include "src/terrain/cog_file.h"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <charconv>
 #include <limits>
@@ -25,9 +23,8 @@ class Growing {
  public:
   explicit Growing(const fs::path& path) : path_(path) {}
   Status draw() {
-    struct stat status {};
-    if (::stat(path_.c_str(), &status) != 0) return Ledger::draw_write(0);  // it is not there yet
-    const auto bytes = static_cast<std::uint64_t>(status.st_size);
+    BOOST_OUTCOME_TRY(there, bytes_if_there(path_));
+    const std::uint64_t bytes = there.value_or(0);  // it is not there at first
     const std::uint64_t more = bytes - std::min(bytes, drawn_);
     drawn_ += more;
     return Ledger::draw_write(more);
