@@ -32,13 +32,21 @@ Result<std::uint32_t> at_least_one(const std::string& text) {
   return static_cast<std::uint32_t>(number);
 }
 
+Result<std::uint64_t> bytes_or_unlimited(const std::string& text) {
+  return text == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(text);
+}
+
 Status read_limits(const Settings& settings, ServiceLimits& limits) {
   BOOST_OUTCOME_TRY(queued, settings.get("queued", at_least_one));
   BOOST_OUTCOME_TRY(jobs, settings.get("jobs", at_least_one));
   BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& t) { return count_or(t, "unlimited"); }));
-  BOOST_OUTCOME_TRY(disk, settings.get("disk", [](const std::string& t) -> Result<std::uint64_t> {
-    return t == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(t);
-  }));
+  BOOST_OUTCOME_TRY(disk, settings.get("disk", bytes_or_unlimited));
+  BOOST_OUTCOME_TRY(ended, settings.get("ended", at_least_one));
+  BOOST_OUTCOME_TRY(reserve, settings.get("reserve", parse_memory));
+  BOOST_OUTCOME_TRY(uploads, settings.get("uploads", bytes_or_unlimited));
+  limits.ended_of_a_caller = ended.value_or(limits.ended_of_a_caller);
+  limits.reserve_bytes = reserve.value_or(limits.reserve_bytes);
+  limits.upload_bytes = uploads.value_or(0);
   limits.queued = queued.value_or(limits.queued);
   limits.jobs_of_a_caller = jobs.value_or(limits.jobs_of_a_caller);
   limits.points = points.value_or(0);
@@ -100,7 +108,8 @@ void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
              "print the address with a token also when stdout is no terminal: pipes and logs keep it");
   add_cluster_options(app, top);
   // Of these there are variables and keys alone: nobody types them.
-  for (const char* key : {"queued", "jobs", "points", "disk", "data-lease"}) settings.limits.declare(key);
+  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
+    settings.limits.declare(key);
 }
 
 Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,

@@ -181,6 +181,17 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   return exported;
 }
 
+Result<std::uint64_t> estimate_export(const Manifest& manifest, const fs::path& target, const ExportOptions& options) {
+  BOOST_OUTCOME_TRY(format, exports::find_format(target, options.format));
+  // Numbers as text have up to 18 digits, the ids of large results 9.
+  constexpr std::uint64_t coordinates = 54, number = 10;
+  const std::uint64_t corners = static_cast<std::uint64_t>(manifest.dimension) + 1;
+  const std::uint64_t vertex = coordinates + 3 * row_bytes(manifest.schema);
+  if (format->corners)
+    return manifest.cells * (corners + 1) * coordinates + (format->vertex_layer ? manifest.vertices * vertex : 0);
+  return manifest.vertices * vertex + manifest.cells * (corners * number * (format->neighbors ? 2 : 1) + number);
+}
+
 Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, StoredTile& cells,
                               std::span<const TileId> tiles, const fs::path& path, const ExportOptions& options,
                               std::stop_token stop) {

@@ -48,9 +48,14 @@ std::string to_json(const Exported& exported, const std::string& output);
 Result<Exported> export_result(const std::filesystem::path& out, const std::filesystem::path& target,
                                const ExportOptions& options, std::stop_token stop);
 
-// The same with some cells of the result that are in memory: all of `cells`, whose vertices they have, of the main
-// tiles `tiles`, in their order, to one file or one folder of arrays. Lifts the points of `cells` to their heights if
-// the format wants it. max_edge does not count.
+// About how many bytes the export takes, of all cells: options.max_edge, which leaves some out, does not count. Error
+// usage for an unknown format.
+Result<std::uint64_t> estimate_export(const Manifest& manifest, const std::filesystem::path& target,
+                                      const ExportOptions& options);
+
+// As export_result() with some cells of the result that are in memory: all of `cells`, whose vertices they have, of the
+// main tiles `tiles`, in their order, to one file or one folder of arrays. Lifts the points of `cells` to their heights
+// if the format wants it. max_edge does not count.
 Result<Exported> export_cells(const std::filesystem::path& out, const Manifest& manifest, StoredTile& cells,
                               std::span<const TileId> tiles, const std::filesystem::path& target,
                               const ExportOptions& options, std::stop_token stop);

@@ -1,8 +1,10 @@
 #include "src/export/geopackage.h"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -71,12 +73,18 @@ Result<GeoPackage::Layer> GeoPackage::add_layer(const char* name, OGRwkbGeometry
   return to;
 }
 
+Status GeoPackage::draw(std::uint64_t bytes) {
+  drawn_ += bytes;
+  return Ledger::draw_write(bytes);
+}
+
 Status GeoPackage::begin() {
   if (gdal_.GDALDatasetStartTransaction(dataset_, 0) != OGRERR_NONE) return refused("cannot write");
   return success();
 }
 
 Status GeoPackage::add(const Layer& to, const void* wkb, std::size_t size) {
+  BOOST_OUTCOME_TRYV(draw(size));
   OGRGeometryH geometry = nullptr;
   if (gdal_.OGR_G_CreateFromWkb(wkb, nullptr, &geometry, static_cast<int>(size)) != OGRERR_NONE)
     return refused("cannot make a geometry");
@@ -95,6 +103,7 @@ Result<std::uint64_t> GeoPackage::finish(const char* statement) {
   release();  // makes the spatial indices; their errors are told by the message alone
   if (*gdal_.CPLGetLastErrorMsg() != '\0') return refused("cannot write");
   BOOST_OUTCOME_TRY(bytes, file_bytes(temporary_.path()));
+  BOOST_OUTCOME_TRYV(draw(bytes - std::min<std::uint64_t>(bytes, drawn_)));
   BOOST_OUTCOME_TRYV(publish(temporary_.path(), path_));
   temporary_.keep();
   BOOST_OUTCOME_TRYV(sync_folder(path_.parent_path()));

@@ -45,6 +45,8 @@ class GeoPackage {
   GeoPackage(const GdalLibrary& gdal, SpatialReference reference, const std::filesystem::path& path);
   Error refused(const std::string& what) const;
   void release();
+  // GDAL writes, not src/files: geometries are drawn from the thread's ledger as they come, the rest at the end.
+  Status draw(std::uint64_t bytes);
 
   const GdalLibrary& gdal_;
   GdalQuiet quiet_;
@@ -53,6 +55,7 @@ class GeoPackage {
   TemporaryFile temporary_;
   GDALDatasetH dataset_ = nullptr;
   std::vector<Layer> layers_;
+  std::uint64_t drawn_ = 0;
 };
 
 }  // namespace tessera::exports

@@ -20,7 +20,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-const Format* find_format(const std::string& name, const std::string& ending) {
+const Format* format_of(const std::string& name, const std::string& ending) {
   for (const auto& format : formats()) {
     if (!name.empty() ? name == format.name : ending == format.ending || ending == format.ending2) return &format;
   }
@@ -35,10 +35,8 @@ Result<Target> find_target(const fs::path& path, const std::string& name) {
   if (name.empty() && target.folder)
     return error(Errc::usage, path.string() + ": is a folder or has no ending, so give " + option("format") + ": " +
                                   export_format_names());
-  target.format = find_format(name, ending);
-  if (target.format == nullptr)
-    return error(Errc::usage, "'" + (name.empty() ? ending.substr(1) : name) + "' is not a format to export to: give " +
-                                  export_format_names());
+  BOOST_OUTCOME_TRY(format, find_format(path, name));
+  target.format = format;
   if (target.format->shape == Shape::folder && !target.folder)
     return error(Errc::usage, path.string() + ": " + target.format->name +
                                   " is a folder of arrays: give a name without an ending, and " +
@@ -80,6 +78,13 @@ Status check_free(const Target& target, bool overwrite) {
 }
 
 }  // namespace
+
+Result<const Format*> find_format(const fs::path& target, const std::string& name) {
+  const std::string ending = lower(target.extension().string());
+  if (const Format* format = format_of(name, ending)) return format;
+  return error(Errc::usage, "'" + (name.empty() ? ending.substr(std::min<std::size_t>(ending.size(), 1)) : name) +
+                                "' is not a format to export to: give " + export_format_names());
+}
 
 fs::path index_beside(const Target& target) {
   return fs::path(target.path).replace_extension(target.format->index_ending);

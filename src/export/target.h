@@ -20,6 +20,9 @@ struct Target {
 // Errors of export_result() that need no result: usage.
 Result<Target> find_free_target(const std::filesystem::path& path, const ExportOptions& options);
 
+// The format of this name, or when it is empty the one of the target's ending. Error usage when there is none.
+Result<const Format*> find_format(const std::filesystem::path& target, const std::string& name);
+
 // The file that tells of the exported one, if the format has such.
 std::filesystem::path index_beside(const Target& target);
 

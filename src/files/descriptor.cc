@@ -11,6 +11,8 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/ledger.h"
+
 namespace tessera {
 
 namespace fs = std::filesystem;
@@ -105,6 +107,7 @@ Result<std::size_t> read_up_to(int fd, std::span<std::byte> buffer, std::uint64_
 
 Status write_at(int fd, std::span<const std::byte> bytes, std::uint64_t offset, const fs::path& path,
                 const char* what) {
+  BOOST_OUTCOME_TRYV(Ledger::draw_write(bytes.size()));
   while (!bytes.empty()) {
     const auto n = ::pwrite(fd, bytes.data(), std::min(bytes.size(), piece_bytes), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
@@ -116,6 +119,7 @@ Status write_at(int fd, std::span<const std::byte> bytes, std::uint64_t offset, 
 }
 
 Status write_on(int fd, std::span<const std::byte> bytes, const fs::path& path) {
+  BOOST_OUTCOME_TRYV(Ledger::draw_write(bytes.size()));
   while (!bytes.empty()) {
     const auto n = ::write(fd, bytes.data(), std::min(bytes.size(), piece_bytes));
     if (n < 0 && errno == EINTR) continue;

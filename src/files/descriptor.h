@@ -52,7 +52,8 @@ Result<std::uint64_t> size_of(const FileHandle& file, const std::filesystem::pat
 // Fills `buffer` from `offset` on; fewer bytes only at the end of the file.
 Result<std::size_t> read_up_to(int fd, std::span<std::byte> buffer, std::uint64_t offset,
                                const std::filesystem::path& path);
-// Writes all bytes at `offset`; `what` is what the error says has failed.
+// Writes all bytes at `offset`; `what` is what the error says has failed. Both functions draw from the ledger of the
+// thread (src/base/ledger.h) before they write, and fail as it does.
 Status write_at(int fd, std::span<const std::byte> bytes, std::uint64_t offset, const std::filesystem::path& path,
                 const char* what = "cannot write");
 // Writes all bytes where the descriptor stands, which with O_APPEND is the end.

@@ -3,8 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <string_view>
+
+#include "src/files/descriptor.h"
 
 namespace tessera {
 namespace {
@@ -63,6 +66,15 @@ const char* FolderReader::next() noexcept {
     if (is_entry(*entry)) return entry->d_name;
   }
   return nullptr;
+}
+
+Result<std::vector<std::string>> sorted_names(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  FolderReader reader(folder);
+  while (const char* name = reader.next()) names.emplace_back(name);
+  if (reader.error()) return io_error(folder, "cannot be read", reader.error().value());
+  std::sort(names.begin(), names.end());
+  return names;
 }
 
 std::error_code remove_tree(const std::filesystem::path& path) noexcept {

@@ -6,7 +6,11 @@
 #include <dirent.h>
 
 #include <filesystem>
+#include <string>
 #include <system_error>
+#include <vector>
+
+#include "src/base/result.h"
 
 namespace tessera {
 
@@ -26,6 +30,9 @@ class FolderReader {
   ::DIR* folder_;
   std::error_code error_;
 };
+
+// All names in it, in order. Error io.
+Result<std::vector<std::string>> sorted_names(const std::filesystem::path& folder);
 
 // Removes a file, or a folder with all that is in it; links are not followed. No error when there is nothing.
 std::error_code remove_tree(const std::filesystem::path& path) noexcept;

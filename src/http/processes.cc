@@ -27,7 +27,7 @@ const std::array<Process, 7>& all() {
        {"verify", "Verify", "Proves that a result is the Delaunay triangulation of its points.",
         proto::VerifyInputs::descriptor(), false, "What was proved", false},
        {"export", "Export", "Writes a result as a file of another program.", proto::ExportInputs::descriptor(), false,
-        "The file, by reference", false},
+        "The file, by reference", true},
        {"dem", "Raster",
         "The surface of a 2D result as a raster, a Cloud Optimized GeoTIFF. Called dem.tif it is a map, too.",
         proto::DemInputs::descriptor(), false, "The file, by reference", true},

@@ -87,6 +87,12 @@ Answer uploaded(const Call& call) {
   return answer;
 }
 
+Answer remove_upload(const Call& call) {
+  const Reply<void> removed =
+      call.context.backend->remove_upload(call.arguments[0], call.arguments[1], call.request.caller);
+  return removed ? no_content() : problem(removed.error());
+}
+
 Reply<std::unique_ptr<Backend::Upload>> upload(const Call& call) {
   std::uint64_t offset = 0;
   const std::string_view text = call.request.header("upload-offset");
@@ -175,6 +181,13 @@ void add_result_routes(std::vector<Route>& routes) {
                     "How much of an upload is there: Upload-Offset",
                     {{204, "", "", "Upload-Offset says it"}},
                     uploaded});
+  routes.push_back({"DELETE",
+                    "/v1/uploads/{upload}/{file}",
+                    Role::submit,
+                    "removeUpload",
+                    "Remove an upload, also one that has not come whole",
+                    {{204, "", "", "It is gone"}},
+                    remove_upload});
   Route put{"PUT",
             "/v1/uploads/{upload}/{file}",
             Role::submit,

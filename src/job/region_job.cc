@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/files/whole_file.h"
 #include "src/job/machine.h"
 #include "src/job/version.h"
@@ -55,13 +56,21 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
   return manifest;
 }
 
-Status store(const RegionCloud& cloud, const RegionJobOptions& options, const RegionCells& cells,
-             ResultFolder& folder) {
+Status store(const RegionCloud& cloud, const RegionJobOptions& options, const RegionCells& cells, ResultFolder& folder,
+             const std::stop_token& stop) {
   BOOST_OUTCOME_TRYV(folder.discard_runs());
   BOOST_OUTCOME_TRYV(make_directories(folder.new_run()));  // an old result goes as it does before a run
   BOOST_OUTCOME_TRYV(folder.accept_new_run());
-  const StoreOptions how{.neighbors = options.neighbors, .schema = cloud.schema, .lock_file = folder.lock_file()};
-  BOOST_OUTCOME_TRY(tile, write_tile(folder.path(), TileId{0}, cells.mesh, cells.rows, how));
+  const StoreOptions how{
+      .neighbors = options.neighbors, .schema = cloud.schema, .lock_file = folder.lock_file(), .stop = stop};
+  const auto written = [&]() -> Result<TileEntry> {
+    try {
+      return write_tile(folder.path(), TileId{0}, cells.mesh, cells.rows, how);
+    } catch (const Stopped&) {
+      return error(Errc::interrupted, "interrupted; nothing is kept");
+    }
+  };
+  BOOST_OUTCOME_TRY(tile, written());
   Manifest manifest = manifest_of(cloud, options, cells, tile);
   BOOST_OUTCOME_TRYV(folder.check_claim());
   BOOST_OUTCOME_TRYV(finish_store(folder.path(), manifest, std::span<const DuplicatePair>()));
@@ -104,7 +113,7 @@ Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& o
                         .figures = cells.figures,
                         .warnings = cloud.warnings};
   if (!cells.complete || options.shape) cells.mesh.cell_final.assign(cells.final.begin(), cells.final.end());
-  BOOST_OUTCOME_TRYV(store(cloud, options, cells, folder));
+  BOOST_OUTCOME_TRYV(store(cloud, options, cells, folder, stop));
   return summary;
 }
 

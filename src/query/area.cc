@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/predicates/exact/predicates.h"
 #include "src/query/geojson.h"
 
@@ -79,6 +80,18 @@ bool inside_triangle(const Point& p, const Point& a, const Point& b, const Point
   return side != 0 && side == exact::orientation_2(b, c, p) && side == exact::orientation_2(c, a, p);
 }
 
+// How many strips an edge of a polygon meets, at most on average.
+constexpr std::uint64_t met_of_edge = 8;
+
+Result<Polygon> polygon_of(std::vector<std::vector<Point>> rings) {
+  std::uint64_t edges = 0;
+  for (const auto& ring : rings) edges += ring.size();
+  constexpr std::uint64_t edges_max = std::uint64_t{1} << 28;
+  if (edges >= edges_max) return error(Errc::memory, "the polygon has " + std::to_string(edges) + " edges: too many");
+  BOOST_OUTCOME_TRYV(Ledger::draw_memory(edges * Polygon::bytes_of_edge));
+  return Polygon(std::move(rings));
+}
+
 }  // namespace
 
 // Two convex sets of the plane are apart if and only if a line along a side of one of them separates them.
@@ -105,41 +118,69 @@ bool meets(std::span<const Point> cell, const Bounds& box) {
 
 Result<Polygon> Polygon::read_geojson(const std::filesystem::path& path) {
   BOOST_OUTCOME_TRY(rings, query::read_geojson(path, GeoJson::polygons));
-  return Polygon(std::move(rings));
+  return polygon_of(std::move(rings));
 }
 
 Result<Polygon> Polygon::of_geojson(std::string_view text, const std::string& name) {
   BOOST_OUTCOME_TRY(rings, query::of_geojson(text, name, GeoJson::polygons));
-  return Polygon(std::move(rings));
+  return polygon_of(std::move(rings));
 }
 
 Polygon::Polygon(std::vector<std::vector<Point>> rings) {
   std::size_t edges = 0;
+  for (const auto& ring : rings) edges += ring.size();
+  edges_.reserve(edges);
   for (const auto& ring : rings) {
     for (const Point& p : ring) bounds_.add(p);
-    edges += ring.size();
-  }
-  strips_.resize(std::clamp<std::size_t>(edges / 4, 1, 4096));
-  for (const auto& ring : rings) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
       Edge edge{ring[i], ring[(i + 1) % ring.size()]};
       if (edge.a.y > edge.b.y) std::swap(edge.a, edge.b);
-      for (std::size_t s = strip(edge.a.y); s <= strip(edge.b.y); ++s) strips_[s].push_back(edge);
+      edges_.push_back(edge);
     }
   }
+  // Edges that are long in y meet many strips. There are as few strips as make this a few for each edge on average: of
+  // edges that are all as high as the polygon nothing could be told apart by y anyway.
+  const std::uint64_t met_max = edges_.size() * met_of_edge;
+  std::size_t strips = std::clamp<std::size_t>(edges_.size() / 4, 1, 4096);
+  while (index_strips(strips) > met_max) strips /= 2;
+  met_.resize(begin_.back());
+  auto next = begin_;
+  for (std::uint32_t i = 0; i < edges_.size(); ++i)
+    for (std::size_t s = strip(edges_[i].a.y); s <= strip(edges_[i].b.y); ++s) met_[next[s]++] = i;
+}
+
+// Sets where the edges of each of so many strips begin; how many they are in all.
+std::uint64_t Polygon::index_strips(std::size_t strips) {
+  begin_.assign(strips + 1, 0);
+  // First by how much more edges a strip has than the one before; one that begins in it counts, one that has ended not.
+  std::vector<std::int64_t> change(strips + 1);
+  for (const Edge& edge : edges_) {
+    ++change[strip(edge.a.y)];
+    --change[strip(edge.b.y) + 1];
+  }
+  std::int64_t here = 0;
+  std::uint64_t sum = 0;
+  for (std::size_t s = 0; s < strips; ++s) {
+    begin_[s] = static_cast<std::uint32_t>(sum);
+    here += change[s];
+    sum += static_cast<std::uint64_t>(here);
+  }
+  begin_[strips] = static_cast<std::uint32_t>(sum);
+  return sum;
 }
 
 // Rounding cannot harm: it never puts the lower of two numbers into the higher strip.
 std::size_t Polygon::strip(double y) const {
-  const double part = (y - bounds_.lo.y) / (bounds_.hi.y - bounds_.lo.y) * static_cast<double>(strips_.size());
+  const double part = (y - bounds_.lo.y) / (bounds_.hi.y - bounds_.lo.y) * static_cast<double>(strips());
   if (!(part > 0)) return 0;
-  return std::min(static_cast<std::size_t>(std::min(part, 1e6)), strips_.size() - 1);
+  return std::min(static_cast<std::size_t>(std::min(part, 1e6)), strips() - 1);
 }
 
 bool Polygon::contains(const Point& p) const {
   if (p.y < bounds_.lo.y || bounds_.hi.y < p.y) return false;
   bool inside = false;
-  for (const Edge& edge : strips_[strip(p.y)]) {
+  for (const std::uint32_t i : edges_in(strip(p.y))) {
+    const Edge& edge = edges_[i];
     if (on_segment(p, edge.a, edge.b)) return true;
     // Half-open in y, so that a ray through a vertex crosses one of its edges, or none or both.
     if (edge.a.y <= p.y && p.y < edge.b.y && exact::orientation_2(edge.a, edge.b, p) > 0) inside = !inside;
@@ -152,7 +193,8 @@ bool Polygon::meets_triangle(const Point& a, const Point& b, const Point& c) con
   const auto [low, high] = std::minmax({a.y, b.y, c.y});
   if (high < bounds_.lo.y || bounds_.hi.y < low) return false;
   for (std::size_t s = strip(low); s <= strip(high); ++s) {
-    for (const Edge& e : strips_[s]) {
+    for (const std::uint32_t i : edges_in(s)) {
+      const Edge& e = edges_[i];
       if (segments_meet(e.a, e.b, a, b) || segments_meet(e.a, e.b, b, c) || segments_meet(e.a, e.b, c, a) ||
           inside_triangle(e.a, a, b, c))
         return true;

@@ -2,6 +2,8 @@
 // line, or a plane of space.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -28,10 +30,13 @@ bool meets(std::span<const Point> cell, const Leg& leg);
 // Rings with their insides, by the even-odd rule: holes are rings, too. Closed: rings belong to it.
 class Polygon {
  public:
-  // Each ring at least 3 vertices, the first not repeated, z = 0.
+  // Each ring at least 3 vertices, the first not repeated, z = 0; fewer than 2^28 in all. Takes bytes_of_edge bytes for
+  // each vertex, whatever the polygon looks like.
+  static constexpr std::uint64_t bytes_of_edge = 104;
   explicit Polygon(std::vector<std::vector<Point>> rings);
   // The polygons of a GeoJSON file (a geometry, a feature, or a collection of them; Polygon and MultiPolygon), with
-  // coordinates as they are. Errors: io; bad_input that names the file and the place.
+  // coordinates as they are. Errors: io; bad_input that names the file and the place; of the thread's ledger, when
+  // its memory has no room for the edges.
   static Result<Polygon> read_geojson(const std::filesystem::path& path);
   // The same of the text of such a file; `name`: what errors call it.
   static Result<Polygon> of_geojson(std::string_view text, const std::string& name);
@@ -48,9 +53,16 @@ class Polygon {
   bool contains(const Point& p) const;
   std::size_t strip(double y) const;  // clamped
 
+  std::size_t strips() const { return begin_.size() - 1; }
+  std::span<const std::uint32_t> edges_in(std::size_t strip) const {
+    return std::span(met_).subspan(begin_[strip], begin_[strip + 1] - begin_[strip]);
+  }
+  std::uint64_t index_strips(std::size_t strips);
+
   Bounds bounds_;
-  // By strip of y: the edges that meet it.
-  std::vector<std::vector<Edge>> strips_;
+  std::vector<Edge> edges_;
+  // Strips of y, and the edges that meet each of them: those of strip s are met_[begin_[s]] up to met_[begin_[s + 1]].
+  std::vector<std::uint32_t> met_, begin_;
 };
 
 // A plane of space.

@@ -9,19 +9,25 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/ledger.h"
 #include "src/base/result.h"
+#include "src/base/stopped.h"
 
 namespace tessera::query {
 
-// Runs work() on so many threads, the calling one among them. The first error; `work` sees `failed` and ends early.
+// Runs work() on so many threads, the calling one among them; all draw from its ledger. The first error; `work` sees
+// `failed` and ends early.
 template <class Work>
 Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work) {
   std::mutex mutex;
   std::optional<Error> first;
-  const auto guarded = [&] {
+  const auto guarded = [&, ledger = Ledger::of_thread()] {
+    const Ledger::Use use(ledger);
     Status status = [&]() -> Status {
       try {
         return work();
+      } catch (const Stopped&) {
+        return error(Errc::interrupted, "interrupted");
       } catch (const std::bad_alloc&) {
         return worded([] { return error(Errc::memory, "no memory is left to answer questions"); });
       }

@@ -100,6 +100,9 @@ Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, 
   if (id.value >= manifest.points_read)
     return error(Errc::usage, impl_->out.string() + ": has no vertex " + to_string(id) + "; the input had " +
                                   std::to_string(manifest.points_read) + " points, counted from 0");
+  const auto& tiles = manifest.tiles;
+  if (owner && std::none_of(tiles.begin(), tiles.end(), [&](const TileEntry& entry) { return entry.tile == *owner; }))
+    return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " is none of its tiles");
   if (!owner) {
     BOOST_OUTCOME_TRY(found, impl_->owner_of(id, options.stop));
     if (!found) {

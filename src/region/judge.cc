@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "src/base/stopped.h"
 #include "src/region/meets.h"
 #include "src/region/reach.h"
 
@@ -13,12 +14,13 @@ namespace {
 class Judge {
  public:
   Judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
-        const RegionShape& shape, const UnitTree& unread)
+        const RegionShape& shape, const UnitTree& unread, const std::stop_token& stop)
       : triangulation_(triangulation),
         cells_(cells),
         region_(region),
         shape_(shape),
         unread_(unread),
+        check_(stop, cells_a_look),
         corners_(static_cast<std::size_t>(triangulation.dimension()) + 1) {
     judgement_.states.resize(cells.vertices.size() / corners_, CellState::elsewhere);
     sides_.push_back(everywhere);
@@ -27,10 +29,14 @@ class Judge {
 
   Judgement judge() {
     const std::size_t n = judgement_.states.size();
-    for (std::size_t c = 0; c < n; ++c)
+    for (std::size_t c = 0; c < n; ++c) {
+      check_.step();
       if (infinite(c) == corners_) finite_cell(c);
-    for (std::size_t c = 0; c < n; ++c)
+    }
+    for (std::size_t c = 0; c < n; ++c) {
+      check_.step();
       if (infinite(c) < corners_) infinite_cell(c);
+    }
     auto& units = judgement_.units;
     std::sort(units.begin(), units.end());
     units.erase(std::unique(units.begin(), units.end()), units.end());
@@ -40,6 +46,8 @@ class Judge {
  private:
   using Simplex = std::array<Point, 4>;
   static constexpr std::uint8_t everywhere = 0xFF;
+  // A shape of many edges takes a millisecond for a cell.
+  static constexpr std::uint32_t cells_a_look = 256;
 
   // The place of the infinite vertex; corners_ when there is none.
   std::size_t infinite(std::size_t c) const {
@@ -99,6 +107,7 @@ class Judge {
   const Bounds& region_;
   const RegionShape& shape_;
   const UnitTree& unread_;
+  StopCheck check_;
   std::size_t corners_;
   std::vector<std::uint8_t> sides_;  // by vertex
   Judgement judgement_;
@@ -107,8 +116,8 @@ class Judge {
 }  // namespace
 
 Judgement judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
-                const RegionShape& shape, const UnitTree& unread) {
-  return Judge(triangulation, cells, region, shape, unread).judge();
+                const RegionShape& shape, const UnitTree& unread, const std::stop_token& stop) {
+  return Judge(triangulation, cells, region, shape, unread, stop).judge();
 }
 
 }  // namespace tessera

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/point.h"
@@ -30,8 +31,9 @@ struct Judgement {
 // What the region depends on are the finite cells that meet it, and the infinite ones beyond whose facet some of it is,
 // or whose facet it touches. When all of them are final, the finite ones are the cells of the whole triangulation that
 // meet the region (docs/regions.md). REQUIRES: triangulation.rank() == dimension(); `cells` are its cells.
-// `shape`: the part of the box that is the region; the facets of the hull are those of the box.
+// `shape`: the part of the box that is the region; the facets of the hull are those of the box. Throws
+// Stopped.
 Judgement judge(const GrowingTriangulation& triangulation, const CellList& cells, const Bounds& region,
-                const RegionShape& shape, const UnitTree& unread);
+                const RegionShape& shape, const UnitTree& unread, const std::stop_token& stop);
 
 }  // namespace tessera

@@ -6,6 +6,9 @@
 #include <numeric>
 #include <vector>
 
+#include "src/base/stoppable_sort.h"
+#include "src/base/stopped.h"
+
 namespace tessera {
 namespace {
 
@@ -44,7 +47,9 @@ void turn(Row& row, std::size_t corners) {
 
 }  // namespace
 
-PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& cells, const Judgement& judgement) {
+PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& cells, const Judgement& judgement,
+                   const std::stop_token& stop) {
+  StopCheck check(stop, 1 << 14);
   const std::size_t corners = static_cast<std::size_t>(triangulation.dimension()) + 1;
   const auto is_finite_cell = [&](std::size_t c) {
     const Vertex* v = &cells.vertices[c * corners];
@@ -53,16 +58,17 @@ PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& ce
   std::vector<std::uint32_t> chosen;
   std::vector<Vertex> used;
   for (std::size_t c = 0; c < judgement.states.size(); ++c) {
+    check.step();
     if (judgement.states[c] == CellState::elsewhere || !is_finite_cell(c)) continue;
     chosen.push_back(static_cast<std::uint32_t>(c));
     for (std::size_t i = 0; i < corners; ++i) used.push_back(cells.vertices[c * corners + i]);
   }
-  std::sort(used.begin(), used.end());
+  sort_unless_stopped(used.begin(), used.end(), stop);
   used.erase(std::unique(used.begin(), used.end()), used.end());
   std::vector<std::uint32_t> order(used.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](auto a, auto b) { return triangulation.id(used[a]) < triangulation.id(used[b]); });
+  sort_unless_stopped(order.begin(), order.end(), stop,
+                      [&](auto a, auto b) { return triangulation.id(used[a]) < triangulation.id(used[b]); });
 
   PartMesh part;
   TileMesh& mesh = part.mesh;
@@ -78,6 +84,7 @@ PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& ce
 
   std::vector<Row> rows(chosen.size());
   for (std::size_t r = 0; r < chosen.size(); ++r) {
+    check.step();
     rows[r].cell = chosen[r];
     for (std::size_t i = 0; i < corners; ++i) {
       const Vertex v = cells.vertices[chosen[r] * corners + i];
@@ -87,10 +94,11 @@ PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& ce
     }
     turn(rows[r], corners);
   }
-  std::sort(rows.begin(), rows.end());
+  sort_unless_stopped(rows.begin(), rows.end(), stop);
   std::vector<std::int32_t> place(judgement.states.size(), elsewhere);
   for (std::size_t r = 0; r < rows.size(); ++r) place[rows[r].cell] = static_cast<std::int32_t>(r);
   for (const Row& row : rows) {
+    check.step();
     part.final.push_back(judgement.states[row.cell] == CellState::final);
     mesh.cell_ghost.push_back(0);
     for (std::size_t i = 0; i < corners; ++i) {

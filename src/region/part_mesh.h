@@ -1,6 +1,10 @@
 // Some cells of a triangulation as the arrays of a tile file.
 #pragma once
 
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
 #include "src/mesh/tile_mesh.h"
 #include "src/region/judge.h"
 
@@ -13,7 +17,8 @@ struct PartMesh {
 
 // The finite cells that meet the region. A function of these cells and their vertices alone: vertices by id, each cell
 // with the least first, cells sorted. Neighbours: -1 where the hull of the whole cloud is known to be, else -2 where
-// there is no cell.
-PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& cells, const Judgement& judgement);
+// there is no cell. Throws Stopped.
+PartMesh part_mesh(const GrowingTriangulation& triangulation, const CellList& cells, const Judgement& judgement,
+                   const std::stop_token& stop);
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/budget/budget.h"
 #include "src/region/part_mesh.h"
 #include "src/tiling/span_finder.h"
@@ -44,7 +45,7 @@ Result<RegionCells> RegionQuestion::answer() {
       groping *= 2;
     } else if (!wanted.units.empty()) {
       cells = triangulation_.cells();
-      judgement = judge(triangulation_, cells, region_, shape_, tree_);
+      judgement = judge(triangulation_, cells, region_, shape_, tree_, stop_);
       next = judgement.units;
       if (judgement.complete()) return finished(cells, judgement);
     }
@@ -187,7 +188,7 @@ std::string RegionQuestion::needed(const std::string& beyond, const std::vector<
 }
 
 RegionCells RegionQuestion::finished(const CellList& cells, const Judgement& judgement) {
-  PartMesh part = part_mesh(triangulation_, cells, judgement);
+  PartMesh part = part_mesh(triangulation_, cells, judgement, stop_);
   RegionCells answer;
   answer.mesh = std::move(part.mesh);
   answer.final = std::move(part.final);
@@ -201,9 +202,11 @@ RegionCells RegionQuestion::finished(const CellList& cells, const Judgement& jud
 std::vector<std::byte> RegionQuestion::rows_of(const std::vector<PointId>& ids) const {
   std::vector<std::byte> rows(ids.size() * row_bytes_);
   if (row_bytes_ == 0) return rows;
+  StopCheck check(stop_, 1 << 14);
   for (const std::size_t unit : used_) {
     const LoadedUnit& from = loaded_.at(unit);
     for (std::size_t i = 0; i < from.points.size(); ++i) {
+      check.step();
       const auto found = std::lower_bound(ids.begin(), ids.end(), from.points[i].id);
       if (found == ids.end() || *found != from.points[i].id) continue;
       std::memcpy(rows.data() + static_cast<std::size_t>(found - ids.begin()) * row_bytes_,

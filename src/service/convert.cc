@@ -67,6 +67,9 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
     BOOST_OUTCOME_TRY(resolution, length_of("resolution", inputs.resolution()));
     cloud.resolution = resolution;
   }
+  constexpr int classes_max = 256;  // there are no more
+  if (inputs.class__size() > classes_max)
+    return refuse("class", "has " + std::to_string(inputs.class__size()) + " numbers, and there are 256 classes");
   for (const auto number : inputs.class_()) {
     if (number > 255) return refuse("class", std::to_string(number) + " is no LAS class, a number from 0 to 255");
     cloud.classes.push_back(static_cast<int>(number));

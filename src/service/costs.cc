@@ -11,14 +11,18 @@
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
+#include "src/service/kinds.h"
 #include "src/service/problem.h"
 #include "src/terrain/grid.h"
+#include "src/tileset/tileset.h"
 
 namespace tessera {
 namespace {
 
 // Vertices and pixels that a thread reads or writes in a second (docs/terrain.md).
 constexpr double terrain_rate = 2e6;
+// For an estimate, while its caller waits: some tenths of a second.
+constexpr std::uint64_t cells_looked_at_max = 1'000'000;
 
 void add_surface(const Manifest& manifest, std::uint64_t memory_bytes, unsigned threads, proto::Estimate& estimate) {
   estimate.set_points(manifest.vertices);
@@ -63,16 +67,9 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
   estimate.set_result_bytes(cost.result_bytes);
   estimate.set_temporary_bytes(cost.temporary_bytes);
   estimate.set_seconds(cost.seconds);
-  const auto disk = cost.result_bytes + cost.temporary_bytes;
-  const auto needs = [&] {
-    return "inputs: " + grouped(points) + " points need " + human_bytes(cost.result_bytes) +
-           " of disk for the result and " + human_bytes(cost.temporary_bytes) + " while it is made; ";
-  };
-  if (limits.disk_bytes > 0 && disk > limits.disk_bytes)
-    return problem(422, needs() + "a job may have " + human_bytes(limits.disk_bytes) + " here", Errc::memory);
-  if (const auto free = free_bytes(data); disk > free)
-    return problem(507, needs() + "there are " + human_bytes(free), Errc::io);
-  return std::nullopt;
+  return check_disk("inputs: " + grouped(points) + " points need " + human_bytes(cost.result_bytes) +
+                        " of disk for the result and " + human_bytes(cost.temporary_bytes) + " while it is made; ",
+                    cost.result_bytes + cost.temporary_bytes, limits, data);
 }
 
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
@@ -88,19 +85,56 @@ std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOpt
   estimate.set_seconds(estimate.seconds() +
                        static_cast<double>(pixels) / (terrain_rate * std::max(1u, options.threads)));
   const auto disk = estimate.result_bytes() + estimate.temporary_bytes();
-  const std::string needs = "res: a raster of " + grouped(pixels) + " pixels needs up to " + human_bytes(disk) +
-                            " of disk while it is made; ";
-  if (limits.disk_bytes > 0 && disk > limits.disk_bytes)
-    return problem(422, needs + "a job may have " + human_bytes(limits.disk_bytes) + " here", Errc::memory);
-  if (const auto free = free_bytes(data); disk > free)
-    return problem(507, needs + "there are " + human_bytes(free), Errc::io);
-  return std::nullopt;
+  return check_disk("res: a raster of " + grouped(pixels) + " pixels needs up to " + human_bytes(disk) +
+                        " of disk while it is made; ",
+                    disk, limits, data);
 }
 
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const ContourOptions& options,
-                                          proto::Estimate& estimate) {
+                                          const std::filesystem::path& out, const ServiceLimits& limits,
+                                          const std::filesystem::path& data, proto::Estimate& estimate) {
   add_surface(manifest, options.memory_bytes, options.threads, estimate);
+  const auto cost = estimate_contours(out, options, cells_looked_at_max, Ledger::token_of_thread());
+  if (!cost) return problem_of(cost.error());
+  estimate.set_result_bytes(cost.value().file_bytes);
+  estimate.set_temporary_bytes(cost.value().scratch_bytes);
+  const auto disk = cost.value().file_bytes + cost.value().scratch_bytes;
+  estimate.set_seconds(estimate.seconds() + static_cast<double>(cost.value().points) / terrain_rate);
+  return check_disk("interval: lines of some " + grouped(cost.value().points) + " points need some " +
+                        human_bytes(disk) + " of disk while they are made; ",
+                    disk, limits, data);
+}
+
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const ExportOptions& options,
+                                          const std::string& output, const ServiceLimits& limits,
+                                          const std::filesystem::path& data, proto::Estimate& estimate) {
+  add_surface(manifest, 0, 1, estimate);
+  const auto bytes = options.format == tileset_format ? Result<std::uint64_t>(tileset_bytes(manifest))
+                                                      : estimate_export(manifest, output, options);
+  if (!bytes) return problem_of(bytes.error());
+  estimate.set_result_bytes(bytes.value());
+  if (options.max_edge) return std::nullopt;  // it may leave out most of them
+  return check_disk("output: the export needs some " + human_bytes(bytes.value()) + " of disk; ", bytes.value(), limits,
+                    data);
+}
+
+std::optional<proto::Problem> check_disk(const std::string& needs, std::uint64_t bytes, const ServiceLimits& limits,
+                                         const std::filesystem::path& data) {
+  if (limits.disk_bytes > 0 && bytes > limits.disk_bytes)
+    return problem(422, needs + "a job may have " + human_bytes(limits.disk_bytes) + " here (limits.disk)",
+                   Errc::memory);
+  if (const auto free = free_bytes(data); bytes > free - std::min(free, limits.reserve_bytes))
+    return problem(507,
+                   needs + "there are " + human_bytes(free) + ", of which " + human_bytes(limits.reserve_bytes) +
+                       " stay free (limits.reserve)",
+                   Errc::io);
   return std::nullopt;
+}
+
+Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem::path& data) {
+  Ledger::Bounds bounds{.reserve_bytes = limits.reserve_bytes, .free_bytes = [data] { return free_bytes(data); }};
+  if (limits.disk_bytes > 0) bounds.disk = {limits.disk_bytes, "limits.disk, " + human_bytes(limits.disk_bytes) + ","};
+  return bounds;
 }
 
 Result<bool> any_packed(const std::vector<std::string>& files) {

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "service.pb.h"
+#include "src/base/ledger.h"
 #include "src/base/result.h"
+#include "src/export/export.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 #include "src/service/service.h"
@@ -21,17 +23,27 @@ namespace tessera {
 // Bytes that this process may still write there; 0 when it cannot be told.
 std::uint64_t free_bytes(const std::filesystem::path& folder);
 
+// What one job may take, of whatever kind it is: the bound of disk, and what has to stay free.
+Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem::path& data);
+
 // The problem of a job that costs too much: 422 for points, memory and disk beyond its limits, 507 for a disk that is
 // full now. `estimate` is filled in as far as is known, also when the job is refused.
 std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
                                           const std::filesystem::path& data, proto::Estimate& estimate);
 
-// The same of a raster or lines of a result.
+// The same of a raster, lines or an export of a result, which is in `out`.
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,
                                           const ServiceLimits& limits, const std::filesystem::path& data,
                                           proto::Estimate& estimate);
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const ContourOptions& options,
-                                          proto::Estimate& estimate);
+                                          const std::filesystem::path& out, const ServiceLimits& limits,
+                                          const std::filesystem::path& data, proto::Estimate& estimate);
+std::optional<proto::Problem> check_costs(const Manifest& manifest, const ExportOptions& options,
+                                          const std::string& output, const ServiceLimits& limits,
+                                          const std::filesystem::path& data, proto::Estimate& estimate);
+// The problem of a job that needs so much disk; `needs`: the begin of the sentence, which ends in "; ".
+std::optional<proto::Problem> check_disk(const std::string& needs, std::uint64_t bytes, const ServiceLimits& limits,
+                                         const std::filesystem::path& data);
 
 // Whether one of these files has to be unpacked to be looked into: that is done when the job runs, and not before.
 // Error io for one that cannot be read.

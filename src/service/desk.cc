@@ -41,14 +41,6 @@ fs::path place_of(std::string name) {
   return place.empty() || place.is_absolute() || *place.begin() == ".." || *place.begin() == "." ? fs::path() : place;
 }
 
-Result<std::vector<std::string>> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  FolderReader reader(folder);
-  while (const char* name = reader.next()) names.emplace_back(name);
-  if (reader.error()) return io_error(folder, "cannot be read", reader.error().value());
-  return names;
-}
-
 }  // namespace
 
 Desk::Desk(fs::path area, std::uint64_t term, StillOurs still_ours)
@@ -63,7 +55,7 @@ Result<std::unique_ptr<Desk>> Desk::lay(fs::path area, std::uint64_t term, Still
   if (::mkdir(desk->desk_.c_str(), 0777) != 0) return io_error(desk->desk_, "cannot be made", errno);
   // After the desk is there: who takes the lock from now on finds it, and clears it.
   BOOST_OUTCOME_TRYV(desk->still_ours_());
-  BOOST_OUTCOME_TRY(names, names_in(desk->area_));
+  BOOST_OUTCOME_TRY(names, sorted_names(desk->area_));
   for (const auto& name : names) {
     const auto other = term_of_desk(name);
     if (!other || *other >= term) continue;

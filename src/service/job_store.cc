@@ -29,15 +29,6 @@ Status append_line(const fs::path& file, const std::string& line, bool sync) {
   return sync_folder(file.parent_path());
 }
 
-Result<std::vector<std::string>> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  FolderReader reader(folder);
-  while (const char* name = reader.next()) names.emplace_back(name);
-  if (reader.error()) return error(Errc::io, folder.string() + ": cannot be read: " + reader.error().message());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 }  // namespace
 
 JobStore::JobStore(fs::path data, Desk& desk) : data_(std::move(data)), desk_(desk), new_folders_(jobs_folder(data_)) {}
@@ -64,7 +55,7 @@ Result<JobStore::Loaded> JobStore::load() {
   Loaded loaded;
   BOOST_OUTCOME_TRY(forgotten, read_forgotten());
   loaded.forgotten = std::move(forgotten);
-  BOOST_OUTCOME_TRY(names, names_in(jobs_folder(data_)));
+  BOOST_OUTCOME_TRY(names, sorted_names(jobs_folder(data_)));
   for (const auto& name : names) {
     if (const auto removed = token_of_removed(name)) {
       const bool fresh = JobIds::is_id(*removed) && loaded.forgotten.insert(*removed).second;
@@ -146,7 +137,7 @@ Status JobStore::finish_forgetting(const std::string& id) const {
 Status JobStore::remove_files(const fs::path& job) const {
   BOOST_OUTCOME_TRY(there, is_there(job, FollowLinks::no));
   if (!there) return success();
-  BOOST_OUTCOME_TRY(names, names_in(job));
+  BOOST_OUTCOME_TRY(names, sorted_names(job));
   for (const auto& name : names) {
     if (!is_job_name(name) || name == job_record_file("")) continue;
     BOOST_OUTCOME_TRYV(remove_file(job / name));

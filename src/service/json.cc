@@ -19,7 +19,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;  // sorted: the ordered one looks through all keys for each that comes
 using Type = FieldDescriptor::CppType;
 
 constexpr int nested_max = 32;

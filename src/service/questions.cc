@@ -1,14 +1,12 @@
 #include "src/service/questions.h"
 
 #include <algorithm>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
-#include <optional>
 #include <stop_token>
-#include <thread>
 
+#include "src/base/ledger.h"
 #include "src/base/random_token.h"
+#include "src/base/stopped.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
@@ -16,42 +14,12 @@
 #include "src/job/version.h"
 #include "src/service/answering.h"
 #include "src/service/beneath.h"
+#include "src/service/deadline.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 
 namespace tessera {
 namespace {
-
-// Stops the work at a question when nobody waits any more, its result is gone, or its time is over.
-class Patience {
- public:
-  Patience(const std::stop_token& caller, const std::stop_token& result, std::chrono::seconds time)
-      : caller_gone_(caller, [this] { stop_.request_stop(); }),
-        result_gone_(result, [this] { stop_.request_stop(); }),
-        timer_([this, time](const std::stop_token& done) {
-          {
-            std::unique_lock lock(mutex_);
-            over_ = !ended_.wait_for(lock, done, time, [&] { return done.stop_requested(); });
-            if (!over_) return;
-          }
-          stop_.request_stop();
-        }) {}
-
-  std::stop_token token() const { return stop_.get_token(); }
-  bool is_over() {
-    const std::lock_guard lock(mutex_);
-    return over_;
-  }
-
- private:
-  using Stop = std::stop_callback<std::function<void()>>;
-  std::stop_source stop_;
-  Stop caller_gone_, result_gone_;
-  std::mutex mutex_;
-  std::condition_variable_any ended_;
-  bool over_ = false;
-  std::jthread timer_;  // the last member: it ends first
-};
 
 // Files of the result are called as the caller knows them, however they were opened (path_of()).
 Error in_callers_words(Error failed, const std::string& folder, const std::string& name) {
@@ -106,17 +74,23 @@ Reply<QuestionAnswer> Questions::ask(const Question& question) {
   const auto& reader = *opened.value();
   const auto folder = TemporaryFolder::make(answers_folder(data_) / random_token());
   if (!folder) return problem_of(folder.error());
-  Patience patience(question.stop, reader.gone.get_token(), limits_.time);
-  auto answer = Answering(reader, question, limits_, folder.value().path(), patience.token()).answer();
+  Ledger ledger({.disk = {limits_.answer_bytes, "an answer"}, .memory = {limits_.memory_bytes / 8, "a question"}});
+  const std::function<void()> stop = [&] { ledger.stop(); };
+  const std::stop_callback caller_gone(question.stop, stop), result_gone(reader.gone.get_token(), stop);
+  const Deadline deadline(ledger, limits_.time, time_is_over(limits_.time));
+  const Ledger::Use use(&ledger);
+  auto answer = [&]() -> Result<QuestionAnswer> {
+    try {
+      return Answering(reader, question, limits_, folder.value().path(), ledger.token()).answer();
+    } catch (const Stopped& stopped) {
+      return error(Errc::interrupted, stopped.what());
+    }
+  }();
   if (answer) return std::move(answer).value();
   // What failed because of it is no damage.
   if (reader.gone.stop_requested())
     return problem(410, "triangulation '" + name + "' was removed while it was asked", Errc::usage);
-  if (answer.error().code == Errc::interrupted && patience.is_over())
-    return problem(422,
-                   "the answer takes longer than the " + std::to_string(limits_.time.count()) +
-                       " seconds that a question may take: ask for less at a time",
-                   Errc::memory);
+  if (const auto reason = ledger.reason()) return problem_of(*reason);
   return problem_of(in_callers_words(answer.error(), results_.folder(name).string(), name));
 }
 

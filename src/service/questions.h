@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "src/base/result.h"
+#include "src/service/deadline.h"
 #include "src/service/readers.h"
 #include "src/service/results.h"
 #include "src/service/service.h"
@@ -19,11 +20,12 @@ namespace tessera {
 struct QuestionLimits {
   std::uint64_t memory_bytes = std::uint64_t{128} << 20;  // half for open results; of the rest a quarter a question
   unsigned threads = 1;                                   // of one question
-  std::chrono::seconds time{60};
+  std::chrono::seconds time = answer_time;
   std::uint64_t points = 1 << 18;  // in one body
   std::uint64_t cells = 1'000'000, usual_cells = 100'000;
   std::uint64_t pixels = 1 << 24;
-  std::uint64_t line_vertices = 2'000'000;  // of contour lines
+  std::uint64_t line_vertices = 2'000'000;              // of contour lines
+  std::uint64_t answer_bytes = std::uint64_t{2} << 30;  // of files: the answer, and what it takes to make it
 };
 
 class Questions {

@@ -7,10 +7,12 @@
 #include <algorithm>
 #include <cerrno>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/base/option.h"
 #include "src/files/folder.h"
 #include "src/io/cloud/inputs.h"
@@ -32,6 +34,7 @@ Result<std::vector<std::string>> names_in(const FileHandle& root, const std::str
   std::vector<std::string> names;
   FolderReader reader(path_of(opened));
   while (const char* name = reader.next()) {
+    BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
     if (name[0] != '.') names.emplace_back(name);
     if (names.size() > files_max) return error(Errc::usage, folder + ": holds too many files");
   }
@@ -67,7 +70,8 @@ Result<Found> look_at(const FileHandle& root, const std::string& path) {
   return *std::move(found);
 }
 
-// What a pattern means below a root, in no order; nothing found is nothing wrong.
+// What a pattern means below a root, in no order; nothing found is nothing wrong. REQUIRES: it goes only down, so that
+// it means each file once at most.
 Result<std::vector<std::string>> expand(const FileHandle& root, const std::string& pattern) {
   std::vector<std::string> found{"."};
   for (const auto& part : fs::path(pattern)) {
@@ -78,6 +82,9 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
       if (!has_pattern(name)) {
         next.push_back(below(folder, name));
         continue;
+      }
+      if (const auto* ledger = Ledger::of_thread()) {
+        BOOST_OUTCOME_TRYV(ledger->go_on());
       }
       // A file where the pattern wants a folder, or one that leads out: neither matches.
       const auto looked = look_for(root, folder);
@@ -120,8 +127,14 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
   return success();
 }
 
+bool goes_up(const std::string& path) {
+  const fs::path parts(path);
+  return std::find(parts.begin(), parts.end(), "..") != parts.end();
+}
+
 // Real paths of the files, sorted by what they were called below the root.
 Result<std::vector<std::string>> files_below(const FileHandle& root, const std::string& input, bool recursive) {
+  BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
   std::vector<std::string> paths{input.empty() ? "." : input};
   bool pattern = has_pattern(input);
   if (pattern) {  // a name may hold the characters of one
@@ -130,6 +143,7 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
     pattern = !named || !named.value();
   }
   if (pattern) {
+    if (goes_up(input)) return error(Errc::usage, input + ": a pattern may not have '..'");
     BOOST_OUTCOME_TRY(expanded, expand(root, input));
     if (expanded.empty()) return error(Errc::io, input + ": no file matches this pattern");
     paths = std::move(expanded);
@@ -242,10 +256,12 @@ Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool 
 Result<std::vector<std::string>> Roots::files(const std::vector<std::string>& inputs, bool recursive) const {
   if (inputs.empty()) return error(Errc::usage, "inputs: none is given");
   std::vector<std::string> all;
+  std::set<std::string> there;
   for (const auto& input : inputs) {
     BOOST_OUTCOME_TRY(files, files_of(input, recursive));
-    if (all.size() + files.size() > files_max) return error(Errc::usage, "inputs: too many files");
-    all.insert(all.end(), files.begin(), files.end());
+    for (auto& file : files)
+      if (there.insert(file).second) all.push_back(std::move(file));
+    if (all.size() > files_max) return error(Errc::usage, "inputs: too many files");
   }
   return all;
 }

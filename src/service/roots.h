@@ -21,8 +21,9 @@ class Roots {
 
   // The files that these inputs mean, as find_inputs() (src/io/cloud) orders them: files, folders and patterns,
   // absolute or from a root on (the first in which they are found), or "upload:NAME/FILE". Each was opened below its
-  // root, is a regular file, and is given by its real path. Errors: usage for one that leads out of the roots, for
-  // standard input and for addresses; io for one that is not there.
+  // root, is a regular file, and is given by its real path, once. Errors: usage for one that leads out of the roots,
+  // for a pattern with "..", for standard input and for addresses; io for one that is not there; of the thread's ledger
+  // (src/base/ledger.h), from which each name that is looked at is drawn.
   Result<std::vector<std::string>> files(const std::vector<std::string>& inputs, bool recursive) const;
 
  private:

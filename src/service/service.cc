@@ -1,7 +1,9 @@
 #include "src/service/service.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "actors/cluster/seat.h"
 #include "src/base/thread_name.h"
@@ -12,6 +14,7 @@
 #include "src/service/beneath.h"
 #include "src/service/data_folder.h"
 #include "src/service/data_format.h"
+#include "src/service/kept_inputs.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -23,6 +26,7 @@ using std::chrono::system_clock;
 
 constexpr std::chrono::milliseconds tick_time{500};
 constexpr std::chrono::seconds retention_time{60};
+constexpr std::chrono::hours part_time{24};  // of uploads: nobody goes on sending what has lain so long
 
 Share share_of(const ServiceOptions& options) {
   const auto running = std::max(1U, options.limits.running);
@@ -54,7 +58,8 @@ Service::Impl::Impl(ServiceOptions given, std::unique_ptr<DataFolder> held, Root
       results(options.data, data_folder->desk_of_results()),
       questions(results, options.data, limits_of_questions(options)),
       maps(results),
-      uploads(options.data, options.limits.upload_bytes, data_folder->desk_of_uploads()),
+      uploads(options.data, {.bytes = options.limits.upload_bytes, .reserve_bytes = options.limits.reserve_bytes},
+              data_folder->desk_of_uploads()),
       clouds(options.memory_bytes / 8),
       roots(std::move(opened_roots)),
       events(std::move(opened_events)),
@@ -66,7 +71,7 @@ Service::Impl::~Impl() {
     const std::lock_guard lock(mutex);
     ending = true;
     for (const auto& id : active)
-      if (const auto& job = jobs.at(id); job->running) job->running->stop.request_stop();
+      if (const auto& job = jobs.at(id); job->running) job->running->ledger.stop();
   }
   waiting_changed.notify_all();
   tick_now.notify_all();
@@ -162,8 +167,11 @@ void Service::Impl::tick() {
     tell_progress();
     forgive_deaths();
     write_again();
-    if (options.retention_s > 0 && steady_clock::now() >= retention) {
-      forget_old();
+    forget_beyond();
+    if (steady_clock::now() >= retention) {
+      if (options.retention_s > 0) forget_old();
+      if (options.uploads)
+        for (const auto& line : uploads.expire(system_clock::now() - part_time)) tell(line);
       retention = steady_clock::now() + retention_time;
     }
     lock.lock();
@@ -209,16 +217,39 @@ void Service::Impl::write_again() {
 void Service::Impl::forget_old() {
   const auto before = system_clock::now() - std::chrono::seconds(options.retention_s);
   const std::lock_guard changes(changing);
-  std::vector<std::shared_ptr<Job>> old;
-  {
-    const std::lock_guard lock(mutex);
-    for (const auto& [id, job] : jobs) {
-      if (job->waits_or_runs() || job->running || job->damaged || unwritten.contains(id)) continue;
-      if (time_of(job->record.finished()) < before) old.push_back(job);
+  for (const auto& job : ended_jobs())
+    if (time_of(job->record.finished()) < before) forget_or_tell(job);
+}
+
+void Service::Impl::forget_beyond() {
+  const std::lock_guard changes(changing);
+  if (!std::exchange(one_has_ended, false)) return;
+  std::map<std::string, std::vector<std::shared_ptr<Job>>> by_caller;
+  for (const auto& job : ended_jobs()) by_caller[job->record.caller()].push_back(job);
+  for (auto& [caller, ended] : by_caller) {
+    // The last first.
+    std::sort(ended.begin(), ended.end(), [](const auto& a, const auto& b) {
+      return std::pair(time_of(a->record.finished()), a->record.id()) >
+             std::pair(time_of(b->record.finished()), b->record.id());
+    });
+    std::uint64_t count = 0, bytes = 0;
+    for (const auto& job : ended) {
+      bytes += job->record.inputs().ByteSizeLong();
+      if (++count > options.limits.ended_of_a_caller || bytes > inputs_of_caller_bytes_max) forget_or_tell(job);
     }
   }
-  for (const auto& job : old)
-    if (const auto gone = forget(job); !gone) tell(gone.error().where);
+}
+
+std::vector<std::shared_ptr<Job>> Service::Impl::ended_jobs() const {
+  std::vector<std::shared_ptr<Job>> ended;
+  const std::lock_guard lock(mutex);
+  for (const auto& [id, job] : jobs)
+    if (!job->waits_or_runs() && !job->running && !job->damaged && !unwritten.contains(id)) ended.push_back(job);
+  return ended;
+}
+
+void Service::Impl::forget_or_tell(const std::shared_ptr<Job>& job) {
+  if (const auto gone = forget(job); !gone) tell(gone.error().where);
 }
 
 Result<std::unique_ptr<Service>> Service::open(ServiceOptions options) {

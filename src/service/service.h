@@ -38,8 +38,10 @@ struct ServiceLimits {
   std::uint32_t running = 1;                 // jobs at once
   std::uint32_t queued = 10'000;             // jobs that wait; more: 429
   std::uint32_t jobs_of_a_caller = 1000;     // accepted or running
+  std::uint32_t ended_of_a_caller = 1000;    // ended jobs that are remembered; of more those that ended first are not
   std::uint64_t points = 0, disk_bytes = 0;  // of one job; 0: what the machine has
-  std::uint64_t upload_bytes = 0;            // of all uploads together; 0: what the disk has
+  std::uint64_t reserve_bytes = std::uint64_t{64} << 20;  // of the disk, that jobs and uploads leave free
+  std::uint64_t upload_bytes = 0;                         // of all uploads together; 0: what the disk has
   // A job during which the process died is begun again, alone, so that its neighbours are not blamed; after so many
   // deaths one after the other it has failed, and only resume() begins it again.
   std::uint32_t deaths = 3;
@@ -206,6 +208,8 @@ class Backend {
   virtual Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                                 const Caller& caller) = 0;
   virtual Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) = 0;
+  // Also of what has come of a file. 409 while it is being sent.
+  virtual Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) = 0;
 
   // Who works on the jobs, in order of coming.
   virtual Reply<proto::NodeList> nodes() = 0;
@@ -267,6 +271,7 @@ class Service final : public Backend {
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
   Reply<proto::NodeList> nodes() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;

@@ -10,7 +10,6 @@
 #include <mutex>
 #include <optional>
 #include <set>
-#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -18,6 +17,7 @@
 
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
+#include "src/base/ledger.h"
 #include "src/base/progress.h"
 #include "src/service/collections.h"
 #include "src/service/data_folder.h"
@@ -36,8 +36,9 @@ namespace tessera {
 
 // Of a job that a thread works on.
 struct Running {
+  explicit Running(Ledger::Bounds bounds) : ledger(std::move(bounds)) {}
   Progress progress;
-  std::stop_source stop;
+  Ledger ledger;
 };
 
 struct Job {
@@ -81,7 +82,12 @@ struct Service::Impl {
   // Of running jobs, not stored yet.
   std::map<std::string, std::uint64_t> tiles_by_node();
   void write_again();
+  // Ended jobs: those that are older than the retention, and of each caller those beyond its number.
   void forget_old();
+  void forget_beyond();
+  std::vector<std::shared_ptr<Job>> ended_jobs() const;
+  // REQUIRES: `changing` is held.
+  void forget_or_tell(const std::shared_ptr<Job>& job);
 
   // service_jobs.cc. REQUIRES: `changing` is held, for change() and forget(); `mutex` for status_of() and find().
   enum class Need : bool { written, done };  // or nothing changes; or it changes, and is written as soon as can be
@@ -140,6 +146,7 @@ struct Service::Impl {
   std::map<std::pair<std::string, std::string>, std::string> by_key;  // caller and key: id
   std::set<std::string, std::less<>> forgotten;
   JobIds ids;
+  bool one_has_ended = true;  // since forget_beyond() looked last; with `changing`
   bool ending = false;
   Service::Figures since_start;
   std::map<std::string, double> phase_seconds;

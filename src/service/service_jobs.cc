@@ -125,6 +125,7 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
   const std::string before = changed.state();
   how(changed);
   changed.set_updated(time_text(system_clock::now()));
+  one_has_ended |= changed.state() != job_state::accepted && changed.state() != job_state::running;
   const auto written = store.replace(changed);
   if (!written && need == Need::written) return written.error();
   // First: who hears of a job's end finds its log whole, and a watcher's stream ends with the status.
@@ -207,7 +208,7 @@ Reply<proto::StatusInfo> Service::dismiss(std::string_view id, const Caller& cal
     impl.waiting.erase(job->record.place());
     ++impl.since_start.dismissed;
     if (job->running) {
-      job->running->stop.request_stop();
+      job->running->ledger.stop();
     } else {
       impl.active.erase(job->record.id());
     }

@@ -151,6 +151,12 @@ Reply<std::uint64_t> Service::uploaded(std::string_view folder, std::string_view
   return impl_->uploads.uploaded(folder, file);
 }
 
+Reply<void> Service::remove_upload(std::string_view folder, std::string_view file, const Caller& caller) {
+  if (const auto refused = no_uploads(impl_->options)) return *refused;
+  if (caller.role < Role::submit) return problem(403, "to remove an upload takes the role submit", Errc::usage);
+  return impl_->uploads.remove(folder, file, caller);
+}
+
 Reply<std::string> Service::identity(std::string_view name) { return impl_->questions.identity(name); }
 
 Reply<QuestionAnswer> Service::ask(const Question& question) { return impl_->questions.ask(question); }

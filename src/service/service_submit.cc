@@ -1,11 +1,15 @@
 // How a job is accepted, or why not.
 #include <algorithm>
 #include <exception>
+#include <optional>
+#include <utility>
 
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/service/costs.h"
+#include "src/service/deadline.h"
 #include "src/service/drawing_options.h"
+#include "src/service/kept_inputs.h"
 #include "src/service/owners.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
@@ -18,6 +22,7 @@ using std::chrono::system_clock;
 
 constexpr std::size_t key_bytes_max = 255;
 constexpr std::uint64_t info_points_max = 20'000'000;  // some seconds
+constexpr std::size_t files_opened_max = 10'000;       // while a request waits: again some seconds
 
 std::optional<proto::Problem> check_field_name(const char* field, const std::string& name) {
   const auto fits = check_name(name);
@@ -40,6 +45,7 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
   if (inputs.of_case() == proto::Inputs::OF_NOT_SET)
     return problem(400, "inputs: none is given of triangulate, region, verify, export, dem, contours and info",
                    Errc::usage);
+  if (const auto bad = check_size(inputs)) return bad;
   if (const auto bad = check_options(inputs)) return bad;
   if (makes_result(inputs)) {
     triangulation = result_output(inputs);
@@ -55,7 +61,7 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
     const auto& names = inputs.has_region() ? inputs.region().inputs() : inputs.info().inputs();
     const bool recursive = inputs.has_region() ? inputs.region().recursive() : inputs.info().recursive();
     const auto files = roots.files(list_of(names), recursive);
-    if (!files) return problem_of_inputs(files.error());
+    if (!files && !Ledger::reason_of_thread()) return problem_of_inputs(files.error());
   }
   return std::nullopt;
 }
@@ -108,11 +114,16 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::Inputs& inputs, std::op
   } else if (inputs.has_contours()) {
     const auto options = contour_options(inputs.contours(), share);
     if (!options) return problem_of(options.error());
-    refused = check_costs(*manifest.value(), options.value(), estimate);
+    refused = check_costs(*manifest.value(), options.value(), results.folder(name), shop.limits, shop.data, estimate);
+  } else if (inputs.has_export_()) {
+    const auto options = export_options(inputs.export_());
+    if (!options) return problem_of(options.error());
+    refused =
+        check_costs(*manifest.value(), options.value(), inputs.export_().output(), shop.limits, shop.data, estimate);
   } else {
     return problem(404, "the process " + process_of(inputs) + " makes no estimate", Errc::usage);
   }
-  if (manifest.value()->dimension != 2)
+  if (manifest.value()->dimension != 2 && !inputs.has_export_())
     refused =
         problem(400, "triangulation: '" + name + "' is a 3D result, which has no heights over a plane", Errc::usage);
   if (refused) estimate.set_reason(refused->detail());
@@ -127,16 +138,21 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
   proto::Estimate estimate;
   const auto looked = [&]() -> Status {
     BOOST_OUTCOME_TRY(files, roots.files(list_of(inputs.inputs()), inputs.recursive()));
+    if (files.size() > files_opened_max) {
+      estimate.set_reason("more than " + grouped(files_opened_max) + " files are measured when the job runs");
+      return success();
+    }
     BOOST_OUTCOME_TRY(packed, any_packed(files));
     if (packed) {
       estimate.set_reason("compressed files are measured when the job runs");
       return success();
     }
-    BOOST_OUTCOME_TRY(cloud, open_cloud(files, options.value()));
+    BOOST_OUTCOME_TRY(cloud, open_cloud(files, options.value(), Ledger::token_of_thread()));
     refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate);
     return success();
   }();
-  if (!looked) return problem_of_inputs(looked.error());
+  if (!looked && !Ledger::reason_of_thread()) return problem_of_inputs(looked.error());
+  if (!looked) estimate.set_reason("files that take so long are measured when the job runs");
   if (refused) estimate.set_reason(refused->detail());
   estimate.set_accepted(!refused);
   return estimate;
@@ -147,13 +163,16 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   const auto& name = job.triangulation();
   const auto output = export_output(inputs);
   const auto clash = [](const std::string& detail) { return problem(409, detail, Errc::usage); };
-  std::uint64_t of_caller = 0, queued = waiting.size();
+  std::uint64_t of_caller = 0, bytes_of_caller = inputs.ByteSizeLong(), queued = waiting.size();
   for (const auto& id : active) {
     const Job& other = *jobs.at(id);
     // One that has ended works on nothing, even if its thread has yet to let go of it.
     if (id == job.id() || other.is(job_state::successful) || other.is(job_state::failed)) continue;
     if (other.arriving) ++queued;
-    if (other.waits_or_runs() && other.record.caller() == job.caller()) ++of_caller;
+    if (other.waits_or_runs() && other.record.caller() == job.caller()) {
+      ++of_caller;
+      bytes_of_caller += other.record.inputs().ByteSizeLong();
+    }
     if (name.empty() || other.record.triangulation() != name) continue;
     // One that makes a triangulation has it alone; others read it together, but write no export twice.
     if (makes_result(inputs) || makes_result(other.record.inputs()))
@@ -163,6 +182,11 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
   }
   if (queued >= options.limits.queued)
     return problem(429, grouped(queued) + " jobs wait already, as many as may", Errc::io);
+  if (bytes_of_caller > inputs_of_caller_bytes_max)
+    return problem(429,
+                   "the inputs of jobs of " + job.caller() + " that wait or run take " + human_bytes(bytes_of_caller) +
+                       ", more than may be",
+                   Errc::io);
   if (of_caller >= options.limits.jobs_of_a_caller) {
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
   }
@@ -206,8 +230,7 @@ std::optional<Service::Submitted> Service::Impl::same_as(const proto::Inputs& in
   const auto found = known();
   if (found == by_key.end()) return std::nullopt;
   const Job& job = *jobs.at(found->second);
-  if (job.record.inputs().SerializeAsString() == inputs.SerializeAsString())
-    return Service::Submitted{status_of(job), false};
+  if (same_inputs(job.record, inputs)) return Service::Submitted{status_of(job), false};
   other = problem(422, "this idempotency key was sent before with other inputs, for job " + found->second, Errc::usage);
   return std::nullopt;
 }
@@ -262,9 +285,10 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     if (other) return *other;
   }
   std::string triangulation;
+  std::optional<WhileAnyoneWaits> waited(std::in_place);
   if (const auto bad = impl.check_inputs(inputs, triangulation)) return *bad;
   // A region's are known when its files were looked into, which the job does.
-  if (inputs.has_triangulate() || inputs.has_dem() || inputs.has_contours()) {
+  if (inputs.has_triangulate() || inputs.has_dem() || inputs.has_contours() || inputs.has_export_()) {
     std::optional<proto::Problem> refused;
     BOOST_OUTCOME_TRY(estimate, impl.costs(inputs, refused));
     if (refused) return *refused;
@@ -272,7 +296,9 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     record.set_memory_bytes(estimate.memory_bytes());
     record.set_disk_bytes(estimate.result_bytes() + estimate.temporary_bytes());
   }
+  waited.reset();
   *record.mutable_inputs() = inputs;
+  record.set_inputs_sum(sum_of(inputs));
   record.set_caller(caller.name);
   record.set_idempotency_key(key);
   record.set_triangulation(triangulation);
@@ -299,6 +325,7 @@ Reply<proto::Estimate> Service::estimate(const proto::Inputs& inputs, const Call
   if (caller.role < (reads_inputs ? Role::submit : Role::read))
     return problem(403, "an estimate reads inputs: it takes the role submit", Errc::usage);
   std::string triangulation;
+  const WhileAnyoneWaits waited;
   if (!inputs.has_triangulate())
     if (const auto bad = impl_->check_inputs(inputs, triangulation)) return *bad;
   std::optional<proto::Problem> refused;
@@ -309,11 +336,12 @@ Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& 
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
     return problem(403, "to be told of inputs takes the role submit", Errc::usage);
   const auto refuse = inputs.triangulation().empty() ? problem_of_inputs : problem_of;
+  WhileAnyoneWaits waited;
   const auto late = takes_too_long(impl_->shop, inputs, info_points_max);
   if (!late) return refuse(late.error());
   if (late.value()) return *late.value();
-  auto text = describe_inputs(impl_->shop, inputs, {});
-  if (!text) return refuse(text.error());
+  auto text = describe_inputs(impl_->shop, inputs, waited.ledger().token());
+  if (!text) return refuse(waited.ledger().reason().value_or(text.error()));
   return std::move(text).value();
 }
 

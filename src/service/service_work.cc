@@ -5,7 +5,9 @@
 #include <utility>
 #include <vector>
 
+#include "src/service/costs.h"
 #include "src/service/deaths.h"
+#include "src/service/kept_inputs.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -55,7 +57,7 @@ std::shared_ptr<Job> Service::Impl::take() {
       continue;
     }
     if (job) {
-      job->running = std::make_shared<Running>();
+      job->running = std::make_shared<Running>(bounds_of_job(options.limits, options.data));
       waiting.erase(job->record.place());
       ++held;
       held_alone = job->record.deaths() > 0;
@@ -81,8 +83,11 @@ void Service::Impl::work() {
       const std::lock_guard lock(mutex);
       record = job->record;
     }
-    const JobWork work{record, running->progress, running->stop.get_token(),
-                       [this, &record](const std::string& line) { log(record.id(), line); }, store.folder(record.id())};
+    const auto tell_log = [this, &record](const std::string& line) {
+      const Ledger::Use none(nullptr);  // also a job that may write no more says why
+      log(record.id(), line);
+    };
+    const JobWork work{record, running->progress, running->ledger, tell_log, store.folder(record.id())};
     end(job, guarded_work(shop, work));
   }
 }
@@ -92,7 +97,7 @@ bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr
   const std::lock_guard changes(changing);
   {
     const std::lock_guard lock(mutex);
-    if (!job->is(job_state::accepted) || ending || running->stop.stop_requested()) return false;
+    if (!job->is(job_state::accepted) || ending || running->ledger.token().stop_requested()) return false;
   }
   const auto changed = change(*job, Need::done, [](proto::JobRecord& record) {
     record.set_state(job_state::running);
@@ -174,6 +179,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
         ended.set_deaths(0);
         ended.set_finished(time_text(system_clock::now()));
         ended.set_state(done ? job_state::successful : job_state::failed);
+        if (done) drop_inputs(ended);
         ended.set_message(done ? "is done" : done.error().detail());
         if (done && done.value().points > 0) ended.set_points(done.value().points);
         ended.set_nodes_lost(job->running->progress.nodes_lost);
@@ -191,6 +197,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
     since_start.bytes_between += job->running->progress.bytes_between;
     since_start.credit_waits += job->running->progress.credit_waits;
     job->running.reset();
+    one_has_ended = true;
     std::string().swap(job->told);  // jobs that have ended are many
     --held;
     held_alone = false;

@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/files/there.h"
 #include "src/job/describe.h"
 #include "src/job/estimate.h"
@@ -18,6 +19,7 @@
 #include "src/report/human.h"
 #include "src/report/summary.h"
 #include "src/service/costs.h"
+#include "src/service/disk_watch.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 #include "src/service/work_exports.h"
@@ -26,6 +28,8 @@
 
 namespace tessera {
 namespace {
+
+constexpr std::size_t described_at_once_max = 10'000;  // files: some seconds
 
 // Of a result that was complete when its job went on.
 Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& options, const proto::JobRecord& job) {
@@ -57,8 +61,9 @@ proto::Problem failed_with(const Error& error, const std::optional<proto::Proble
     return problem_of(error);
   }
   folder.abandon();
-  // A run that went on and failed for want of room or memory can go on once there is some; no other would end well.
-  if (error.code != Errc::io && error.code != Errc::memory) {
+  // A run that went on and failed for want of room or memory can go on once there is some; no other would end well, and
+  // one that is beyond its bound of disk would be so again.
+  if (work.ledger.reason() ? error.code == Errc::memory : error.code != Errc::io && error.code != Errc::memory) {
     if (const Status gone = shop.results.drop_unfinished(work.job.id()); !gone) work.log(gone.error().where);
   }
   return refused ? *refused : problem_of(error);
@@ -85,7 +90,7 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
   }
   auto folder = ResultFolder::inspect(path, true, false);
   if (!folder) return problem_of(folder.error());
-  folder.value().lock_with(lock_of_unfinished(shop, work.stop));
+  folder.value().lock_with(lock_of_unfinished(shop, work.ledger.token()));
   std::optional<proto::Problem> refused;
   const auto open = [&](JobOptions& opened, const std::stop_token& stop) -> Result<Cloud> {
     BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
@@ -97,8 +102,10 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
     return std::move(cloud);
   };
   if (folder.value().resuming()) work.log("goes on with what is there");
-  auto summary = run_job(shop.engine, options.value(), open, folder.value(), work.progress, work.stop);
-  if (!summary) return failed_with(summary.error(), refused, folder.value(), shop, work);
+  DiskWatch watch(path, work.ledger);
+  auto summary = run_job(shop.engine, options.value(), open, folder.value(), work.progress, work.ledger.token());
+  if (const auto bounded = watch.finish(); !bounded && summary) summary = bounded.error();
+  if (!summary) return failed_with(work.ledger.reason().value_or(summary.error()), refused, folder.value(), shop, work);
   if (summary.value()) return done_with(*std::move(summary).value(), job);
   auto stored = summary_of_stored(shop, options.value(), job);
   if (!stored) return problem_of(stored.error());
@@ -111,7 +118,8 @@ Reply<JobDone> verify(const Workshop& shop, const JobWork& work) {
   if (!options) return problem_of(options.error());
   options.value().scratch = work.scratch;
   if (const auto problem = check_verify(shop, inputs)) return *problem;
-  const auto report = tessera::verify(shop.results.folder(inputs.triangulation()), options.value(), work.stop);
+  const auto report =
+      tessera::verify(shop.results.folder(inputs.triangulation()), options.value(), work.ledger.token());
   if (!report) return problem_of(report.error());
   const auto& found = report.value();
   for (const auto& passed : found.passed) work.log("ok  " + passed);
@@ -126,11 +134,15 @@ Result<std::optional<proto::Problem>> takes_too_long(const Workshop& shop, const
   if (!inputs.triangulation().empty()) return Refused{};
   BOOST_OUTCOME_TRY(cloud, cloud_of(inputs));
   BOOST_OUTCOME_TRY(options, job_options(cloud, shop.share));
-  BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
+  const auto found = shop.roots.files(list_of(inputs.inputs()), inputs.recursive());
+  if (Ledger::reason_of_thread()) return Refused(needs_a_job("inputs: so many files"));
+  if (!found) return found.error();
+  const auto& files = found.value();
+  if (files.size() > described_at_once_max) return Refused(needs_a_job("inputs: " + grouped(files.size()) + " files"));
   BOOST_OUTCOME_TRY(packed, any_packed(files));
   if (packed) return Refused(needs_a_job("inputs: compressed files"));
   if (!inputs.stats()) return Refused{};
-  BOOST_OUTCOME_TRY(opened, open_cloud(files, options));
+  BOOST_OUTCOME_TRY(opened, open_cloud(files, options, Ledger::token_of_thread()));
   const auto points = expected_points(opened.files());
   if (points > points_max) return Refused(needs_a_job("inputs: " + grouped(points) + " points"));
   return Refused{};
@@ -171,7 +183,7 @@ std::optional<proto::Problem> check_verify(const Workshop& shop, const proto::Ve
 }
 
 LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop) {
-  constexpr std::chrono::milliseconds pause{200};
+  static constexpr std::chrono::milliseconds pause{200};
   const auto until = std::chrono::steady_clock::now() + shop.data_lease * 3 / 2;
   const auto wait = [stop, until](const Error&) {
     std::mutex mutex;
@@ -183,7 +195,9 @@ LockOptions lock_of_unfinished(const Workshop& shop, const std::stop_token& stop
   return {.heartbeat = shop.data_lease / 12, .silence_max = shop.data_lease, .locked = wait};
 }
 
-Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
+namespace {
+
+Reply<JobDone> work_of_kind(const Workshop& shop, const JobWork& work) {
   switch (work.job.inputs().of_case()) {
     case proto::Inputs::kTriangulate:
       return triangulate(shop, work);
@@ -198,11 +212,27 @@ Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
     case proto::Inputs::kRegion:
       return do_region(shop, work);
     default: {
-      auto text = describe_inputs(shop, work.job.inputs().info(), work.stop);
+      auto text = describe_inputs(shop, work.job.inputs().info(), work.ledger.token());
       if (!text) return problem_of(text.error());
       return JobDone{std::move(text).value(), 0, {}};
     }
   }
+}
+
+}  // namespace
+
+Reply<JobDone> do_work(const Workshop& shop, const JobWork& work) {
+  const Ledger::Use use(&work.ledger);
+  auto done = [&]() -> Reply<JobDone> {
+    try {
+      return work_of_kind(shop, work);
+    } catch (const Stopped& stopped) {
+      return problem_of(error(Errc::interrupted, stopped.what()));
+    }
+  }();
+  // What failed because of it has many sentences; this one says what to change.
+  if (const auto reason = work.ledger.reason(); reason && !done) return problem_of(*reason);
+  return done;
 }
 
 }  // namespace tessera

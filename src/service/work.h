@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
+#include "src/base/ledger.h"
 #include "src/base/progress.h"
 #include "src/files/folder_lock.h"
 #include "src/service/convert.h"
@@ -38,7 +38,7 @@ struct Workshop {
 struct JobWork {
   const proto::JobRecord& job;
   Progress& progress;
-  std::stop_token stop;
+  Ledger& ledger;
   std::function<void(const std::string&)> log;
   std::filesystem::path scratch;
 };
@@ -51,7 +51,8 @@ struct JobDone {
 
 // A triangulation is complete in Results::unfinished(job), an export in Results::unfinished_export(), and nowhere else,
 // when this returns without a problem. A problem with cause interrupted: the same job can go on later, from where it
-// was. After other problems what cannot be gone on with is removed.
+// was. After other problems what cannot be gone on with is removed. Whatever the kind of the job, it draws from
+// `work.ledger`; of a bound that it meets its problem tells.
 Reply<JobDone> do_work(const Workshop& shop, const JobWork& work);
 
 // How the folder of what a job makes is locked. A daemon that held the data folder before, and worked on the job, may

@@ -1,12 +1,14 @@
 #include "src/service/work_exports.h"
 
 #include <functional>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/export/export.h"
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
@@ -22,8 +24,6 @@ namespace tessera {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr const char* tileset_format = "3dtiles";  // of exports, beside those of src/export
 
 // What an export has made in `folder`: where the result will have it, its bytes and checksum.
 Result<Json> written_files(const std::filesystem::path& folder) {
@@ -56,7 +56,13 @@ auto written_aside(const Workshop& shop, const std::filesystem::path& folder, co
   auto made = [&]() -> decltype(write()) {
     BOOST_OUTCOME_TRYV(shop.results.drop_unfinished_export(name, work.job.id()));
     BOOST_OUTCOME_TRYV(make_directories(folder));
-    return write();
+    try {
+      return write();
+    } catch (const Stopped& stopped) {
+      return error(Errc::interrupted, stopped.what());
+    } catch (const std::bad_alloc&) {
+      return worded([] { return error(Errc::memory, "the system has no more memory to give"); });
+    }
   }();
   if (!made) {
     if (const Status gone = shop.results.drop_unfinished_export(name, work.job.id()); !gone)
@@ -83,7 +89,8 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options, work.stop);
+    return write_tileset(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options,
+                         work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   Json outcome = Json::parse(to_json(made.value()));
@@ -103,7 +110,7 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return write(shop.results.folder(name), folder / output, options.value(), work.stop);
+    return write(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   auto written = written_files(folder);
@@ -128,7 +135,7 @@ Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
   const auto exported = written_aside(shop, folder, work, [&] {
     // A name without an ending is a folder of files.
     return export_result(shop.results.folder(inputs.triangulation()), folder / inputs.output(), options.value(),
-                         work.stop);
+                         work.ledger.token());
   });
   if (!exported) return problem_of(exported.error());
   auto written = written_files(folder);

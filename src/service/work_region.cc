@@ -36,9 +36,9 @@ Result<RegionJobOptions> options_of(const Workshop& shop, const proto::RegionInp
 
 Result<RegionSummary> write(const Workshop& shop, const JobWork& work, const std::vector<std::string>& files,
                             const RegionJobOptions& options, ResultFolder& folder) {
-  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(work.job.inputs().region()), work.stop));
+  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(work.job.inputs().region()), work.ledger.token()));
   for (const auto& warning : lent.cloud.warnings) work.log("warning: " + warning);
-  BOOST_OUTCOME_TRY(summary, write_region(lent.cloud, options, folder, work.stop));
+  BOOST_OUTCOME_TRY(summary, write_region(lent.cloud, options, folder, work.ledger.token()));
   shop.clouds.give_back(std::move(lent));
   return summary;
 }
@@ -79,7 +79,7 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
   // What an attempt before has left is begun anew.
   auto folder = ResultFolder::inspect(path, false, true);
   if (!folder) return problem_of(folder.error());
-  folder.value().lock_with(lock_of_unfinished(shop, work.stop));
+  folder.value().lock_with(lock_of_unfinished(shop, work.ledger.token()));
   auto summary = write(shop, work, files.value(), options.value(), folder.value());
   if (!summary) {
     folder.value().abandon();
@@ -95,20 +95,26 @@ Reply<JobDone> do_region(const Workshop& shop, const JobWork& work) {
 Result<proto::Estimate> region_estimate(const Workshop& shop, const proto::RegionInputs& inputs) {
   proto::Estimate estimate;
   BOOST_OUTCOME_TRY(options, options_of(shop, inputs));
-  BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
-  BOOST_OUTCOME_TRY(packed, any_packed(files));
   estimate.set_accepted(true);
+  const auto found = shop.roots.files(list_of(inputs.inputs()), inputs.recursive());
+  if (Ledger::reason_of_thread()) {
+    estimate.set_reason("so many files are measured when the job runs");
+    return estimate;
+  }
+  if (!found) return found.error();
+  const auto& files = found.value();
+  BOOST_OUTCOME_TRY(packed, any_packed(files));
   if (packed || options.scan) {
     estimate.set_reason("files that are compressed or scanned are measured when the job runs");
     return estimate;
   }
-  BOOST_OUTCOME_TRY(cloud, Cloud::open(files, options.cloud));
+  BOOST_OUTCOME_TRY(cloud, Cloud::open(files, options.cloud, Ledger::token_of_thread()));
   for (const auto& file : cloud.files()) {
     if (file.bounds) continue;
     estimate.set_reason("files that do not state where their points are are measured when the job runs");
     return estimate;
   }
-  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(inputs), {}));
+  BOOST_OUTCOME_TRY(lent, shop.clouds.lend(files, options, words_of(inputs), Ledger::token_of_thread()));
   const RegionCloud& regions = lent.cloud;
   std::uint64_t points = 0, units = 0;
   const Bounds box{options.box.lo, options.box.hi};
@@ -140,6 +146,9 @@ Result<proto::Estimate> region_estimate(const Workshop& shop, const proto::Regio
   } else if (estimate.memory_bytes() > options.limits.memory_bytes) {
     refuse("which take " + human_bytes(estimate.memory_bytes()) + "; the job has " +
            human_bytes(options.limits.memory_bytes));
+  } else if (const auto beyond = check_disk("and need " + human_bytes(cost.result_bytes) + " of disk; ",
+                                            cost.result_bytes, shop.limits, shop.data)) {
+    refuse(beyond->detail());
   }
   return estimate;
 }

@@ -10,6 +10,7 @@
 #include <new>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/base/stopped.h"
 
 namespace tessera::store {
@@ -147,6 +148,7 @@ Status DirectWriter::write_piece() {
   throw_if_stopped(stop_);
   fill_up_to(std::max(filled_, known_));
   hash_filled();
+  BOOST_OUTCOME_TRYV(Ledger::draw_write(filled_));
   std::size_t done = 0;
   while (done < filled_) {
     const auto n = ::pwrite(file_.get(), piece_.get() + done, filled_ - done, static_cast<off_t>(offset_ + done));

@@ -8,23 +8,30 @@
 #include <filesystem>
 #include <queue>
 #include <span>
+#include <stop_token>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "src/base/ledger.h"
 #include "src/base/result.h"
+#include "src/base/stoppable_sort.h"
 #include "src/files/descriptor.h"
 
 namespace tessera {
 
-// Record: trivially copyable, with operator<.
+// Record: trivially copyable, with operator<. Its functions end soon after `stop` is requested, with the error
+// interrupted.
 template <class Record>
 class ExternalSort {
  public:
   static_assert(std::is_trivially_copyable_v<Record>);
 
-  ExternalSort(std::filesystem::path scratch, std::uint64_t memory_bytes)
-      : scratch_(std::move(scratch)), capacity_(std::max<std::uint64_t>(memory_bytes / sizeof(Record), 1024)) {}
+  ExternalSort(std::filesystem::path scratch, std::uint64_t memory_bytes,
+               std::stop_token stop = Ledger::token_of_thread())
+      : scratch_(std::move(scratch)),
+        capacity_(std::max<std::uint64_t>(memory_bytes / sizeof(Record), 1024)),
+        stop_(std::move(stop)) {}
 
   Status push(const Record& record) {
     if (buffer_.size() == buffer_.capacity()) {
@@ -42,10 +49,13 @@ class ExternalSort {
   // Calls `visit(record)` for all records in order, until it returns an error. Ends the sorter's life.
   template <class Visit>
   Status for_each(Visit&& visit) {
-    std::sort(buffer_.begin(), buffer_.end());
     if (runs_.empty()) {
-      for (const auto& record : buffer_) {
-        BOOST_OUTCOME_TRYV(visit(record));
+      BOOST_OUTCOME_TRYV(sort_buffer());
+      for (std::size_t i = 0; i < buffer_.size(); ++i) {
+        if (i % records_a_look == 0) {
+          BOOST_OUTCOME_TRYV(go_on());
+        }
+        BOOST_OUTCOME_TRYV(visit(buffer_[i]));
       }
       return success();
     }
@@ -87,8 +97,24 @@ class ExternalSort {
     std::size_t at_ = 0, filled_ = 0;
   };
 
+  static constexpr std::uint64_t records_a_look = 1 << 16;
+
+  Status go_on() const {
+    if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while sorting");
+    return success();
+  }
+
+  Status sort_buffer() {
+    try {
+      sort_unless_stopped(buffer_.begin(), buffer_.end(), stop_);
+    } catch (const Stopped&) {
+      return go_on();
+    }
+    return success();
+  }
+
   Status spill() {
-    std::sort(buffer_.begin(), buffer_.end());
+    BOOST_OUTCOME_TRYV(sort_buffer());
     BOOST_OUTCOME_TRY(file, nameless_file(scratch_));
     Run run{std::move(file), buffer_.size()};
     BOOST_OUTCOME_TRYV(write_at(run.file.get(), std::as_bytes(std::span(buffer_)), 0, scratch_));
@@ -108,7 +134,10 @@ class ExternalSort {
       BOOST_OUTCOME_TRY(more, cursors[i].next());
       if (more) queue.push(i);
     }
-    while (!queue.empty()) {
+    for (std::uint64_t visited = 0; !queue.empty(); ++visited) {
+      if (visited % records_a_look == 0) {
+        BOOST_OUTCOME_TRYV(go_on());
+      }
       const std::size_t i = queue.top();
       queue.pop();
       BOOST_OUTCOME_TRYV(visit(cursors[i].record()));
@@ -120,6 +149,7 @@ class ExternalSort {
 
   std::filesystem::path scratch_;
   std::uint64_t capacity_;
+  std::stop_token stop_;
   std::vector<Record> buffer_;
   std::vector<Run> runs_;
 };

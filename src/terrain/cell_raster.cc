@@ -3,6 +3,7 @@
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include "src/predicates/exact/predicates.h"
+#include "src/query/area.h"
 
 namespace tessera::terrain {
 namespace {
@@ -59,6 +60,34 @@ double value_at(const Triangle& cell, const Point& q) {
   if (!(error < 1e-12 * size && size > 1e-250)) return value_exactly(cell, q);
   const auto part = [&](const Area<double>& area) { return std::clamp(area.area() / whole, 0.0, 1.0); };
   return mix(cell, part(a), part(b), part(c));
+}
+
+Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit) {
+  Bounds around;
+  for (const Corner& corner : cell) around.add(corner.at);
+  // A pixel more on all sides: only which parts are asked depends on it.
+  const auto from = [&](double c, std::int64_t least) {
+    return std::max(least, static_cast<std::int64_t>(std::floor(c / grid.res)) - 1);
+  };
+  const auto to = [&](double c, std::int64_t end) {
+    return std::min(end, static_cast<std::int64_t>(std::ceil(c / grid.res)) + 1);
+  };
+  const std::int64_t left = from(around.lo.x, grid.column0), right = to(around.hi.x, grid.column0 + grid.width);
+  const std::int64_t low = from(around.lo.y, grid.row0), high = to(around.hi.y, grid.row0 + grid.height);
+  if (right - left <= part_side && high - low <= part_side) return visit(grid);
+  const std::array<Point, 3> corners{cell[0].at, cell[1].at, cell[2].at};
+  Grid part = grid;
+  for (part.row0 = low; part.row0 < high; part.row0 += part_side) {
+    part.height = std::min(part_side, high - part.row0);
+    for (part.column0 = left; part.column0 < right; part.column0 += part_side) {
+      part.width = std::min(part_side, right - part.column0);
+      const Bounds box{{grid.centre(part.column0 - 1), grid.centre(part.row0 - 1), 0},
+                       {grid.centre(part.column0 + part.width), grid.centre(part.row0 + part.height), 0}};
+      if (!query::meets(corners, box)) continue;
+      BOOST_OUTCOME_TRYV(visit(part));
+    }
+  }
+  return success();
 }
 
 }  // namespace tessera::terrain

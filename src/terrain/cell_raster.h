@@ -10,10 +10,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 
 #include "src/base/ids.h"
 #include "src/base/point.h"
+#include "src/base/result.h"
 #include "src/terrain/grid.h"
 
 namespace tessera::terrain {
@@ -87,5 +89,11 @@ void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
     }
   }
 }
+
+// Parts of `grid` which together have all pixels of the cell, each of part_side x part_side pixels at most:
+// for_each_pixel() of them all is that of the grid. A cell of few pixels has one part. Calls visit(part) until it
+// returns an error.
+inline constexpr std::int64_t part_side = 2048;
+Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
 
 }  // namespace tessera::terrain

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -16,6 +17,23 @@ namespace tessera::terrain {
 namespace fs = std::filesystem;
 
 namespace {
+
+// A file that GDAL writes, not src/files: what it has grown by is drawn from the thread's ledger.
+class Growing {
+ public:
+  explicit Growing(const fs::path& path) : path_(path) {}
+  Status draw() {
+    BOOST_OUTCOME_TRY(there, bytes_if_there(path_));
+    const std::uint64_t bytes = there.value_or(0);  // it is not there at first
+    const std::uint64_t more = bytes - std::min(bytes, drawn_);
+    drawn_ += more;
+    return Ledger::draw_write(more);
+  }
+
+ private:
+  const fs::path& path_;
+  std::uint64_t drawn_ = 0;
+};
 
 int CPL_STDCALL tell(double done, const char*, void* to) {
   return (*static_cast<const std::function<bool(double)>*>(to))(done) ? 1 : 0;
@@ -108,6 +126,9 @@ Status CogFile::add_block(std::int64_t x, std::int64_t y, Block& block) {
       }
     }
   }
+  if (!written_[number]) {
+    BOOST_OUTCOME_TRYV(Ledger::draw_write(static_cast<std::uint64_t>(width * height) * (options_.doubles ? 8 : 4)));
+  }
   written_[number] = true;
   pixels_ += block.drawn;
   if (!transfer(GF_Write, block.pixels)) return refused(quiet);
@@ -128,8 +149,9 @@ Status CogFile::shade(const std::function<bool(double)>& go_on) {
   GDALDEMProcessingOptions* options = gdal_.GDALDEMProcessingOptionsNew(choices.get(), nullptr);
   if (options == nullptr) return refused(quiet);
   bool stopped = false;
+  Growing growing(shade_.path());
   const std::function<bool(double)> ask = [&](double done) {
-    stopped = stopped || !go_on(done);
+    stopped = stopped || !go_on(done) || !growing.draw();
     return !stopped;
   };
   gdal_.GDALDEMProcessingOptionsSetProgress(options, tell, const_cast<std::function<bool(double)>*>(&ask));
@@ -161,8 +183,9 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
   Choices choices({"COMPRESS=DEFLATE", "LEVEL=1", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "OVERVIEWS=AUTO",
                    "OVERVIEW_RESAMPLING=AVERAGE", "NUM_THREADS=" + std::to_string(options_.threads)});
   bool stopped = false;
+  Growing growing(cog_.path());
   const std::function<bool(double)> ask = [&](double done) {
-    stopped = stopped || !go_on(done);
+    stopped = stopped || !go_on(done) || !growing.draw();
     return !stopped;
   };
   const GDALDatasetH cog = gdal_.GDALCreateCopy(gdal_.GDALGetDriverByName("COG"), cog_.path().c_str(), dataset_, 0,
@@ -170,6 +193,7 @@ Result<std::uint64_t> CogFile::finish(const std::function<bool(double)>& told) {
   if (cog != nullptr) gdal_.GDALClose(cog);  // its errors are told by the message alone
   if (stopped) return error(Errc::interrupted, "interrupted while writing the raster");
   if (cog == nullptr || gdal_.CPLGetLastErrorType() >= CE_Failure) return refused(quiet);
+  BOOST_OUTCOME_TRYV(growing.draw());
   BOOST_OUTCOME_TRY(bytes, file_bytes(cog_.path()));
   BOOST_OUTCOME_TRYV(publish(cog_.path(), target_));
   cog_.keep();

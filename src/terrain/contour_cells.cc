@@ -8,10 +8,13 @@
 namespace tessera::terrain {
 
 ContourCells::ContourCells(const query::QueryTile& tile, const query::Column& column, const Levels& levels,
-                           const std::optional<double>& max_edge, const std::optional<Bounds>& box)
+                           const std::optional<double>& max_edge, const std::optional<Bounds>& box,
+                           const std::stop_token& stop)
     : tile_(tile), levels_(levels), values_(tile.mesh().points.size()), counts_(tile.mesh().cell_ghost.size()) {
   for (std::size_t v = 0; v < values_.size(); ++v) values_[v] = column.value(tile.row(static_cast<std::int32_t>(v)));
+  StopCheck check(stop, cells_a_look);
   for (std::size_t i = 0; i < counts_.size(); ++i) {
+    check.step();
     const auto cell = static_cast<std::int32_t>(i);
     std::array<Point, 3> corners;
     bool finite = true;
@@ -40,6 +43,16 @@ ContourCells::ContourCells(const query::QueryTile& tile, const query::Column& co
     begin_ = std::min(begin_, low);
     end_ = std::max(end_, high);
   }
+}
+
+std::uint64_t ContourCells::pieces() const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < counts_.size(); ++i) {
+    if (!counts_[i] || tile_.mesh().cell_ghost[i] != 0) continue;
+    const auto [low, high] = range(static_cast<std::int32_t>(i));
+    sum += static_cast<std::uint64_t>(high - low);
+  }
+  return sum;
 }
 
 std::vector<std::uint64_t> ContourCells::most_pieces() const {

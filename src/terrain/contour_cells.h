@@ -12,9 +12,11 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/point.h"
+#include "src/base/stopped.h"
 #include "src/export/cell_filter.h"
 #include "src/query/column.h"
 #include "src/query/query_tile.h"
@@ -37,15 +39,17 @@ struct Piece {
 class ContourCells {
  public:
   // Cells that do not count: those that the filter leaves out, those that do not meet the box, and those that have a
-  // corner without a finite value. `tile` has rows.
+  // corner without a finite value. `tile` has rows. Throws Stopped.
   ContourCells(const query::QueryTile& tile, const query::Column& column, const Levels& levels,
-               const std::optional<double>& max_edge, const std::optional<Bounds>& box);
+               const std::optional<double>& max_edge, const std::optional<Bounds>& box, const std::stop_token& stop);
 
   // The lowest level of a cell that counts, and one above the highest; equal when there is none.
   std::int64_t begin() const { return begin_; }
   std::int64_t end() const { return end_; }
   // Whether a value is more than Levels::number_max levels away: then there are no pieces.
   bool too_far() const { return too_far_; }
+  // All pieces of all levels, of cells that are main.
+  std::uint64_t pieces() const;
   // How many pieces a level has at most, from begin() on.
   std::vector<std::uint64_t> most_pieces() const;
   // Where the level passes the edge; z is its height.
@@ -55,11 +59,13 @@ class ContourCells {
 
   // Calls give(piece) for all pieces of levels from `begin` on to below `end` that are this tile's: every piece is one
   // tile's, and either of the cells beside a piece along an edge would do, so it is the tile's that owns the edge.
-  // Error corrupt when the tile lacks a cell beside an edge that it owns.
+  // Error corrupt when the tile lacks a cell beside an edge that it owns. Throws Stopped.
   template <class Give>
-  Status for_each_piece(std::int64_t begin, std::int64_t end, const Give& give) const {
+  Status for_each_piece(std::int64_t begin, std::int64_t end, const Give& give, const std::stop_token& stop) const {
     const auto cells = static_cast<std::int32_t>(counts_.size());
+    StopCheck check(stop, cells_a_look);
     for (std::int32_t cell = 0; cell < cells; ++cell) {
+      check.step();
       if (!counts_[static_cast<std::size_t>(cell)]) continue;
       const bool main = tile_.mesh().cell_ghost[static_cast<std::size_t>(cell)] == 0;
       const auto [low, high] = range(cell);
@@ -110,6 +116,8 @@ class ContourCells {
     }
     return success();
   }
+
+  static constexpr std::uint32_t cells_a_look = 4096;
 
   const query::QueryTile& tile_;
   Levels levels_;

@@ -6,11 +6,15 @@
 #include <tuple>
 #include <utility>
 
+#include "src/base/option.h"
+#include "src/base/stoppable_sort.h"
+
 namespace tessera::terrain {
 
-Result<ContourLines> ContourLines::create(const std::filesystem::path& folder, std::uint64_t memory_bytes) {
+Result<ContourLines> ContourLines::create(const std::filesystem::path& folder, const Memory& memory,
+                                          std::stop_token stop) {
   BOOST_OUTCOME_TRY(file, nameless_file(folder));
-  return ContourLines(std::move(file), folder, memory_bytes);
+  return ContourLines(std::move(file), folder, memory, std::move(stop));
 }
 
 Result<ContourLines::Line> ContourLines::write(std::int64_t level, std::span<const LinePoint> points) {
@@ -30,6 +34,8 @@ Status ContourLines::read(const Line& line, std::vector<LinePoint>& points) cons
 }
 
 namespace {
+
+constexpr std::uint32_t parts_a_look = 1024;  // each is read from disk
 
 // A closed line from its least edge on.
 void turn(std::vector<LinePoint>& points) {
@@ -53,17 +59,24 @@ Status ContourLines::add(std::int64_t level, std::span<const LinePoint> points) 
   const std::lock_guard lock(*mutex_);
   BOOST_OUTCOME_TRY(line, write(level, points));
   if (closed) return sorted_.push(line);
+  if (parts_.size() >= parts_max_)
+    return error(Errc::memory, "the lines end more than " + std::to_string(parts_max_) +
+                                   " times at borders of tiles, for which there is no memory: give a larger " +
+                                   option("interval") + " or more " + option("memory"));
   parts_.push_back({line, points.back().a, points.back().b});
   return success();
 }
 
 // A part that begins where another ends goes on with it: of the pieces that end at an edge one comes and one goes.
 Status ContourLines::link_parts() {
-  std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.line < b.line; });
+  sort_unless_stopped(parts_.begin(), parts_.end(), stop_,
+                      [](const Part& a, const Part& b) { return a.line < b.line; });
   constexpr std::size_t none = ~std::size_t{0};
   std::vector<std::size_t> next(parts_.size(), none);
   std::vector<bool> goes_on(parts_.size()), used(parts_.size());
+  StopCheck check(stop_, parts_a_look);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
+    check.step();
     const Part& part = parts_[i];
     const Line wanted{.level = part.line.level, .a = part.end_a, .b = part.end_b};
     const auto found = std::lower_bound(parts_.begin(), parts_.end(), wanted,
@@ -76,6 +89,7 @@ Status ContourLines::link_parts() {
   const auto follow = [&](std::size_t first) -> Status {
     points.clear();
     for (std::size_t i = first; i != none && !used[i]; i = next[i]) {
+      check.step();
       used[i] = true;
       if (!points.empty()) points.pop_back();  // where the next begins
       BOOST_OUTCOME_TRYV(read(parts_[i].line, points));
@@ -95,7 +109,11 @@ Status ContourLines::link_parts() {
 }
 
 Status ContourLines::for_each(const std::function<Status(std::int64_t, std::span<const Point>)>& visit) {
-  BOOST_OUTCOME_TRYV(link_parts());
+  try {
+    BOOST_OUTCOME_TRYV(link_parts());
+  } catch (const Stopped&) {
+    return error(Errc::interrupted, "interrupted while linking lines");
+  }
   std::vector<LinePoint> points;
   std::vector<Point> places;
   return sorted_.for_each([&](const Line& line) -> Status {

@@ -1,12 +1,14 @@
 // Contour lines, linked from pieces across the borders of tiles, by way of a scratch file.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/point.h"
@@ -26,11 +28,16 @@ static_assert(sizeof(LinePoint) == 32);
 
 class ContourLines {
  public:
-  // `folder`: of the scratch file. Memory is for sorting; beside it are 64 bytes for each end of a line in a tile.
-  static Result<ContourLines> create(const std::filesystem::path& folder, std::uint64_t memory_bytes);
+  struct Memory {
+    std::uint64_t sort_bytes = 0;
+    std::uint64_t parts_bytes = 0;  // for lines that end at the border of a tile, part_bytes each
+  };
+  static constexpr std::uint64_t part_bytes = 96;
+  // `folder`: of the scratch file. All functions end soon after `stop` is requested, with the error interrupted.
+  static Result<ContourLines> create(const std::filesystem::path& folder, const Memory& memory, std::stop_token stop);
 
   // A line of a tile, with what is above its level on its left. A closed one ends with its first point again. Safe to
-  // call from several threads.
+  // call from several threads. Error memory for more lines that end at borders than there is room for.
   Status add(std::int64_t level, std::span<const LinePoint> points);
 
   // Calls visit(level, points) for each line, by level and then by its first edge: its first point is where it begins,
@@ -52,14 +59,20 @@ class ContourLines {
     PointId end_a, end_b;
   };
 
-  ContourLines(FileHandle file, std::filesystem::path folder, std::uint64_t memory_bytes)
-      : file_(std::move(file)), folder_(std::move(folder)), sorted_(folder_, memory_bytes) {}
+  ContourLines(FileHandle file, std::filesystem::path folder, const Memory& memory, std::stop_token stop)
+      : file_(std::move(file)),
+        folder_(std::move(folder)),
+        parts_max_(std::max<std::uint64_t>(memory.parts_bytes / part_bytes, 1024)),
+        stop_(std::move(stop)),
+        sorted_(folder_, memory.sort_bytes, stop_) {}
   Result<Line> write(std::int64_t level, std::span<const LinePoint> points);
   Status read(const Line& line, std::vector<LinePoint>& points) const;
   Status link_parts();
 
   FileHandle file_;
   std::filesystem::path folder_;
+  std::uint64_t parts_max_;
+  std::stop_token stop_;
   ExternalSort<Line> sorted_;
   std::vector<Part> parts_;
   std::uint64_t written_ = 0;  // points

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/base/stopped.h"
 #include "src/crs/crs.h"
 #include "src/export/output.h"
 #include "src/files/names.h"
@@ -32,25 +33,36 @@ namespace {
 constexpr double reading_part = 0.7;
 // A piece, and the point of a line that it makes.
 constexpr std::uint64_t piece_bytes = sizeof(Piece) + 2 * sizeof(std::size_t) + sizeof(LinePoint);
+// At once: so many are sorted in some tenths of a second, between two looks at whether to stop.
+constexpr std::uint64_t pieces_at_once = 1 << 21;
 // As a mesh with attributes and neighbours, its values, and what reading takes beside it.
 constexpr double tile_factor = 1.5;
+
+// Also a tile whose levels could not be counted in memory has an interval that is none.
+Status check_levels(const ContourCells& cells) {
+  constexpr std::int64_t levels_max = 1 << 22;
+  if (cells.too_far() || cells.end() - cells.begin() > levels_max)
+    return error(Errc::usage, option("interval") + ": is too small for the values of the vertices");
+  return success();
+}
 
 class Tracing {
  public:
   Tracing(const fs::path& out, const Manifest& manifest, const query::Column& column, const ContourOptions& options,
-          ContourLines& lines)
+          ContourLines& lines, std::stop_token stop)
       : out_(out),
         manifest_(manifest),
         column_(column),
         levels_(options.interval, options.base),
         options_(options),
-        lines_(lines) {}
+        lines_(lines),
+        stop_(std::move(stop)) {}
 
   Status run(TileQueue& tiles, std::uint64_t memory_bytes) {
     constexpr std::uint64_t pieces_least = 1 << 16;
     const unsigned threads = tiles.threads(options_.threads, memory_bytes, tile_factor, pieces_least * piece_bytes);
     const std::uint64_t share = memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
-    pieces_max_ = std::max((share - std::min(share, tile_bytes)) / piece_bytes, pieces_least);
+    pieces_max_ = std::clamp((share - std::min(share, tile_bytes)) / piece_bytes, pieces_least, pieces_at_once);
     std::atomic<bool> failed{false};
     return query::on_threads(threads, failed, [&]() -> Status {
       while (!failed) {
@@ -68,10 +80,8 @@ class Tracing {
  private:
   Status trace(const TileEntry& entry) {
     BOOST_OUTCOME_TRY(tile, query::QueryTile::load(out_, manifest_, entry, true));
-    const ContourCells cells(*tile, column_, levels_, options_.max_edge, options_.box);
-    constexpr std::int64_t levels_max = 1 << 24;
-    if (cells.too_far() || cells.end() - cells.begin() > levels_max)
-      return error(Errc::usage, option("interval") + ": is too small for the values of the vertices");
+    const ContourCells cells(*tile, column_, levels_, options_.max_edge, options_.box, stop_);
+    BOOST_OUTCOME_TRYV(check_levels(cells));
     left_out_ += cells.left_out();
     const std::vector<std::uint64_t> most = cells.most_pieces();
     std::vector<Piece> pieces;
@@ -82,8 +92,10 @@ class Tracing {
       do count += most[static_cast<std::size_t>(end++ - cells.begin())];
       while (end < cells.end() && count + most[static_cast<std::size_t>(end - cells.begin())] <= pieces_max_);
       pieces.clear();
-      BOOST_OUTCOME_TRYV(cells.for_each_piece(begin, end, [&](const Piece& piece) { pieces.push_back(piece); }));
+      BOOST_OUTCOME_TRYV(cells.for_each_piece(
+          begin, end, [&](const Piece& piece) { pieces.push_back(piece); }, stop_));
       BOOST_OUTCOME_TRYV(link_pieces(pieces, [&](std::int64_t level, const std::vector<TileEdge>& edges) -> Status {
+        throw_if_stopped(stop_);
         points.clear();
         for (const TileEdge& edge : edges) {
           const Point at = cells.crossing(edge, level);
@@ -106,6 +118,7 @@ class Tracing {
   Levels levels_;
   const ContourOptions& options_;
   ContourLines& lines_;
+  std::stop_token stop_;
   std::uint64_t pieces_max_ = 0;
   std::atomic<std::uint64_t> left_out_{0}, vertices_{0};
 };
@@ -136,6 +149,36 @@ std::string to_json(const Contours& contours) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions& options, std::uint64_t cells_max,
+                                      const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRYV(terrain::check(out, manifest, options));
+  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+  const terrain::Levels levels(options.interval, options.base);
+  std::uint64_t seen = 0, pieces = 0, all = 0;
+  for (const auto& entry : manifest.tiles) all += entry.cells;
+  try {
+    for (const auto& entry : manifest.tiles) {
+      if (seen >= cells_max) break;
+      if (entry.bytes > options.memory_bytes / 8) continue;
+      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(out, manifest, entry, true));
+      const terrain::ContourCells cells(*tile, column, levels, options.max_edge, options.box, stop);
+      BOOST_OUTCOME_TRYV(terrain::check_levels(cells));
+      pieces += cells.pieces();
+      seen += entry.cells;
+    }
+  } catch (const Stopped&) {
+    return error(Errc::interrupted, "interrupted while looking at cells");
+  }
+  // A point of a line in a file of text has up to 55 digits and signs, in a GeoPackage 24 bytes. In scratch it is
+  // twice: as a tile has it, and in the whole line.
+  constexpr double file_bytes = 50, scratch_bytes = 2.0 * sizeof(terrain::LinePoint);
+  const double points =
+      seen == 0 ? 0 : static_cast<double>(pieces) * static_cast<double>(all) / static_cast<double>(seen);
+  const auto whole = [](double bytes) { return static_cast<std::uint64_t>(std::min(bytes, 1e18)); };
+  return ContourCost{whole(points), whole(points * file_bytes), whole(points * scratch_bytes)};
+}
+
 Result<Contours> write_contours(const fs::path& out, const fs::path& target, const ContourOptions& options,
                                 std::stop_token stop) {
   BOOST_OUTCOME_TRYV(terrain::LineFile::check_target(target, options.overwrite));
@@ -144,16 +187,16 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   const bool heights = options.value == "z";
 
-  // A quarter for sorting, the rest for tiles.
-  const std::uint64_t sort_bytes = options.memory_bytes / 4, tile_bytes = options.memory_bytes - sort_bytes;
+  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles.
+  const std::uint64_t quarter = options.memory_bytes / 4, tile_bytes = options.memory_bytes - 2 * quarter;
   BOOST_OUTCOME_TRY(entries,
                     terrain::tiles_meeting(out, manifest, options.box, {.memory_bytes = tile_bytes, .stop = stop}));
   const auto tell = [&](double done) {
     if (options.progress) options.progress(done);
   };
   terrain::TileQueue tiles(std::move(entries), stop, [&](double done) { tell(terrain::reading_part * done); });
-  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target), sort_bytes));
-  terrain::Tracing tracing(out, manifest, column, options, lines);
+  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target), {quarter, quarter}, stop));
+  terrain::Tracing tracing(out, manifest, column, options, lines, stop);
   BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
 
   BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = crs_or_none(manifest.crs),

@@ -39,6 +39,16 @@ struct Contours {
 // What the command prints: one line of JSON without its end.
 std::string to_json(const Contours& contours);
 
+struct ContourCost {
+  std::uint64_t points = 0;  // of lines
+  std::uint64_t file_bytes = 0, scratch_bytes = 0;
+};
+// What the lines take, about: counted in the first tiles up to `cells_max` cells and one tile, from there on as in
+// these; tiles that take more than an eighth of the memory are not looked at, and 0 is told of such alone. Errors: of
+// write_contours(), but those of the target.
+Result<ContourCost> estimate_contours(const std::filesystem::path& out, const ContourOptions& options,
+                                      std::uint64_t cells_max, const std::stop_token& stop);
+
 // Writes `target`, a GeoPackage (.gpkg) or GeoJSON (.geojson, .json) of lines with the attribute `elevation`, or the
 // name of another value. What a line is, exactly, stands in contour_cells.h, their order and beginnings in
 // contour_lines.h: the file is a function of the triangulation, however the result is tiled. Tiles are read once, each

@@ -125,13 +125,20 @@ class Drawing {
         const auto v = static_cast<std::size_t>(mesh.cells[3 * i + k]);
         cell[k] = {mesh.points[v], mesh.ids[v], column_.value(tile.rows.data() + v * row_bytes_)};
       }
-      for_each_pixel(grid_, cell, [&](std::int64_t column, std::int64_t row, double value) {
+      const auto put = [&](std::int64_t column, std::int64_t row, double value) {
         apart =
             blocks.put(column, row, options_.doubles ? value : static_cast<double>(static_cast<float>(value))) && apart;
-      });
-      if (blocks.bytes() > blocks_bytes_) {
-        BOOST_OUTCOME_TRYV(take_(blocks));
-      }
+      };
+      // Of a cell that has most of a large raster, too, there are only so many pixels in memory, and a stop is heard.
+      BOOST_OUTCOME_TRYV(for_each_part(grid_, cell, [&](const Grid& part) -> Status {
+        if (part.width * part.height != grid_.width * grid_.height && stop_.stop_requested())
+          return error(Errc::interrupted, "interrupted while drawing");
+        for_each_pixel(part, cell, put);
+        if (blocks.bytes() > blocks_bytes_) {
+          BOOST_OUTCOME_TRYV(take_(blocks));
+        }
+        return success();
+      }));
     }
     if (!apart) return corrupt(from, "its cells overlap each other, or those of other tiles");
     left_out_ += left_out;

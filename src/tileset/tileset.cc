@@ -213,8 +213,7 @@ Status check_room(const fs::path& out, const Manifest& manifest, const fs::path&
       return error(Errc::memory, out.string() + ": tile " + to_string(tile.tile) + " needs " +
                                      std::to_string((tile_memory(tile) >> 20) + 1) + " MiB of memory: give more " +
                                      option("memory") + ", or triangulate with less " + option("max-points-per-tile"));
-  // All levels together have 4/3 of the triangles, and a triangle takes 3 to 8 bytes.
-  const std::uint64_t needed = manifest.cells * 11;
+  const std::uint64_t needed = tileset_bytes(manifest);
   std::error_code failed;
   const auto room = fs::space(folder, failed);
   if (!failed && room.available < needed)
@@ -225,6 +224,9 @@ Status check_room(const fs::path& out, const Manifest& manifest, const fs::path&
 
 }  // namespace
 }  // namespace tileset
+
+// All levels together have 4/3 of the triangles, and a triangle takes 3 to 8 bytes.
+std::uint64_t tileset_bytes(const Manifest& manifest) { return manifest.cells * 11; }
 
 std::string to_json(const Tileset& tileset) {
   using Json = nlohmann::ordered_json;

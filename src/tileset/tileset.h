@@ -10,6 +10,7 @@
 #include <string>
 
 #include "src/base/result.h"
+#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -31,6 +32,9 @@ struct Tileset {
 
 // What the command prints: one line of JSON without its end.
 std::string to_json(const Tileset& tileset);
+
+// Bytes of disk that the tileset of a result takes at most, about.
+std::uint64_t tileset_bytes(const Manifest& manifest);
 
 // Makes the folder `target`, with tileset.json and nodes/NNNNNN.glb. Properties:
 //  (1) The leaves have each main cell once. Inner nodes are their children joined and made coarser, down to

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <stop_token>
+#include <utility>
 #include <vector>
 
 #include "src/base/point.h"
@@ -14,14 +16,18 @@ namespace tessera {
 
 class AgainstCgal {
  public:
-  explicit AgainstCgal(int dimension) : dimension_(dimension) {}
+  AgainstCgal(int dimension, std::stop_token stop) : dimension_(dimension), stop_(std::move(stop)) {}
   // Keeps the tile's own vertices and main cells.
   void add(const TileMesh& mesh);
-  // Builds and compares the sets of cells; not_delaunay tells the first cell that only one of them has.
+  // Builds and compares the sets of cells; not_delaunay tells the first cell that only one of them has. Error
+  // interrupted soon after the stop is requested.
   Status compare(const std::filesystem::path& out);
 
  private:
+  Status compare_all(const std::filesystem::path& out);  // throws Stopped
+
   int dimension_;
+  std::stop_token stop_;
   std::vector<Point> points_;  // in the order of the tiles, which is along Hilbert curves
   std::vector<PointId> ids_;   // of points_
   std::vector<IdSet> cells_;

@@ -35,8 +35,9 @@ int sign_of(const T& value) {
 
 }  // namespace
 
-Hull::Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes)
-    : dimension_(dimension), out_(std::move(out)), ridges_(scratch, memory_bytes) {}
+Hull::Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
+           std::stop_token stop)
+    : dimension_(dimension), out_(std::move(out)), ridges_(scratch, memory_bytes, std::move(stop)) {}
 
 Error Hull::wrong_facet(const HullFacet& facet, const std::string& reason) const {
   return wrong_tile(out_, facet.cell.tile,

@@ -47,7 +47,8 @@ struct Core {
 
 class Hull {
  public:
-  Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes);
+  Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
+       std::stop_token stop);
   // `cell`: the facet's own; that of the first facet becomes the core.
   Status add(const HullFacet& facet, const Core& cell);
   // After all facets: ridges and rays.

@@ -8,7 +8,10 @@
 
 namespace tessera {
 
-Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out) {
+Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out, const std::stop_token& stop) {
+  constexpr std::size_t steps_a_look = 1 << 18;
+  const auto go_on = [&](std::size_t step) { return step % steps_a_look != 0 || !stop.stop_requested(); };
+  const auto interrupted = [] { return error(Errc::interrupted, "interrupted while looking for neighbours"); };
   const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
   const std::size_t facets = mesh.cells.size();
   // The vertices of facet `corner of cell`, sorted; unused places are -1.
@@ -23,17 +26,23 @@ Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& ou
   };
   // Facets in buckets by their least vertex (a counting sort); a bucket is small, and is sorted by key.
   std::vector<std::uint32_t> first(mesh.points.size() + 1, 0), order(facets);
-  for (std::size_t f = 0; f < facets; ++f) ++first[static_cast<std::size_t>(key_of(f)[0]) + 1];
+  for (std::size_t f = 0; f < facets; ++f) {
+    if (!go_on(f)) return interrupted();
+    ++first[static_cast<std::size_t>(key_of(f)[0]) + 1];
+  }
   for (std::size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
   {
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::size_t f = 0; f < facets; ++f)
+    for (std::size_t f = 0; f < facets; ++f) {
+      if (!go_on(f)) return interrupted();
       order[next[static_cast<std::size_t>(key_of(f)[0])]++] = static_cast<std::uint32_t>(f);
+    }
   }
 
   mesh.neighbors.assign(facets, -2);
   std::vector<std::pair<std::array<std::int32_t, 3>, std::uint32_t>> bucket;
   for (std::size_t v = 0; v + 1 < first.size(); ++v) {
+    if (!go_on(v)) return interrupted();
     bucket.clear();
     for (std::uint32_t i = first[v]; i < first[v + 1]; ++i) bucket.emplace_back(key_of(order[i]), order[i]);
     std::sort(bucket.begin(), bucket.end());

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <stop_token>
 
 #include "src/base/result.h"
 #include "src/mesh/tile_mesh.h"
@@ -11,7 +12,7 @@ namespace tessera {
 
 // Fills mesh.neighbors from the cells: the cell of this file across each facet; without one, -1 when the facet has an
 // own vertex (this tile would hold the other cell), -2 otherwise (nobody knows). Error not_delaunay when three cells
-// share a facet. 8 bytes a facet.
-Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out);
+// share a facet; interrupted. 8 bytes a facet.
+Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out, const std::stop_token& stop = {});
 
 }  // namespace tessera

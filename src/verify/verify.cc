@@ -85,12 +85,12 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   const std::uint64_t tile_bytes = largest_tile(manifest) * (manifest.neighbors ? 1 : 3);
   const std::uint64_t rest = options.memory_bytes > tile_bytes ? options.memory_bytes - tile_bytes : 0;
   const std::uint64_t share = std::max<std::uint64_t>(rest / 5, std::uint64_t{1} << 20);
-  ExternalSort<CellCopy> copies(scratch, share);
-  ExternalSort<OwnVertex> own(scratch, share);
-  ExternalSort<FacetClaim> claims(scratch, share);
-  Hull hull(manifest.dimension, out, scratch, share);
+  ExternalSort<CellCopy> copies(scratch, share, stop);
+  ExternalSort<OwnVertex> own(scratch, share, stop);
+  ExternalSort<FacetClaim> claims(scratch, share, stop);
+  Hull hull(manifest.dimension, out, scratch, share, stop);
   std::optional<AgainstCgal> cgal;
-  if (options.against_cgal) cgal.emplace(manifest.dimension);
+  if (options.against_cgal) cgal.emplace(manifest.dimension, stop);
 
   Contents contents;
   Owners owners(manifest);
@@ -100,7 +100,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     BOOST_OUTCOME_TRY(mesh, open_tile(out, entry, manifest));
     const bool neighbors_stored = !mesh.neighbors.empty();
     if (!neighbors_stored) {
-      BOOST_OUTCOME_TRYV(match_facets(mesh, entry.tile, out));
+      BOOST_OUTCOME_TRYV(match_facets(mesh, entry.tile, out, stop));
     }
     BOOST_OUTCOME_TRYV(check_tile(mesh, entry.tile, neighbors_stored, out, sinks, stop));
     if (cgal) cgal->add(mesh);

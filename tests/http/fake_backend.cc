@@ -289,6 +289,13 @@ Reply<std::uint64_t> FakeBackend::uploaded(std::string_view folder, std::string_
   return found->second.size();
 }
 
+Reply<void> FakeBackend::remove_upload(std::string_view folder, std::string_view file, const Caller&) {
+  const std::scoped_lock lock(mutex_);
+  if (uploads_.erase(std::string(folder) + "/" + std::string(file)) == 0)
+    return refused(404, "there is no such upload");
+  return boost::outcome_v2::success();
+}
+
 Reply<proto::NodeList> FakeBackend::nodes() {
   proto::NodeList list;
   for (const char* name : {"a", "b"}) {

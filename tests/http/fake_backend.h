@@ -67,6 +67,7 @@ class FakeBackend final : public Backend {
   Reply<std::unique_ptr<Upload>> upload(std::string_view folder, std::string_view file, std::uint64_t offset,
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
+  Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
   Reply<proto::NodeList> nodes() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;

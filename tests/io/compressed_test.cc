@@ -217,7 +217,7 @@ TEST(Spooled, UnpacksNoMoreThanItMay) {
   EXPECT_EQ(sentence(enough.unpacked(memory_source("b.xyz.gz", gzip(bytes)))), "");
   const auto third = enough.unpacked(memory_source("c.xyz.gz", gzip(bytes)));
   ASSERT_TRUE(third.has_error());
-  EXPECT_EQ(third.error().code, Errc::io);
+  EXPECT_EQ(third.error().code, Errc::memory);
   EXPECT_EQ(third.error().where.find("c.xyz.gz: holds more than may be unpacked here"), 0u);
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <span>
+#include <stop_token>
 
 #include "src/base/option.h"
 #include "src/reference/clouds.h"
@@ -70,6 +71,21 @@ TEST(Regions, ReadsWhatItNeeds) {
   EXPECT_EQ(again.value().figures.units_read, 0u) << "what was read is there";
   cloud.forget();
   EXPECT_GT(cloud.ask(Box{{0.42, 0.42, 0}, {0.43, 0.43, 0}}, {}).value().figures.units_read, 0u);
+}
+
+TEST(Regions, StopsWhileItJudgesCells) {
+  auto memory = octree_units(make_cloud("uniform", 2, 4000, 5), 2, 30, 1);
+  const auto* source = memory.get();
+  Regions cloud(std::move(memory), 2, 0);
+  std::stop_source stop;
+  const RegionShape shape = [&](std::span<const Point>) {
+    if (!source->read_units().empty())
+      stop.request_stop();  // all are read: of them no more is asked than this judgement
+    return true;
+  };
+  const auto answer = cloud.ask(Box{{-1, -1, 0}, {2, 2, 0}}, {}, stop.get_token(), shape);
+  ASSERT_TRUE(answer.has_error());
+  EXPECT_EQ(answer.error().code, Errc::interrupted);
 }
 
 TEST(Regions, SaysWhatIsNeededWhenALimitDoesNotSuffice) {

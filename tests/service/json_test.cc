@@ -74,7 +74,7 @@ TEST(Json, RefusalsNameTheField) {
   EXPECT_EQ(refusal(R"({"recursive": 1})"), "recursive is neither true nor false");
   EXPECT_EQ(refusal("[]"), "the object is not an object in braces");
   EXPECT_EQ(refusal(R"({"tile_points": 1, "tilePoints": 2})"),
-            "tilePoints is given twice, or beside one that excludes it");
+            "tile_points is given twice, or beside one that excludes it");
   proto::Inputs inputs;
   EXPECT_FALSE(from_json(R"({"verify": {}, "info": {}})", inputs));
   const auto nested = from_json(R"({"triangulate": {"inputs": ["a", 2]}})", inputs);
@@ -99,6 +99,13 @@ TEST(Json, DeepNestingIsRefusedBeforeItIsRead) {
   }
   // Brackets in texts nest nothing.
   EXPECT_EQ(refusal(R"({"memory": ")" + std::string(100, '[') + R"(\"[["})"), "");
+}
+
+// With a look at all keys for each it would take hours.
+TEST(Json, TakesNoLongerForManyKeysThanForManyValues) {
+  std::string many = "{";
+  for (int i = 0; i < 2'000'000; ++i) many += "\"key" + std::to_string(i) + "\":0,";
+  EXPECT_EQ(refusal(many + "\"a\":0}"), "'a' is no field that is known here");
 }
 
 TEST(Json, BytesThatAreNoUtf8AreReplaced) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "src/verify/against_cgal.h"
+#include "src/verify/match_facets.h"
 #include "tests/verify/verify_testing.h"
 
 namespace tessera::test {
@@ -64,6 +66,21 @@ TEST(Verify, HugeAndTinyCoordinatesPass) {
     for (auto& p : points) p = {p.x * scale, p.y * scale, 0};
     const auto result = verify_meshes(sample_tiles(points, 2, 3));
     EXPECT_TRUE(result) << scale << ": " << result.error().where;
+  }
+}
+
+TEST(Verify, StopsWhileItComparesWithCgalAndWhileItLooksForNeighbours) {
+  for (const int dimension : {2, 3}) {
+    auto meshes = sample_tiles(sample_points(Shape::uniform, dimension, 6000), dimension, 1);
+    std::stop_source stop;
+    AgainstCgal cgal(dimension, stop.get_token());
+    cgal.add(meshes.front());
+    EXPECT_TRUE(cgal.compare("out"));
+    stop.request_stop();
+    const auto stopped = cgal.compare("out");
+    ASSERT_FALSE(stopped);
+    EXPECT_EQ(stopped.error().code, Errc::interrupted);
+    EXPECT_EQ(match_facets(meshes.front(), TileId{0}, "out", stop.get_token()).error().code, Errc::interrupted);
   }
 }
 

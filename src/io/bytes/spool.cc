@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/ledger.h"
 #include "src/files/descriptor.h"
 #include "src/io/format.h"
 
@@ -112,9 +113,11 @@ Result<std::shared_ptr<const ByteSource>> Spool::keep(Origin origin, FileFormat 
         format_of(block.first(std::min(block.size(), format_bytes)), origin.content_name) == FileFormat::unknown)
       return unknown_format(origin.path);
     if ((bytes_ += block.size()) > bytes_max_ && bytes_max_ > 0) {
-      return error(Errc::io, name + ": holds more than may be unpacked here: with it and what came before it, over " +
-                                 megabytes(bytes_max_));
+      return error(Errc::memory, name +
+                                     ": holds more than may be unpacked here: with it and what came before it, over " +
+                                     megabytes(bytes_max_));
     }
+    BOOST_OUTCOME_TRYV(Ledger::draw_write(block.size()));
     while (!block.empty()) {
       const auto put = ::pwrite(file->handle.get(), block.data(), block.size(), static_cast<off_t>(file->size));
       if (put < 0 && errno == EINTR) continue;
