@@ -52,7 +52,7 @@ enum class Runs : std::uint8_t {
   changes,   // in turn with other callers, here and below: what reads inputs, makes jobs or removes what is there
   questions  // to results
 };
-// Callers take turns, and it ends when its caller goes.
+// Callers take turns, and its stop token tells when its caller has gone.
 constexpr bool in_turn(Runs runs) { return runs == Runs::changes || runs == Runs::questions; }
 
 struct Route {

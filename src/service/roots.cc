@@ -196,7 +196,7 @@ Status check_apart(const fs::path& data, const std::vector<fs::path>& roots) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
   };
   std::error_code missing;
-  const auto real_data = fs::canonical(data, missing);
+  const auto real_data = fs::weakly_canonical(data, missing);  // it is made later, when all else fits
   if (missing) return io_error(data, "cannot be looked at", missing.value());
   for (const auto& root : roots) {
     const auto real = fs::canonical(root, missing);
