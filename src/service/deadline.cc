@@ -17,9 +17,10 @@ Deadline::Deadline(Ledger& ledger, std::chrono::seconds time, Error over)
         ledger.stop(over);
       }) {}
 
-WhileAnyoneWaits::WhileAnyoneWaits()
+WhileAnyoneWaits::WhileAnyoneWaits(const std::stop_token& gone)
     : ledger_({.files = {names_max, "a request"}}),
       deadline_(ledger_, answer_time, time_is_over(answer_time)),
+      when_gone_(gone, [this] { ledger_.stop(); }),
       use_(&ledger_) {}
 
 Error time_is_over(std::chrono::seconds time) {

@@ -3,7 +3,9 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include "src/base/ledger.h"
@@ -27,12 +29,14 @@ class WhileAnyoneWaits {
  public:
   // Of `inputs`: names of files that are looked at, matched by a pattern or not.
   static constexpr std::uint64_t names_max = 100'000;
-  WhileAnyoneWaits();
+  // `gone`: stopped when the caller is not there any more.
+  explicit WhileAnyoneWaits(const std::stop_token& gone);
   Ledger& ledger() { return ledger_; }
 
  private:
   Ledger ledger_;
   Deadline deadline_;
+  std::stop_callback<std::function<void()>> when_gone_;
   Ledger::Use use_;
 };
 

@@ -16,6 +16,7 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera {
@@ -89,17 +90,16 @@ Status Desk::clear(const fs::path& desk) const {
 
 Status Desk::put_back(const fs::path& picked_up) const {
   const fs::path to = area_ / place_of(picked_up.filename().string());
-  struct stat there {};
-  if (::lstat(to.c_str(), &there) != 0) {
-    if (errno != ENOENT && errno != ENOTDIR) return io_error(to, "cannot be looked at", errno);
+  BOOST_OUTCOME_TRY(taken, is_there(to, FollowLinks::no));
+  if (!taken) {
     // Where the folder above it is gone, too, nobody needs it.
     if (std::rename(picked_up.c_str(), to.c_str()) == 0) return success();
     if (errno != ENOENT && errno != ENOTDIR) return io_error(to, "cannot be put back", errno);
-    if (::lstat(picked_up.c_str(), &there) != 0 && errno == ENOENT) return success();  // another one has put it back
   }
+  BOOST_OUTCOME_TRY(held, look_at(picked_up, FollowLinks::no));
+  if (!held) return success();  // another one has put it back
   // It has arrived before, or something newer stands there. Of a folder somebody else's files are to stay.
-  struct stat held {};
-  if (::lstat(picked_up.c_str(), &held) == 0 && !S_ISDIR(held.st_mode)) return remove_file(picked_up);
+  if (!S_ISDIR(held->st_mode)) return remove_file(picked_up);
   return rename_file(picked_up, removed_folder(to.parent_path(), random_token()));
 }
 

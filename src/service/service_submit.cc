@@ -285,7 +285,7 @@ Reply<Service::Submitted> Service::submit(const proto::Inputs& inputs, const Cal
     if (other) return *other;
   }
   std::string triangulation;
-  std::optional<WhileAnyoneWaits> waited(std::in_place);
+  std::optional<WhileAnyoneWaits> waited(std::in_place, caller.stop);
   if (const auto bad = impl.check_inputs(inputs, triangulation)) return *bad;
   // A region's are known when its files were looked into, which the job does.
   if (inputs.has_triangulate() || inputs.has_dem() || inputs.has_contours() || inputs.has_export_()) {
@@ -325,7 +325,7 @@ Reply<proto::Estimate> Service::estimate(const proto::Inputs& inputs, const Call
   if (caller.role < (reads_inputs ? Role::submit : Role::read))
     return problem(403, "an estimate reads inputs: it takes the role submit", Errc::usage);
   std::string triangulation;
-  const WhileAnyoneWaits waited;
+  const WhileAnyoneWaits waited(caller.stop);
   if (!inputs.has_triangulate())
     if (const auto bad = impl_->check_inputs(inputs, triangulation)) return *bad;
   std::optional<proto::Problem> refused;
@@ -336,7 +336,7 @@ Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& 
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
     return problem(403, "to be told of inputs takes the role submit", Errc::usage);
   const auto refuse = inputs.triangulation().empty() ? problem_of_inputs : problem_of;
-  WhileAnyoneWaits waited;
+  WhileAnyoneWaits waited(caller.stop);
   const auto late = takes_too_long(impl_->shop, inputs, info_points_max);
   if (!late) return refuse(late.error());
   if (late.value()) return *late.value();
