@@ -73,6 +73,7 @@ Status Ledger::hold(std::uint64_t bytes) { return take(held_, bytes, bounds_.mem
 Status Ledger::name_files(std::uint64_t files) { return take(files_, files, bounds_.files, "files"); }
 
 Status Ledger::write(std::uint64_t bytes) {
+  if (bytes == 0) return go_on();
   BOOST_OUTCOME_TRYV(take(written_, bytes, bounds_.disk, "disk"));
   BOOST_OUTCOME_TRYV(look_at_disk(bytes));
   return go_on();
