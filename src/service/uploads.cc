@@ -124,7 +124,7 @@ Result<Uploads::Used> Uploads::used() const {
   while (const char* name = folders.next()) {
     const auto below = folder() / name;
     BOOST_OUTCOME_TRY(is_one, is_folder(below, FollowLinks::no));
-    if (!is_one) continue;
+    if (!is_one || !check_name(name)) continue;  // desks
     FolderReader files(below);
     while (const char* file = files.next()) {
       if (!is_part(file) && !check_name(file)) continue;  // nothing that was sent
