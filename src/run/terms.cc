@@ -18,7 +18,7 @@
 namespace tessera {
 namespace {
 
-std::uint64_t highest_term(const std::filesystem::path& run) {
+Result<std::uint64_t> highest_term(const std::filesystem::path& run) {
   std::uint64_t highest = 0;
   FolderReader reader(terms_folder(run));
   while (const char* name = reader.next()) {
@@ -27,6 +27,8 @@ std::uint64_t highest_term(const std::filesystem::path& run) {
     const auto [end, wrong] = std::from_chars(name, last, term);
     if (wrong == std::errc{} && end == last) highest = std::max(highest, term);
   }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(terms_folder(run), "cannot be listed", reader.error().value());
   return highest;
 }
 
@@ -34,14 +36,18 @@ std::uint64_t highest_term(const std::filesystem::path& run) {
 
 Result<std::uint64_t> claim_term(const std::filesystem::path& run) {
   BOOST_OUTCOME_TRYV(make_directories(terms_folder(run)));
-  for (std::uint64_t term = highest_term(run) + 1;; ++term) {
+  BOOST_OUTCOME_TRY(highest, highest_term(run));
+  for (std::uint64_t term = highest + 1;; ++term) {
     const auto folder = terms_folder(run) / std::to_string(term);
     if (::mkdir(folder.c_str(), 0777) == 0) return term;  // what was there before is another's
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
 }
 
-bool is_replaced(const std::filesystem::path& run, std::uint64_t term) { return highest_term(run) > term; }
+bool is_replaced(const std::filesystem::path& run, std::uint64_t term) {
+  const auto highest = highest_term(run);  // what cannot be told now is asked again
+  return highest && highest.value() > term;
+}
 
 Result<JobId> identity_of(const std::filesystem::path& run) {
   const auto plan = plan_file(run);
