@@ -18,6 +18,8 @@ from ._triangulation import Proof, Triangulation, open as open_folder
 
 # Where the service calls an option otherwise than triangulate().
 FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "spatial_index"}
+# The other file of an export of two, by what was asked for.
+BESIDE = {".csv": (".vrt",), ".vrt": (".csv",)}
 
 class Client:
     """A daemon, from connect(). All may be called from any thread."""
@@ -75,8 +77,8 @@ class Client:
         found = job.outcome()
         files = f"/triangulations/{quoted(name)}/files"
         with _disk(path):
-            for file, inside in _written(found, self._http.url):
-                to = path / pathlib.PurePosixPath(*inside.parts[1:]) if into else path.with_suffix(inside.suffix)
+            for file, inside in _written(found, self._http.url, output, None if into else ".csv" if format == "csv" else path.suffix):
+                to = path / inside if into else path.with_suffix(inside.suffix)
                 to.parent.mkdir(parents=True, exist_ok=True)
                 download(self._http, file._replace(path=f"{files}/{file.path}"), to, patience)
         try:
@@ -221,16 +223,27 @@ def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
     return sent
 
 
-def _written(outcome: dict[str, typing.Any], url: str) -> typing.Iterator[tuple[File, pathlib.PurePosixPath]]:
-    """The files of an export, below the result's and below its exports."""
+def _written(outcome: dict[str, typing.Any], url: str, output: str,
+             suffix: str | None) -> list[tuple[File, pathlib.PurePosixPath]]:
+    """The files of an export, below the result's, and what they are called here: below the folder `output`, or, with a
+    suffix, `output` itself and what stands beside it. Nothing that a server says leads out of that."""
+    files = []
     try:
         for entry in outcome["written"]:
-            inside = pathlib.PurePosixPath(entry["path"]).relative_to("exports")
-            if ".." in inside.parts or not inside.parts:
+            below = pathlib.PurePosixPath(entry["path"]).relative_to("exports")
+            if suffix is None:
+                inside = below.relative_to(output)
+                fits = bool(inside.parts)
+            else:
+                inside = below
+                fits = len(below.parts) == 1 and below.stem == pathlib.PurePosixPath(output).stem and (
+                    below.name == output or below.suffix in BESIDE.get(suffix, ()))
+            if not fits or ".." in below.parts or "\0" in str(below):
                 raise ValueError
-            yield File("/".join(map(quoted, ("exports", *inside.parts))), entry["xxh3"], int(entry["bytes"])), inside
+            files.append((File("/".join(map(quoted, ("exports", *below.parts))), entry["xxh3"], int(entry["bytes"])), inside))
     except (KeyError, TypeError, ValueError):
         raise CorruptError(f"{url}: the server does not say which files the export has written") from None
+    return files
 
 
 @contextlib.contextmanager

@@ -135,8 +135,10 @@ Status fetch_drawing(Server& server, const proto::StatusInfo& job, const fs::pat
                      const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
   BOOST_OUTCOME_TRY(files, written_files(outcome));
-  const auto place = [&](const WrittenFile&) { return target; };
-  const auto fetched = fetch_written(server, job.triangulation(), files, place, percent_line("fetching", output), stop);
+  if (files.size() != 1)
+    return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
+  const auto fetched =
+      fetch_written(server, job.triangulation(), files, {target}, percent_line("fetching", output), stop);
   clear_line(output);
   BOOST_OUTCOME_TRYV(fetched);
   outcome["output"] = target.string();

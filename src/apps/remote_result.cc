@@ -58,21 +58,20 @@ Status verify_remotely(Settings& settings, const std::string& name, const Output
   return success();
 }
 
-Status fetch_export(Server& server, const proto::StatusInfo& job, const ExportTarget& target,
-                    const std::optional<std::string>& max_edge, const OutputOptions& output,
+Status fetch_export(Server& server, const proto::StatusInfo& job, const std::string& asked, const ExportTarget& target,
+                    const std::string& format, const std::optional<std::string>& max_edge, const OutputOptions& output,
                     const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
   auto exported = exported_of(outcome);
   if (!exported) return no_json(server);
   BOOST_OUTCOME_TRY(files, written_files(outcome));
-  const fs::path made = exported->path;
-  const auto place = [&](const WrittenFile& file) {
-    if (target.folder) return target.path / fs::path(file.inside).lexically_relative(made);
-    // What stands beside the file has its name, with another ending.
-    auto to = target.path;
-    return to.replace_extension(fs::path(file.inside).extension());
-  };
-  const auto fetched = fetch_written(server, job.triangulation(), files, place, percent_line("fetching", output), stop);
+  const std::string made = exported->path;
+  if (!asked.empty() && made != asked) return no_json(server);
+  BOOST_OUTCOME_TRY(places, target.folder
+                                ? places_in_folder(files, made, target.path)
+                                : places_beside(files, made, target.path, export_endings(target.path, format)));
+  const auto fetched =
+      fetch_written(server, job.triangulation(), files, places, percent_line("fetching", output), stop);
   clear_line(output);
   BOOST_OUTCOME_TRYV(fetched);
   exported->path = target.path;
@@ -108,7 +107,8 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   };
   const auto done = await_job(server, settings, submitted.job_id(), output, interrupt.token());
   if (!done) return with_advice(done.error());
-  const auto fetched = fetch_export(server, done.value(), target, settings.text("max-edge"), output, interrupt.token());
+  const auto fetched = fetch_export(server, done.value(), file.string(), target, options.format,
+                                    settings.text("max-edge"), output, interrupt.token());
   if (!fetched) return with_advice(fetched.error());
   const auto removed = server.remove_export(done.value().triangulation(), file.string(), interrupt.token());
   if (!removed)

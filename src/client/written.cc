@@ -15,8 +15,16 @@ namespace fs = std::filesystem;
 namespace {
 
 bool leads_elsewhere(const fs::path& inside) {
-  return inside.empty() || inside.is_absolute() ||
-         std::any_of(inside.begin(), inside.end(), [](const fs::path& part) { return part == ".." || part == "."; });
+  return inside.empty() || inside.is_absolute() || inside.native().find('\0') != std::string::npos ||
+         std::any_of(inside.begin(), inside.end(),
+                     [](const fs::path& part) { return part.empty() || part == ".." || part == "."; });
+}
+
+bool is_name(const std::string& text) { return !leads_elsewhere(text) && !fs::path(text).has_parent_path(); }
+
+Error no_place(const WrittenFile& file) {
+  return error(Errc::corrupt, "the server says that the export has written '" + file.path +
+                                  "', which is none of its files; not fetched");
 }
 
 }  // namespace
@@ -46,14 +54,45 @@ Result<std::vector<WrittenFile>> written_files(const nlohmann::ordered_json& out
   return files;
 }
 
+Result<std::vector<fs::path>> places_in_folder(const std::vector<WrittenFile>& files, const std::string& made,
+                                               const fs::path& folder) {
+  std::vector<fs::path> places;
+  for (const auto& file : files) {
+    if (!is_name(made) || !file.inside.starts_with(made + "/")) return no_place(file);
+    const auto inside = file.inside.substr(made.size() + 1);
+    if (leads_elsewhere(inside)) return no_place(file);
+    places.push_back(folder / inside);
+  }
+  return places;
+}
+
+Result<std::vector<fs::path>> places_beside(const std::vector<WrittenFile>& files, const std::string& made,
+                                            const fs::path& target, const std::set<std::string>& endings) {
+  std::vector<fs::path> places;
+  for (const auto& file : files) {
+    const fs::path name(file.inside);
+    if (!is_name(made) || !is_name(file.inside) || name.stem() != fs::path(made).stem()) return no_place(file);
+    auto to = target;
+    if (endings.contains(name.extension())) {
+      to.replace_extension(name.extension());
+    } else if (file.inside != made) {
+      return no_place(file);
+    }
+    if (std::find(places.begin(), places.end(), to) != places.end()) return no_place(file);
+    places.push_back(std::move(to));
+  }
+  return places;
+}
+
 Status fetch_written(Server& server, const std::string& triangulation, const std::vector<WrittenFile>& files,
-                     const std::function<fs::path(const WrittenFile&)>& place,
+                     const std::vector<fs::path>& places,
                      const std::function<void(std::uint64_t, std::uint64_t)>& on_progress,
                      const std::stop_token& stop) {
   std::uint64_t total = 0, before = 0;
   for (const auto& file : files) total += file.bytes;
-  for (const auto& file : files) {
-    const auto to = place(file);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto& file = files[i];
+    const auto& to = places.at(i);
     if (to.has_parent_path()) {
       BOOST_OUTCOME_TRYV(make_directories(to.parent_path()));
     }

@@ -88,6 +88,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
     const auto folder = scratch / name;
     if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
   }
+  if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());
   return lock;
 }
 

@@ -2,6 +2,7 @@
 // can be resumed, which the next start does. SIGHUP reads tokens and certificate again. What only works for a cluster
 // hands over its tiles first (node_process.h).
 #include <malloc.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -26,6 +27,7 @@
 #include "src/base/printable.h"
 #include "src/daemon/daemon_log.h"
 #include "src/daemon/daemon_options.h"
+#include "src/daemon/data_rights.h"
 #include "src/daemon/health.h"
 #include "src/daemon/last_words.h"
 #include "src/daemon/node_process.h"
@@ -189,6 +191,8 @@ Status serve_api(DaemonOptions options, LastWords* words) {
 
 Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
   start_daemon_log(options.json_log, options.http.insecure);
+  BOOST_OUTCOME_TRY(who, who_else_may_enter(options.service.data));
+  if (who) spdlog::warn("{}", *who);
   if (!options.service.cluster) return serve_api(std::move(options), nullptr);
   ClusterOptions& cluster = *options.service.cluster;
   BOOST_OUTCOME_TRY(lock, take_scratch(cluster.scratch));
@@ -207,6 +211,8 @@ Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
 int tesserad_main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  // Jobs, results and uploads are for this user alone, whatever the umask of who starts it.
+  ::umask(077);
   // As for the command: pools of each thread keep what no account shows.
   mallopt(M_ARENA_MAX, 4);
   raise_open_files_limit();  // a shell's is too small for connections and jobs together

@@ -218,6 +218,18 @@ Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, Sto
   return exported;
 }
 
+std::set<std::string> export_endings(const fs::path& path, const std::string& format_name) {
+  std::set<std::string> endings;
+  for (const auto& format : exports::formats()) {
+    const bool meant = format_name.empty() ? path.extension() == format.ending || path.extension() == format.ending2
+                                           : format_name == format.name;
+    if (!meant) continue;
+    endings.insert(format.ending);
+    if (format.index_of_one) endings.insert(format.index_ending);
+  }
+  return endings;
+}
+
 std::string export_format_names() {
   std::string names;
   for (const auto& format : exports::formats()) names += (names.empty() ? "" : ", ") + std::string(format.name);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <set>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -66,6 +67,10 @@ struct ExportTarget {
 };
 // Where export_result() would write to. Its errors that need no result: usage.
 Result<ExportTarget> find_export_target(const std::filesystem::path& target, const ExportOptions& options);
+
+// Of the files that an export to `target` may make, which is one file: its own ending, and that of what stands beside
+// it.
+std::set<std::string> export_endings(const std::filesystem::path& target, const std::string& format);
 
 std::string export_format_names();  // "ply, vtu, ..."
 std::string export_format_help();   // a line for each

@@ -1,5 +1,8 @@
 #include "src/run/settled_files.h"
 
+#include <fcntl.h>
+
+#include <cerrno>
 #include <cstdint>
 #include <string>
 #include <system_error>
@@ -40,8 +43,13 @@ Result<std::uint64_t> SettledFiles::bytes_there() const {
   FolderReader reader(folder_);
   while (const char* file = reader.next()) {
     if (!is_settled_name(file)) continue;
-    BOOST_OUTCOME_TRY(size, bytes_if_there(folder_ / file));
-    bytes += size.value_or(0);
+    // Opened: of a file that another machine writes, a network file system keeps for a while what it was told, until
+    // the file is opened.
+    const FileHandle opened(::open((folder_ / file).c_str(), O_RDONLY | O_CLOEXEC));
+    if (opened.get() < 0 && errno == ENOENT) continue;  // removed just now
+    if (opened.get() < 0) return io_error(folder_ / file, "cannot be opened", errno);
+    BOOST_OUTCOME_TRY(size, size_of(opened, folder_ / file));
+    bytes += size;
   }
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(folder_, "cannot be read", reader.error().value());

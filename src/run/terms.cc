@@ -22,7 +22,7 @@ namespace tessera {
 namespace {
 
 template <class Each>
-void for_each_term(const std::filesystem::path& run, const Each& each) {
+Status for_each_term(const std::filesystem::path& run, const Each& each) {
   FolderReader reader(terms_folder(run));
   while (const char* name = reader.next()) {
     std::uint64_t term = 0;
@@ -30,11 +30,14 @@ void for_each_term(const std::filesystem::path& run, const Each& each) {
     const auto [end, wrong] = std::from_chars(name, last, term);
     if (wrong == std::errc{} && end == last) each(term);
   }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(terms_folder(run), "cannot be listed", reader.error().value());
+  return success();
 }
 
-std::uint64_t highest_term(const std::filesystem::path& run) {
+Result<std::uint64_t> highest_term(const std::filesystem::path& run) {
   std::uint64_t highest = 0;
-  for_each_term(run, [&](std::uint64_t term) { highest = std::max(highest, term); });
+  BOOST_OUTCOME_TRYV(for_each_term(run, [&](std::uint64_t term) { highest = std::max(highest, term); }));
   return highest;
 }
 
@@ -42,22 +45,27 @@ std::uint64_t highest_term(const std::filesystem::path& run) {
 
 Result<std::uint64_t> claim_term(const std::filesystem::path& run) {
   BOOST_OUTCOME_TRYV(make_directories(terms_folder(run)));
-  for (std::uint64_t term = highest_term(run) + 1;; ++term) {
+  BOOST_OUTCOME_TRY(highest, highest_term(run));
+  for (std::uint64_t term = highest + 1;; ++term) {
     const auto folder = terms_folder(run) / std::to_string(term);
     if (::mkdir(folder.c_str(), 0777) == 0) return term;  // what was there before is another's
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
 }
 
-void forget_terms(const std::filesystem::path& run, std::uint64_t below) {
+Status forget_terms(const std::filesystem::path& run, std::uint64_t below) {
   std::vector<std::uint64_t> old;
-  for_each_term(run, [&](std::uint64_t term) {
+  BOOST_OUTCOME_TRYV(for_each_term(run, [&](std::uint64_t term) {
     if (term < below) old.push_back(term);
-  });
+  }));
   for (const std::uint64_t term : old) ::rmdir((terms_folder(run) / std::to_string(term)).c_str());
+  return success();
 }
 
-bool is_replaced(const std::filesystem::path& run, std::uint64_t term) { return highest_term(run) > term; }
+bool is_replaced(const std::filesystem::path& run, std::uint64_t term) {
+  const auto highest = highest_term(run);  // what cannot be told now is asked again
+  return highest && highest.value() > term;
+}
 
 Result<JobId> identity_of(const std::filesystem::path& run) {
   const auto plan = plan_file(run);

@@ -13,7 +13,8 @@ namespace tessera {
 // Of all who claim, on whatever machine, each gets another one: 1, 2, ... Error io.
 Result<std::uint64_t> claim_term(const std::filesystem::path& run);
 // Removes what says of terms below this one that they were claimed. What cannot be removed stays.
-void forget_terms(const std::filesystem::path& run, std::uint64_t below);
+// Error io when they cannot be listed.
+Status forget_terms(const std::filesystem::path& run, std::uint64_t below);
 // Whether somebody has claimed a higher one.
 bool is_replaced(const std::filesystem::path& run, std::uint64_t term);
 

@@ -56,7 +56,7 @@ Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& optio
   std::unique_ptr<DataFolder> held(new DataFolder(std::move(lock).value()));
   BOOST_OUTCOME_TRYV(check_data_format(options.data));
   BOOST_OUTCOME_TRY(term, claim_term(options.data));
-  forget_terms(options.data, term < terms_kept ? 0 : term - terms_kept);
+  BOOST_OUTCOME_TRYV(forget_terms(options.data, term < terms_kept ? 0 : term - terms_kept));
   BOOST_OUTCOME_TRYV(make_directories(jobs_folder(options.data)));
   const auto lay = [&](const std::filesystem::path& area, std::unique_ptr<Desk>& desk) -> Status {
     BOOST_OUTCOME_TRYV(make_directories(area));

@@ -79,6 +79,44 @@ class Export(ServerTest):
         here = {path.relative_to(self.folder): path.read_bytes() for path in (self.folder / "tiles").iterdir()}
         self.assertEqual(here, self.bytes)
 
+    def test_what_a_server_says_leads_nowhere_else(self):
+        (self.folder / "out/arr").mkdir(parents=True)
+        (self.folder / "out/arr.py").write_text("mine")
+        (self.folder / "x.py").write_text("mine")
+
+        def here():  # beside what the server has
+            return sorted(path for path in self.folder.rglob("*") if not path.is_relative_to(self.server.results["block"]))
+        before = here()
+
+        def hostile(output, *written):
+            def work(job):
+                self.work(job)
+                for path in written:
+                    file = self.server.results["block"] / path
+                    if not file.exists() and file.resolve().is_relative_to(self.server.results["block"].resolve()):
+                        file.parent.mkdir(parents=True, exist_ok=True)
+                        file.write_bytes(b"PWNED")
+                job.outcome |= {"output": output, "written": [{"path": path, "bytes": 5, "xxh3": xxh3(b"PWNED")} for path in written]}
+            return work
+
+        folder, file = ("-o", "out/arr/", "--format", "npy"), ("-o", "x.off")
+        for target, output, path in ((folder, "a/b", "exports/PWNED"), (folder, "a/b/c/d", "exports/a/PWNED"),
+                                     (folder, "arr", "exports/PWNED"), (folder, "..", "exports/PWNED"),
+                                     (folder, "arr", "exports/arr/../../../PWNED"), (file, "x.off", "exports/x.py"),
+                                     (file, "x.py", "exports/x.py"), (file, "../x.off", "exports/x.off"),
+                                     (file, "x.off", "exports/y/x.off")):
+            self.server.on_submit = hostile(output, path)
+            done = self.run_tessera("export", "block", *target, "--overwrite")
+            self.assertIn(done.returncode, (IO, CORRUPT), (output, path, done.stdout, done.stderr))
+            self.assertEqual(here(), before, (output, path))
+            self.assertEqual((self.folder / "x.py").read_text(), "mine")
+        # By its job, when nobody here knows what was asked for.
+        self.server.on_submit = hostile("a/b", "exports/PWNED")
+        self.ok("export", "block", "-o", "arr", "--format", "npy", "--detach")
+        job = max(self.server.jobs, key=lambda name: int(name[1:]))
+        self.refused(CORRUPT, "fetch", job, "-o", "out/arr", says="exports/PWNED")
+        self.assertEqual(here(), before)
+
     def test_a_connection_that_ends_is_gone_on_with_and_damage_is_found(self):
         self.server.on_submit = self.work
         self.server.spoil["exports/mesh.off"] = lambda content: content[:-1] + b"?"

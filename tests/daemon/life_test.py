@@ -1,5 +1,6 @@
 """The daemon from start to end: jobs, results, signals, kill -9, a second start."""
 import json
+import os
 import pathlib
 import random
 import signal
@@ -49,6 +50,28 @@ class Life(DaemonTest):
         tokens = self.folder / "data/tokens"
         self.assertEqual(tokens.stat().st_mode & 0o777, 0o600)
         self.assertNotIn(daemon.token, daemon.messages())
+
+    def test_nobody_else_reads_what_it_keeps(self):
+        before = os.umask(0o022)  # that of most shells
+        self.addCleanup(os.umask, before)
+        daemon = self.start("--uploads")
+        status, _, job = execute(daemon, inputs=["*.las"], output="block", tiles=4)
+        self.assertEqual(status, 201, job)
+        self.assertEqual(daemon.request("PUT", "/v1/uploads/d/f.xyz", b"1 2 3\n")[0], 204)
+        self.assertEqual(daemon.wait(job["jobID"])["status"], "successful")
+        data = self.folder / "data"
+        kept = [data, *data.rglob("*")]
+        for name in ("tokens", "results/block/manifest.json", f"jobs/{job['jobID']}/job.json", "uploads/d/f.xyz"):
+            self.assertIn(data / name, kept)
+        self.assertEqual([str(path) for path in kept if path.stat().st_mode & 0o077], [])
+        self.assertNotIn("chmod", daemon.messages())
+        self.assertEqual(daemon.end(), 0)
+        # One that is open from before stays so, and the log says it.
+        data.chmod(0o755)
+        daemon = self.start()
+        self.assertIn(f"{data}: other users may look into it", daemon.messages())
+        self.assertEqual(data.stat().st_mode & 0o777, 0o755)
+        self.assertEqual(daemon.end(), 0)
 
     def test_a_token_that_is_taken_out_is_refused_after_sighup(self):
         daemon = self.start()

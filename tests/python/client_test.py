@@ -122,6 +122,25 @@ class Jobs(ClientTest):
         self.assertEqual(self.client.results(), [])
 
 
+class Export(ClientTest):
+    def test_what_a_server_says_leads_nowhere_else(self):
+        self.make_result()
+        (self.folder / "x.py").write_text("mine")
+        before = sorted(self.folder.rglob("*"))
+        for target, path in (("arr", "exports/PWNED"), ("arr", "exports/arr"), ("arr", "exports/arr/../../PWNED"), ("arr", "/etc/PWNED"),
+                             ("arr", "exports/arrow/x"), ("x.off", "exports/x.py"), ("x.off", "exports/y.off"),
+                             ("x.off", "exports/a/x.off"), ("x.off", "exports/../x.off"), ("x.csv", "exports/x.off")):
+            def hostile(job, path=path):
+                job.outcome = {"written": [{"path": path, "bytes": 5, "xxh3": "0000000000000000"}]}
+                job.tell("successful", triangulation="block")
+            self.server.on_submit = hostile
+            with self.assertRaisesRegex(tessera.CorruptError, "which files the export has written"):
+                self.client.export("block", self.folder / target, "npy" if target == "arr" else None, overwrite=True)
+            self.assertEqual(self.server.asked("GET", "PWNED"), [])
+            self.assertEqual(sorted(self.folder.rglob("*")), before, path)
+        self.assertEqual((self.folder / "x.py").read_text(), "mine")
+
+
 class Fetch(ClientTest):
     def content(self, folder):
         return {path.relative_to(folder): path.read_bytes() for path in pathlib.Path(folder).rglob("*") if path.is_file()}
