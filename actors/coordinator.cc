@@ -89,7 +89,7 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const PartTally& tally) {
         attempt([&] {
           if (state_ != State::exchanging || tally.epoch != table_.epoch) return;
-          if (!releasing_.empty() || !handing_.empty()) return;
+          if (!releasing_.empty() || !handing_.empty() || !lost_.empty() || !released_.empty()) return;
           act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
         });
       },
@@ -151,6 +151,7 @@ void Coordinator::opened(const PartOpened& message) {
   ++nodes_;
   p.settled = message.settled;
   p.threads = message.threads;
+  p.memory_bytes = message.memory_bytes;
   p.name = message.name;
   p.part = caf::actor_cast<PartHandle>(message.part);
   if (state_ == State::finishing) p.lost = p.ended = true;  // it is not needed any more
@@ -275,7 +276,16 @@ void Coordinator::ended(PartEnded& message) {
   sum_.begin_us += message.begin_us;
   sum_.splay_us += message.splay_us;
   sum_.collect_us += message.collect_us;
-  if (message.failure) return fail(std::move(message.failure));
+  if (message.failure) {
+    if (!p.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
+      message.failure.text = "node " + p.name + ": " + message.failure.text;
+    const bool can = state_ == State::exchanging || state_ == State::settling || state_ == State::collecting;
+    if (!message.of_node || !can || hosts().empty()) return fail(std::move(message.failure));
+    p.lost = true;
+    ++nodes_lost_;
+    return missing(message.node, message.failure,
+                   "cannot go on with its scratch folder (" + message.failure.text + ")");
+  }
   const bool handed = handing_.contains(message.node) && state_ == State::exchanging;
   if (handed || (p.finished && state_ == State::collecting)) return left(message);
   finish_if_over();
@@ -294,6 +304,7 @@ void Coordinator::finish_if_over() noexcept {
   end.nodes = nodes_;
   end.nodes_lost = nodes_lost_;
   end.tiles_again = tiles_again_;
+  for (const PartOf& p : parts_) end.memory_bytes += p.memory_bytes;
   end.sum = std::move(sum_);
   end.triangulate_us = microseconds(begun_.value_or(now) - started_);
   end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));

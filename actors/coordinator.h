@@ -16,9 +16,11 @@
 // exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
 // collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
 // any        | NodeLost, the last one | waits for another; fails when none has come for the grace    | ending
+// finding, exchanging, collecting | a tile for which no node has the memory: the same (coordinator_room.cc)  |
 // any        | a part is gone without a word | as NodeLost                                    |
 // any        | PartProgress     | progress to the owner                                       |
 // any        | Cancel           | Suspend to all parts                                        | ending
+// any        | PartEnded        | with a failure of its node's scratch, and there are others: as NodeLost        |
 // exchanging | PartEnded        | without one, of a node that leaves: a new epoch, its tiles go on elsewhere
 // any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
 //            |                  | ended                                                       |
@@ -58,6 +60,9 @@ struct CoordinatorOptions {
   // Whether it is written down, and the tiles in the store: asked by one that takes over.
   std::function<Result<bool>()> is_settled;
   std::function<Result<std::vector<TileEntry>>()> stored;
+  // How many points a tile may have at most where so many threads and so much memory are; none: as many as it has.
+  std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> tile_points_max;
+  std::function<std::uint64_t(std::uint64_t points)> tile_bytes;  // what one needs: for people
   // When set, called at the moment quiescence is believed: the harness checks there that it is true.
   std::function<void(const Table&)> on_quiet;
   std::optional<NodeId> home;  // see Hooks
@@ -77,6 +82,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
     NodeHandle node;
     PartHandle part;  // null before it is opened, and when it has ended
     std::uint32_t threads = 1;
+    std::uint64_t memory_bytes = 0;
     std::string name;         // of the node, once it is opened
     std::uint32_t tiles = 0;  // by the table of the epoch counted_
     bool opened = false, begun = false, lost = false, ended = false;
@@ -102,7 +108,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void find(const NodeHandle& node);
   void found(PartFound& message);
   void take_over();
-  void open_anew(std::vector<NodeHandle> nodes);
+  void open_anew();
   void go_on();
   BeginPart beginning() const;  // for parts that are open, and have not been told
   void take(const TileDone& done);
@@ -125,7 +131,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void lose(NodeId node, Failure failure, const std::string& why);
   void orphan_tiles(NodeId node, const std::string& why);
   bool nobody() const;
-  void wait_for_a_node(Failure failure);
+  void wait_for_a_node(Failure failure, const std::string& because = "no node is left");
   void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
@@ -134,7 +140,14 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   // Of one that was replaced, and does not know it, they are others.
   std::uint64_t first_epoch() const { return options_.term << 32; }
   std::uint32_t first_incarnation() const { return static_cast<std::uint32_t>(options_.term << 16); }
-  std::vector<Placement> again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const;
+  // Other incarnations of these where there is room; those for which there is none stay in the list, and wait. `all`:
+  // there are no other hosts.
+  std::vector<Placement> again(std::vector<TileId>& tiles, std::vector<Host> hosts, bool all = true) const;
+  Host host(NodeId node, std::uint32_t threads, std::uint64_t memory_bytes) const;
+  bool may_begin();
+  bool has_room(NodeId node) const;
+  void wait_for_room(const std::vector<TileId>& tiles, const std::vector<PartFound>& nodes);
+  void missing(NodeId node, Failure failure, const std::string& why);
   void step_down() noexcept;
   std::vector<Host> hosts() const;
   std::set<NodeId> nodes() const;
@@ -194,6 +207,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::vector<Leaving> leaving_;  // nodes that are to leave, and are not let go yet
   std::set<NodeId> handing_;      // of these, those that hand over what they have
   std::vector<TileId> lost_;      // of lost nodes, not placed yet
+  bool without_room_ = false;     // no node has the memory for one of them
   Failure missed_;                // why the job fails if no node comes
   std::uint64_t waits_ = 0;       // for one, so far
   std::optional<Failure> failure_;

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-std::string gone(const caf::down_msg& down) { return "came to an end (" + caf::to_string(down.reason) + ")"; }
+std::string gone(const caf::down_msg& down) { return "does not answer any more: " + in_words(down.reason); }
 
 }  // namespace
 
@@ -31,7 +31,10 @@ void Coordinator::lose_found(const NodeHandle& node) {
   if (asked || answered > 0) ++waits_;  // whoever is left may be one that cannot open its part: others are to come
   if ((asked || answered > 0) && nobody())
     return wait_for_a_node(failure_of(error(Errc::internal, "the last node is lost")));
-  if (asked && asked_.empty()) take_over();
+  if (asked_.empty() && (asked || without_room_)) {
+    without_room_ = false;
+    take_over();
+  }
 }
 
 void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
@@ -43,6 +46,11 @@ void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
     demonitor(p.part.address());
   }
   p.part = nullptr;
+  missing(node, std::move(failure), why);
+}
+
+// It takes no part any more.
+void Coordinator::missing(NodeId node, Failure failure, const std::string& why) {
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
   releasing_.erase(node);
   handing_.erase(node);
@@ -77,7 +85,8 @@ void Coordinator::not_opened(const PartOpened& message) {
   if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
   const bool by_all = std::all_of(parts_.begin(), parts_.end(), [](const PartOf& part) { return part.refused; });
   if (by_all && waits_ == 0) return fail(message.failure);
-  owner_.said("a node cannot take part: " + message.failure.text);
+  owner_.said((message.name.empty() ? "a node" : "node " + message.name) +
+              " cannot take part: " + message.failure.text);
   if (nobody()) return wait_for_a_node(message.failure);
   if (state_ == State::opening) begin_if_opened();
 }
@@ -88,17 +97,17 @@ bool Coordinator::nobody() const {
 }
 
 // Its process may come again, and others may be on their way. `failure`: to be told when none comes.
-void Coordinator::wait_for_a_node(Failure failure) {
+void Coordinator::wait_for_a_node(Failure failure, const std::string& because) {
   const std::uint32_t patience_s = options_.spec.grace_s;
   if (patience_s == 0) return fail(std::move(failure));
   missed_ = std::move(failure);
-  owner_.said("no node is left: the job waits " + std::to_string(patience_s) + " s for another one");
+  owner_.said(because + ": the job waits " + std::to_string(patience_s) + " s for another one");
   delayed_send(this, std::chrono::seconds(patience_s), NobodyCame{++waits_});
 }
 
 void Coordinator::give_up_waiting(const NobodyCame& over) {
-  const bool waits = over.wait == waits_ && state_ != State::finishing && state_ != State::ending && nobody();
-  if (waits) fail(std::move(missed_));
+  const bool waits = over.wait == waits_ && state_ != State::finishing && state_ != State::ending;
+  if (waits && (nobody() || without_room_)) fail(std::move(missed_));
 }
 
 void Coordinator::lost_actor(const caf::down_msg& down) {
@@ -124,10 +133,17 @@ void Coordinator::place_orphans() {
     return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
   });
   waiting_.clear();
-  tiles_again_ += lost_.size();
-  auto changes = again(std::exchange(lost_, {}), all);
-  const auto moved = again(std::exchange(released_, {}), late.empty() ? all : late);
+  std::vector<Placement> changes = again(lost_, all);
+  tiles_again_ += changes.size();
+  auto moved = again(released_, late, false);
   changes.insert(changes.end(), moved.begin(), moved.end());
+  moved = again(released_, all);  // what whoever is late has no room for
+  changes.insert(changes.end(), moved.begin(), moved.end());
+  if (!lost_.empty() || !released_.empty()) {
+    wait_for_room(lost_.empty() ? released_ : lost_, {});
+  } else {
+    without_room_ = false;
+  }
   if (!changes.empty()) return change_table(changes);
   if (state_ == State::exchanging) {
     detector_.restart(nodes());

@@ -6,14 +6,11 @@
 #include "actors/failing.h"
 
 namespace tessera {
-std::vector<Placement> Coordinator::again(const std::vector<TileId>& tiles, const std::vector<Host>& hosts) const {
-  return place_again(table_, tiles, options_.points, hosts, first_incarnation());
-}
 
 void Coordinator::find(const NodeHandle& node) {
   monitor(node);
-  send(node,
-       FindPart{options_.job, options_.term, caf::actor_cast<caf::actor>(node), caf::actor_cast<caf::actor>(this)});
+  send(node, FindPart{options_.job, options_.term, caf::actor_cast<caf::actor>(node), caf::actor_cast<caf::actor>(this),
+                      std::max(1U, options_.spec.shares)});
 }
 
 void Coordinator::found(PartFound& message) {
@@ -38,12 +35,14 @@ void Coordinator::take_over() {
     numbers = std::max(numbers, found.self.value + 1);
   }
   const bool anew = without.size() == answers_.size();
+  if (anew && !may_begin()) return;
+  without_room_ = false;
   if (!anew) {
     for (const NodeId node : table_.nodes) numbers = std::max(numbers, node.value + 1);
   }
   parts_.resize(numbers);
   for (PartOf& p : parts_) p.lost = p.ended = p.opened = true;
-  if (anew) return open_anew(std::move(without));
+  if (anew) return open_anew();
   for (const PartFound& found : answers_) {
     if (!found.part) continue;
     PartOf& p = parts_[found.self.value];
@@ -51,6 +50,7 @@ void Coordinator::take_over() {
     p.node = caf::actor_cast<NodeHandle>(found.node);
     p.part = caf::actor_cast<PartHandle>(found.part);
     p.threads = found.threads;
+    p.memory_bytes = found.memory_bytes;
     p.name = found.name;
     p.begun = found.begun;
     p.abort.message().term = options_.term;
@@ -62,13 +62,14 @@ void Coordinator::take_over() {
 }
 
 // Nobody has anything of it: what is on scratch, or settled, each will find.
-void Coordinator::open_anew(std::vector<NodeHandle> nodes) {
+void Coordinator::open_anew() {
   state_ = State::opening;
   std::vector<Host> hosts;
-  for (NodeHandle& node : nodes) {
-    hosts.push_back({NodeId{static_cast<std::uint32_t>(parts_.size())}, 1});
-    parts_.emplace_back().node = std::move(node);
+  for (const PartFound& found : answers_) {
+    hosts.push_back(host(NodeId{static_cast<std::uint32_t>(parts_.size())}, found.threads, found.memory_bytes));
+    parts_.emplace_back().node = caf::actor_cast<NodeHandle>(found.node);
   }
+  answers_.clear();
   // Others than those of parts that nobody was asked for, and that go on.
   table_ = {first_epoch(), std::vector<NodeId>(options_.points.size()),
             std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
@@ -108,13 +109,14 @@ void Coordinator::go_on() {
     if (lost && !stored_[t.value]) tiles.push_back(t);
   }
   const std::vector<Host> there = hosts();
-  if (there.empty()) released_ = tiles;  // all that are there are to leave
   change_table(there.empty() ? std::vector<Placement>() : again(tiles, there));
+  released_ = std::move(tiles);  // there is no room for them; or all that are there are to leave
   const caf::message message = for_parts(beginning());
   for (std::size_t n = 0; n < parts_.size(); ++n) {
     if (!parts_[n].begun && parts_[n].part) tell(parts_[n], message);
   }
   if (settled.value()) tell_parts(Collect{});
+  if (!there.empty() && !released_.empty()) wait_for_room(released_, {});
 }
 
 void Coordinator::join(const NodeHandle& node) {
@@ -143,6 +145,7 @@ void Coordinator::welcome(NodeId node) {
   parts_.at(node.value).settled = state_ == State::settling;
   waiting_.push_back(node);
   if (state_ == State::settling) return;
+  if (!has_room(node)) return place_orphans();
   std::vector<std::uint64_t> held(parts_.size());
   for (const TileId t : options_.order) held[table_.node_of(t).value] += options_.points[t.value];
   const std::vector<Host> there = hosts();
@@ -179,7 +182,8 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
 std::vector<Host> Coordinator::hosts() const {
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    if (parts_[n].there() && !leaves(parts_[n].node)) hosts.push_back({NodeId{n}, parts_[n].threads});
+    const PartOf& p = parts_[n];
+    if (p.there() && !leaves(p.node)) hosts.push_back(host(NodeId{n}, p.threads, p.memory_bytes));
   }
   return hosts;
 }

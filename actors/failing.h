@@ -38,9 +38,10 @@ Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
 // Of an actor that has said nothing else. Needs no memory.
 inline Failure ended_unexpectedly() noexcept { return failure_of(error(Errc::internal, "unexpected end")); }
 
+// A reason of CAF's, for people: none of its own words.
+std::string in_words(const caf::error& reason);
+
 // Why an actor that was watched is gone without having said so.
-inline Failure lost(const std::string& who, const caf::error& reason) {
-  return failure_of(error(Errc::internal, who + " came to an unexpected end (" + caf::to_string(reason) + ")"));
-}
+Failure lost(const std::string& who, const caf::error& reason);
 
 }  // namespace tessera

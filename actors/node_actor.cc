@@ -7,6 +7,7 @@
 
 #include "actors/failing.h"
 #include "actors/part_actor.h"
+#include "src/files/inside.h"
 #include "src/run/routing.h"
 
 namespace tessera {
@@ -24,7 +25,7 @@ NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared
 NodeActor::behavior_type NodeActor::make_behavior() {
   // Whoever did not get the answer watches its own peers.
   set_error_handler([this](caf::scheduled_actor*, caf::error& reason) {
-    options_.hooks.tell([&] { return "node: a message came back: " + caf::to_string(reason); });
+    options_.hooks.tell([&] { return "node: a message came back: " + in_words(reason); });
   });
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
   return {
@@ -42,6 +43,7 @@ void NodeActor::answer(const OpenPart& wanted) {
   while (answer_.said()) prepare_answer();
   answer_.message() = open_or_say_why(wanted);
   answer_.message().node = wanted.node;
+  answer_.message().name = options_.name;
   answer_.say(coordinator);
   prepare_answer();
 }
@@ -67,6 +69,8 @@ PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
 
 Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec.get()));
+  BOOST_OUTCOME_TRYV(check_path(spec.run_folder));
+  BOOST_OUTCOME_TRYV(check_path(spec.out_folder));
   if (is_replaced(wanted.job, wanted.term)) return error(Errc::interrupted, "another coordinator has taken over");
   if (spec.shares > 0) {
     spec.threads = std::max(1U, options_.threads / spec.shares);
@@ -87,7 +91,7 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   PartOpened opened;
   opened.settled = part->settled;
   opened.threads = part->schedule.threads;
-  opened.name = options_.name;
+  opened.memory_bytes = memory;
   Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
@@ -97,6 +101,11 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   known.part = opened.part.address();
   monitor(known.part);
   return opened;
+}
+
+// Whoever has a certificate of the cluster may be another than its coordinator.
+Status NodeActor::check_path(const std::string& path) const {
+  return options_.data.empty() ? success() : check_inside(options_.data, path);
 }
 
 // Of a job that has one coordinator ever nothing is kept.
@@ -129,6 +138,10 @@ void NodeActor::answer_none(const FindPart& wanted) {
   PartFound none;
   none.term = wanted.term;
   none.node = caf::actor_cast<caf::actor>(this);
+  const std::uint32_t shares = std::max(1U, wanted.shares);
+  none.threads = std::max(1U, options_.threads / shares);
+  none.memory_bytes = options_.memory_bytes / shares;
+  none.name = options_.name;
   send(caf::actor_cast<CoordinatorHandle>(wanted.coordinator), std::move(none));
 }
 
@@ -140,7 +153,8 @@ void NodeActor::route(const RouteStretch& wanted) {
   const auto threads = std::max(1U, options_.threads / std::max(1U, wanted.shares));
   monitor(wanted.router);
   routing_[wanted.router.address()] =
-      std::jthread([router, work, threads, stretch = wanted.stretch](const std::stop_token& stop) mutable {
+      std::jthread([router, work, threads, stretch = wanted.stretch,
+                    allowed = check_path(wanted.run_folder)](const std::stop_token& stop) mutable {
         StretchRouted routed;
         routed.attempt = work.attempt;
         std::uint64_t told = 0;
@@ -151,7 +165,9 @@ void NodeActor::route(const RouteStretch& wanted) {
           caf::anon_send(router, routed);
         };
         try {
-          if (Status done = route_stretch(work.run_folder, stretch, threads, work, stop); !done)
+          if (!allowed) {
+            routed.failure = failure_of(allowed.error());
+          } else if (Status done = route_stretch(work.run_folder, stretch, threads, work, stop); !done)
             routed.failure = failure_of(std::move(done).error());
         } catch (...) {
           routed.failure = failure_of(std::current_exception(), [] { return std::string("routing points"); });

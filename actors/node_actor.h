@@ -12,6 +12,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,6 +35,7 @@ struct NodeOptions {
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();  // bytes, of parts
   std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   std::chrono::milliseconds progress_interval{100};
+  std::filesystem::path data = {};  // in which all lies that a coordinator names; none: anywhere
   Hooks hooks;
 };
 
@@ -49,6 +51,7 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
   bool is_replaced(JobId job, std::uint64_t term);
+  Status check_path(const std::string& path) const;
   void leave();
   void find(const FindPart& wanted);
   void gone(const caf::down_msg& down);

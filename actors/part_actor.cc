@@ -73,7 +73,7 @@ PartActor::behavior_type PartActor::make_behavior() {
   });
   return {
       [this](const BeginPart& begin) {
-        if (!obeyed()) return;
+        if (!obeyed() || opened_) return;  // once, whoever says it again
         open(begin);
         dispatch();
       },
@@ -292,7 +292,11 @@ void PartActor::end() {
   tell_progress(true);
   sum_.sleeps = schedule_.sleeps();
   for (const auto& [node, gate] : gates_) sum_.gates += gate.counts();
-  if (failure_) sum_.failure = std::move(*failure_);
+  if (failure_) {
+    const bool io = failure_->code == static_cast<std::uint8_t>(Errc::io);
+    sum_.of_node = io && (gate_failed_ || part_->context.storage->own_scratch_failed());
+    sum_.failure = std::move(*failure_);
+  }
   ended_ = true;
   quit();
 }

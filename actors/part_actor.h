@@ -72,6 +72,8 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void failed(const std::exception_ptr& exception) noexcept override;
   void open(const BeginPart& begin);
   void change_table(ChangeTable& change);
+  bool is_of_job(const Table& table, const std::vector<caf::actor>& parts) const;
+  Failure not_of_job() const;
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
   void enter_collecting();
@@ -89,6 +91,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void deliver_early();
   void post(Update update);
   void send_parcels(NodeId to);
+  void stop_for_gate(Error error);
   void give_credit(NodeId to, std::uint64_t bytes);
   void take(const Credit& credit);
   void close_gates();
@@ -130,6 +133,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::optional<FindPart> finder_;  // one that waits for an answer
   std::vector<TileDone> stored_;    // what a coordinator that takes over must hear again
   std::shared_ptr<const Table> table_;
+  bool gate_failed_ = false;                  // its scratch could not be used
   std::vector<Delivery> early_;               // of epochs whose table is still to come
   std::uint32_t rejoining_ = 0;               // tiles that do not yet go by the table
   std::shared_ptr<const Rebirths> rebirths_;  // since the oldest table that a tile goes by

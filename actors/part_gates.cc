@@ -7,6 +7,12 @@
 
 namespace tessera {
 
+// What waits for other nodes is on the scratch of its own.
+void PartActor::stop_for_gate(Error error) {
+  gate_failed_ = error.code == Errc::io;
+  stop(failure_of(std::move(error)));
+}
+
 // For whoever is at home there by the newest table: if that is not the incarnation that is meant, it is dropped.
 void PartActor::post(Update update) {
   if (failure_ || !table_->alive(update.to)) return;
@@ -18,7 +24,7 @@ void PartActor::post(Update update) {
                                 part_->scratch.empty() ? part_->scratch : gate_scratch_file(part_->scratch, to))
                    .first->second;
   if (Status added = gate.add(std::move(update)); !added) {
-    stop(failure_of(std::move(added).error()));
+    stop_for_gate(std::move(added).error());
     return dispatch();
   }
   send_parcels(to);
@@ -30,7 +36,7 @@ void PartActor::send_parcels(NodeId to) {
   while (true) {
     auto updates = gate.next();
     if (!updates) {
-      stop(failure_of(std::move(updates).error()));
+      stop_for_gate(std::move(updates).error());
       return dispatch();
     }
     if (updates.value().empty()) return;

@@ -11,6 +11,7 @@ namespace tessera {
 // Not by the table that it was opened with: between opening and beginning nodes may be lost, and another coordinator
 // take over. Mostly it is the same, which is in memory once.
 void PartActor::open(const BeginPart& begin) {
+  if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.parts)) return stop(not_of_job());
   office_->part = caf::actor_cast<PartHandle>(this);
   if (!begin.table.nodes.empty() && begin.table != *table_) table_ = std::make_shared<const Table>(begin.table);
   schedule_ = Schedule(part_->schedule, points_by(*table_));
@@ -19,6 +20,17 @@ void PartActor::open(const BeginPart& begin) {
   opened_ = true;
   if (begin.settled) enter_collecting();
   deliver_early();
+}
+
+// Whoever says so may be another than the coordinator.
+bool PartActor::is_of_job(const Table& table, const std::vector<caf::actor>& parts) const {
+  const std::size_t tiles = tile_points().size();
+  return table.nodes.size() == tiles && table.incarnations.size() == tiles &&
+         std::all_of(table.nodes.begin(), table.nodes.end(), [&](NodeId node) { return node.value < parts.size(); });
+}
+
+Failure PartActor::not_of_job() const {
+  return failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job"));
 }
 
 // Of its own tiles, and of others 0.
@@ -52,11 +64,7 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
 void PartActor::change_table(ChangeTable& change) {
   if (failure_ || !opened_ || change.table.epoch <= table_->epoch) return;
   office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
-  const std::size_t tiles = tile_points().size();
-  const bool sound = change.table.nodes.size() == tiles && change.table.incarnations.size() == tiles &&
-                     std::all_of(change.table.nodes.begin(), change.table.nodes.end(),
-                                 [&](NodeId node) { return node.value < change.parts.size(); });
-  if (!sound) return stop(failure_of(error(Errc::internal, name_of(self_) + " got a table that is not of its job")));
+  if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
   if (change.settled) {
     enter_collecting();
   } else if (schedule_.stage() == Schedule::Stage::settling) {
@@ -135,6 +143,7 @@ void PartActor::answer_if_left() {
   answer.begun = opened_;
   answer.table = *table_;
   answer.threads = part_->schedule.threads;
+  answer.memory_bytes = office_->options.memory_bytes;
   answer.name = finder_->name;
   for (std::uint32_t t = 0; opened_ && t < tile_points().size(); ++t) {
     if (table_->node_of(TileId{t}) == self_ && tile_points()[t] > 0 && !hosts(TileId{t})) {

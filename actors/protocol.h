@@ -145,18 +145,20 @@ struct FindPart {
   std::uint64_t term = 0;
   caf::actor node;  // that is asked
   caf::actor coordinator;
-  std::string name = {};  // of the node, by itself
+  std::uint32_t shares = 1;  // as in PartSpec
+  std::string name = {};     // of the node, by itself
 };
 // node, or its part -> that coordinator
 struct PartFound {
   std::uint64_t term = 0;
   caf::actor node;
-  caf::actor part;     // null: there is none; the rest then says nothing
+  caf::actor part;     // null: there is none; the rest, but what it would have, then says nothing
   NodeId self;         // the number that the node has in this job
   bool begun = false;  // BeginPart has come
   Table table;
   std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
   std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = 0;
   std::string name;
 };
 
@@ -197,6 +199,7 @@ struct PartOpened {
   caf::actor part;
   bool settled = false;  // needs no exchange
   std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = 0;
   std::string name;  // of the node in its cluster
 };
 // part -> coordinator
@@ -240,6 +243,7 @@ struct TileDone {
 struct PartEnded {
   NodeId node;
   Failure failure;
+  bool of_node = false;  // the failure: its own scratch cannot be used, and others can go on
   ExchangeCounts points;
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads

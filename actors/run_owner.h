@@ -24,6 +24,7 @@ struct RunEnded {
   bool again = false;  // damaged scratch was found while no tile could be told anything more: the next run mends it
   std::uint64_t waves = 0;
   std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // begun again after losses
+  std::uint64_t memory_bytes = 0;                            // that they all gave the job
   PartEnded sum;
   // Wall clock of the stages.
   std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;

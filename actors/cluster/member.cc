@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/cluster/handshakes.h"
 #include "actors/cluster/network.h"
 #include "actors/failing.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds pause{500};  // before an address is tried again
 constexpr int attempts_max = 6;                  // to reach a node that others reach
+constexpr unsigned ticks_a_lease = 5;
 
 }  // namespace
 
@@ -39,6 +41,7 @@ Member::behavior_type Member::make_behavior() {
         send(caf::actor_cast<MemberHandle>(who.asks), std::move(answer));
       },
       [this](const CoordinatorIs& is) {
+        heard(current_sender());
         if (state_ != State::seeking) return;
         if (is.registry) return greet(is.registry);
         if (const auto address = parse_host_port(is.address)) ask(address.value());
@@ -48,7 +51,10 @@ Member::behavior_type Member::make_behavior() {
         tell_trouble("refused by the cluster's coordinator: " + refused.why);
         lost_registry();
       },
-      [this](const Renewed&) { answered_ = Clock::now(); },
+      [this](const Renewed&) {
+        answered_ = Clock::now();
+        answered_since_ = true;
+      },
       [this](const Expelled& expelled) { expel(expelled); },
       [this](const AskToLeave&) { leave(); },
       [this](const Leave&) { quit(); },
@@ -97,9 +103,17 @@ void Member::ask(const HostPort& address) {
         seek_later();  // if nothing comes of it
       },
       [this, address](const std::string& reason) {
-        tell_trouble("nobody of the cluster is reached at " + to_string(address) + " yet (" + reason + ")");
+        tell_trouble("nobody of the cluster is reached at " + to_string(address) + " yet: " + reason +
+                     own_certificate());
         seek_later();
       });
+}
+
+// The other side may have closed the connection before it said why.
+std::string Member::own_certificate() const {
+  const auto end = std::chrono::system_clock::time_point(std::chrono::seconds(options_.info.certificate_end_s));
+  if (options_.info.certificate_end_s == 0 || std::chrono::system_clock::now() < end) return {};
+  return "; the certificate of this node has expired: " + options_.cluster.certificate.string();
 }
 
 void Member::greet(const caf::actor& registry) {
@@ -111,6 +125,7 @@ void Member::greet(const caf::actor& registry) {
   hello.cluster = options_.cluster.name;
   hello.shared = options_.cluster.shared;
   hello.info = options_.info;
+  hello.use = options_.use();
   hello.last_words = options_.last_words;
   hello.member = caf::actor_cast<caf::actor>(this);
   hello.node = options_.node;
@@ -131,7 +146,7 @@ void Member::welcome(const Welcome& message) {
     if (gone_.contains(message.uuids[i]) || doors_.contains(message.uuids[i])) continue;  // known from before
     const auto address = parse_host_port(message.addresses[i]);
     if (address) {
-      doors_[message.uuids[i]] = nullptr;
+      doors_[message.uuids[i]].address = message.addresses[i];
       reach_node(message.uuids[i], address.value(), attempts_max);
     }
   }
@@ -153,23 +168,51 @@ void Member::reach_node(const NodeUuid& uuid, const HostPort& address, int attem
 
 void Member::reached(const NodeUuid& uuid, const caf::actor& door) {
   if (const auto found = doors_.find(uuid); found != doors_.end() && door) {
-    found->second = door;
+    found->second.handle = door;
     monitor(door);
   }
-  const bool all = std::all_of(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second; });
+  const bool all = std::all_of(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second.handle; });
   if (all && state_ == State::member) send(registry_, ReachedAll{options_.info.uuid});
 }
 
 void Member::renew() {
   if (const auto closed = close_mute_connections(options_.cluster.lease); closed > 0)
     options_.cluster.log(std::to_string(closed) + " connections were closed, over which nothing was said");
-  delayed_send(this, options_.cluster.lease / 5, caf::tick_atom::value);
+  delayed_send(this, options_.cluster.lease / ticks_a_lease, caf::tick_atom::value);
+  for (const std::string& trouble : take_handshake_troubles()) options_.cluster.log(trouble);
   if (leaves_) leave();
   if (state_ == State::seeking) return;
-  if (Clock::now() - answered_ > options_.cluster.lease) return lost_registry();
+  if (Clock::now() - answered_ > options_.cluster.lease) {
+    options_.cluster.log("the cluster's coordinator has not been heard of for the lease: its tiles go on meanwhile");
+    return lost_registry();
+  }
   if (state_ != State::member) return;
-  send(registry_, Renew{options_.info.uuid, options_.memory_used()});
+  send(registry_, Renew{options_.info.uuid, options_.use()});
+  ask_others();
   reached({}, nullptr);  // the coordinator may not have believed it while another node was not lost yet
+}
+
+// A connection is as long as the grace: whoever stands still keeps it, and goes on with it. So a node from which
+// nothing comes is found out here. While the coordinator is not heard either, nobody is given up: it may be one process
+// with that node, or this process may have stood still itself.
+void Member::ask_others() {
+  std::vector<NodeUuid> silent;
+  for (auto& [uuid, door] : doors_) {
+    if (!door.handle) continue;
+    if (answered_since_ && ++door.asked > ticks_a_lease) silent.push_back(uuid);
+    send(caf::actor_cast<RegistryHandle>(door.handle), WhoIs{caf::actor_cast<caf::actor>(this)});
+  }
+  answered_since_ = false;
+  for (const NodeUuid& uuid : silent) {
+    options_.cluster.log("node at " + doors_[uuid].address + " has not been heard of for the lease");
+    do_without(uuid);
+  }
+}
+
+void Member::heard(const caf::strong_actor_ptr& door) {
+  for (auto& [uuid, known] : doors_) {
+    if (known.handle && known.handle.address() == door) known.asked = 0;
+  }
 }
 
 void Member::gone(const caf::down_msg& down) {
@@ -178,14 +221,17 @@ void Member::gone(const caf::down_msg& down) {
     return lost_registry();
   }
   for (auto& [uuid, door] : doors_) {
-    if (!door || door.address() != down.source) continue;
+    if (!door.handle || door.handle.address() != down.source) continue;
     return do_without(NodeUuid(uuid));
   }
 }
 
 // Of what was on its way nobody knows: it is not reached again.
 void Member::do_without(const NodeUuid& uuid) {
-  doors_.erase(uuid);
+  if (const auto found = doors_.find(uuid); found != doors_.end()) {
+    if (found->second.handle) forget(home_system(), found->second.handle);
+    doors_.erase(found);
+  }
   gone_.insert(uuid);
   if (state_ == State::member) send(registry_, Unreachable{options_.info.uuid, uuid});
 }
@@ -194,7 +240,10 @@ void Member::do_without(const NodeUuid& uuid) {
 void Member::lost_registry() {
   if (state_ == State::seeking) return;
   state_ = State::seeking;
-  if (registry_) demonitor(registry_.address());
+  if (registry_) {
+    demonitor(registry_.address());
+    if (!options_.registry) forget(home_system(), caf::actor_cast<caf::actor>(registry_));
+  }
   registry_ = nullptr;
   leave_unheard();
   seek_later();
@@ -218,7 +267,7 @@ NodePlace Member::place() const {
   place.member = state_ == State::member && !expelled_;
   place.leaves = leaves_;
   place.others = static_cast<std::uint64_t>(
-      std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second != nullptr; }));
+      std::count_if(doors_.begin(), doors_.end(), [](const auto& entry) { return entry.second.handle != nullptr; }));
   place.silent_ms = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(Clock::now() - answered_).count());
   if (expelled_) {

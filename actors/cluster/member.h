@@ -5,10 +5,11 @@
 // seeking  | CoordinatorIs  | says Hello there                                                             | greeting
 // greeting | Welcome        | reaches every other node; then ReachedAll                                    | member
 // greeting, seeking | Refused | tells why, and tries again later                                          | seeking
-// member   | tick           | Renew, and ReachedAll again                                                  |
+// member   | tick           | Renew, and ReachedAll again; WhoIs to every other node, which answers        |
 // member   | tick, not answered for the lease | as when the coordinator is gone                            | seeking
 // any      | coordinator is gone | goes on with its tiles, and looks for another one                       | seeking
 // any      | another node is gone, or cannot be reached | Unreachable; it is done without                  |
+// member   | another node has not answered for the lease, in which the coordinator has | the same             |
 // any      | AskPlace       | answers with its state                                                       |
 // any      | AskToLeave     | it leaves: Leaving to the coordinator, now, at every tick, and to those after it;
 //          |                | when there is none, and nothing that others would go on with, the process ends
@@ -35,7 +36,8 @@ struct MemberOptions {
   std::string last_words;  // how the process before this one ended; empty: in order
   caf::actor registry;     // of the same process; null: another one coordinates
   caf::actor node;
-  std::function<std::uint64_t()> memory_used, jobs;  // of what it has; that it is at work for
+  std::function<NodeUse()> use;
+  std::function<std::uint64_t()> jobs;  // that it is at work for
 };
 
 class Member : public SteadyActor<MemberHandle, Pool::deciding> {
@@ -52,6 +54,7 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void seek();
   void tell_trouble(const std::string& trouble);
   void seek_later();
+  std::string own_certificate() const;  // what is wrong with it
   void ask(const HostPort& address);
   void greet(const caf::actor& registry);
   void welcome(const Welcome& message);
@@ -59,6 +62,8 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   void reached(const NodeUuid& uuid, const caf::actor& door);
   void renew();
   void gone(const caf::down_msg& down);
+  void ask_others();
+  void heard(const caf::strong_actor_ptr& door);
   void do_without(const NodeUuid& uuid);
   void lost_registry();
   void leave();
@@ -73,9 +78,15 @@ class Member : public SteadyActor<MemberHandle, Pool::deciding> {
   std::string last_trouble_;
   RegistryHandle registry_;
   std::string coordinator_address_;
-  std::map<NodeUuid, caf::actor> doors_;  // of other nodes; null: not reached yet
-  std::set<NodeUuid> gone_;               // were reached, and are not any more, or could not be
+  struct Door {
+    std::string address;
+    caf::actor handle;   // null: not reached yet
+    unsigned asked = 0;  // times since it was heard, in each of which the coordinator was
+  };
+  std::map<NodeUuid, Door> doors_;  // of other nodes
+  std::set<NodeUuid> gone_;         // were reached, and are not any more, or could not be
   Clock::time_point answered_ = Clock::now();
+  bool answered_since_ = false;  // the last tick
   bool will_seek_ = false, leaves_ = false, expelled_ = false;
 };
 

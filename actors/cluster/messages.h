@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 6;
+inline constexpr std::uint32_t wire_version = 7;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {
@@ -30,6 +30,7 @@ struct Hello {
   std::uint32_t wire = wire_version;
   std::string cluster, shared;
   MemberInfo info;
+  NodeUse use;
   std::string last_words;  // how the process before it ended; empty: in order
   caf::actor member, node;
 };
@@ -45,7 +46,7 @@ struct ReachedAll {
 };
 struct Renew {
   std::string uuid;
-  std::uint64_t memory_used = 0;
+  NodeUse use;
 };
 struct Renewed {};
 // coordinator -> node: it is lost, and may come back as another one; or it is drained, and ends.
@@ -99,14 +100,15 @@ using RegistryHandle = caf::typed_actor<caf::reacts_to<WhoIs>, caf::reacts_to<He
                                         caf::reacts_to<NodeLet>, caf::replies_to<AskMembers>::with<MemberList>,
                                         caf::reacts_to<Leave>, caf::reacts_to<caf::tick_atom>>;
 
-TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes)
+TESSERA_MESSAGE(MemberInfo, x.uuid, x.name, x.address, x.threads, x.memory_bytes, x.certificate_end_s)
+TESSERA_MESSAGE(NodeUse, x.memory_bytes, x.scratch_free_bytes)
 TESSERA_MESSAGE(WhoIs, x.asks)
 TESSERA_MESSAGE(CoordinatorIs, x.registry, x.address)
-TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.last_words, x.member, x.node)
+TESSERA_MESSAGE(Hello, x.wire, x.cluster, x.shared, x.info, x.use, x.last_words, x.member, x.node)
 TESSERA_MESSAGE(Welcome, x.uuids, x.addresses, x.coordinator)
 TESSERA_MESSAGE(Refused, x.why)
 TESSERA_MESSAGE(ReachedAll, x.uuid)
-TESSERA_MESSAGE(Renew, x.uuid, x.memory_used)
+TESSERA_MESSAGE(Renew, x.uuid, x.use)
 TESSERA_MESSAGE(Renewed)
 TESSERA_MESSAGE(Expelled, x.why, x.again)
 TESSERA_MESSAGE(Unreachable, x.from, x.to)
@@ -118,7 +120,7 @@ TESSERA_MESSAGE(Drained, x.found, x.refused)
 TESSERA_MESSAGE(AskMembers)
 TESSERA_MESSAGE(AskPlace)
 TESSERA_MESSAGE(NodePlace, x.member, x.leaves, x.trouble, x.others, x.silent_ms)
-TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.last_words, x.seconds, x.silent_ms, x.memory_used)
+TESSERA_MESSAGE(NodeState, x.info, x.own, x.free, x.leaves, x.last_words, x.seconds, x.silent_ms, x.use)
 TESSERA_MESSAGE(MemberList, x.members, x.nodes, x.lost)
 
 }  // namespace tessera

@@ -13,6 +13,8 @@
 #include <map>
 #include <mutex>
 
+#include "actors/cluster/frames.h"
+#include "actors/cluster/handshakes.h"
 #include "src/base/check.h"
 
 // OpenSSL keeps a list of errors a thread, and SSL_get_error() takes any that is there for one of the call before it.
@@ -82,6 +84,18 @@ Mute& mute() {
   return all;
 }
 
+// Of a connection: goes with it.
+tessera::IncomingFrames& frames_of(SSL* ssl) {
+  static const int place =
+      SSL_get_ex_new_index(0, nullptr, nullptr, nullptr, [](void*, void* frames, CRYPTO_EX_DATA*, int, long, void*) {
+        delete static_cast<tessera::IncomingFrames*>(frames);
+      });
+  if (void* known = SSL_get_ex_data(ssl, place)) return *static_cast<tessera::IncomingFrames*>(known);
+  auto* const frames = new tessera::IncomingFrames;
+  SSL_set_ex_data(ssl, place, frames);
+  return *frames;
+}
+
 template <class Function>
 Function* openssl(const char* name) {
   auto* const found = reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
@@ -100,17 +114,29 @@ Function* with_fresh_errors(const char* name) {
 #define TESSERA_OPENSSL extern "C" __attribute__((visibility("default")))
 TESSERA_OPENSSL int SSL_read(SSL* ssl, void* to, int bytes) {
   const int read = with_fresh_errors<int(SSL*, void*, int)>("SSL_read")(ssl, to, bytes);
-  if (read > 0) mute().remove(ssl);
-  return read;
+  if (read <= 0) tessera::note_failure(ssl);
+  if (read <= 0 || SSL_get_fd(ssl) < 0) return read;
+  mute().remove(ssl);
+  if (frames_of(ssl).take({static_cast<const unsigned char*>(to), static_cast<std::size_t>(read)})) return read;
+  ERR_raise(ERR_LIB_USER, ERR_R_PASSED_INVALID_ARGUMENT);  // for CAF, who closes the connection
+  return -1;
 }
 TESSERA_OPENSSL int SSL_write(SSL* ssl, const void* from, int bytes) {
   return with_fresh_errors<int(SSL*, const void*, int)>("SSL_write")(ssl, from, bytes);
 }
 TESSERA_OPENSSL int SSL_accept(SSL* ssl) {
   mute().add(ssl);
-  return with_fresh_errors<int(SSL*)>("SSL_accept")(ssl);
+  tessera::watch_handshake(ssl);
+  const int done = with_fresh_errors<int(SSL*)>("SSL_accept")(ssl);
+  if (done <= 0) tessera::note_failure(ssl);
+  return done;
 }
-TESSERA_OPENSSL int SSL_connect(SSL* ssl) { return with_fresh_errors<int(SSL*)>("SSL_connect")(ssl); }
+TESSERA_OPENSSL int SSL_connect(SSL* ssl) {
+  tessera::watch_handshake(ssl);
+  const int done = with_fresh_errors<int(SSL*)>("SSL_connect")(ssl);
+  if (done <= 0) tessera::note_failure(ssl);
+  return done;
+}
 TESSERA_OPENSSL void SSL_free(SSL* ssl) {
   mute().remove(ssl);
   openssl<void(SSL*)>("SSL_free")(ssl);
@@ -127,20 +153,27 @@ void load_network(caf::actor_system_config& config, const ClusterOptions& option
   config.set("openssl.cafile", options.authority.string());
   // What arrives is read by the thread that receives it: workers of the pool may be at work on tiles for seconds.
   config.set("middleman.workers", std::size_t{0});
-  // Who is stopped, or cut off, is found out by silence. Not shorter than a second: CAF gives up connections that are
-  // still being made when a beat is due.
-  const caf::timespan lease = options.lease;
+  // Who is stopped, or cut off, is found out by leases. What is on its way to him is lost with the connection, and not
+  // before: whoever goes on within the grace has lost nothing. The beats keep it from standing half open for longer.
+  // Not shorter than a second: CAF gives up connections that are still being made when a beat is due.
+  const caf::timespan lease = options.lease, grace = std::chrono::seconds(options.grace_s);
   config.set("middleman.heartbeat-interval", std::max<caf::timespan>(lease / 5, std::chrono::seconds(1)));
-  config.set("middleman.connection-timeout", std::max<caf::timespan>(lease, std::chrono::seconds(3)));
+  config.set("middleman.connection-timeout", std::max({lease, grace, caf::timespan(std::chrono::seconds(3))}));
 }
 
-Result<std::uint16_t> publish(caf::actor_system& system, const caf::actor& door, const HostPort& listen) {
+Result<std::uint16_t> publish(const caf::actor& door, const HostPort& listen) {
   const auto port = caf::openssl::publish(door, listen.port, listen.host.c_str(), true);
   if (port) return *port;
-  return error(Errc::io, "cannot listen at " + to_string(listen) + ": " + system.render(port.error()));
+  return error(Errc::io, "cannot listen at " + to_string(listen) + ": " + in_words(port.error()));
 }
 
 std::size_t close_mute_connections(std::chrono::milliseconds time) { return mute().shut_before(Clock::now() - time); }
+
+// By the word that it has come to an end, as the middleman gets it when the connection breaks.
+void forget(caf::actor_system& system, const caf::actor& door) {
+  caf::anon_send(caf::actor_cast<caf::actor>(system.openssl_manager().actor_handle()),
+                 caf::down_msg{door.address(), caf::exit_reason::remote_link_unreachable});
+}
 
 void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port) {
   caf::anon_send(system.openssl_manager().actor_handle(), caf::unpublish_atom::value, door.address(), port);

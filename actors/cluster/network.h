@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "actors/failing.h"
 #include "src/base/result.h"
 #include "src/cluster/cluster_options.h"
 
@@ -18,13 +19,17 @@ namespace tessera {
 void load_network(caf::actor_system_config& config, const ClusterOptions& options);
 
 // Listens. Returns the port. Error io.
-Result<std::uint16_t> publish(caf::actor_system& system, const caf::actor& door, const HostPort& listen);
+Result<std::uint16_t> publish(const caf::actor& door, const HostPort& listen);
 void unpublish(caf::actor_system& system, const caf::actor& door, std::uint16_t port);
 
 // Ends connections that others made longer ago than that and over which they have sent nothing that counts: no word
 // after a handshake with a certificate of the cluster. Of the whole process; to be called often. Beside them there are
 // never more than 128. Returns how many.
 std::size_t close_mute_connections(std::chrono::milliseconds time);
+
+// Whoever is reached at an address is kept by it as long as the connection is there, which may be one to a process that
+// is no more: at its address is asked anew next time.
+void forget(caf::actor_system& system, const caf::actor& door);
 
 // Reaches the actor that is published there: done(handle), or failed(reason). Does not block; the connection is kept.
 template <class Self, class Done, class Failed>
@@ -33,7 +38,7 @@ void reach(Self* self, const HostPort& address, Done done, Failed failed) {
                 address.host, address.port)
       .then([done](const caf::node_id&, const caf::strong_actor_ptr& there,
                    const std::set<std::string>&) { done(caf::actor_cast<caf::actor>(there)); },
-            [failed](const caf::error& reason) { failed(caf::to_string(reason)); });
+            [failed](const caf::error& reason) { failed(in_words(reason)); });
 }
 
 }  // namespace tessera

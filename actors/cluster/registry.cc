@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "actors/cluster/handshakes.h"
 #include "actors/cluster/network.h"
 #include "actors/failing.h"
 
@@ -10,6 +11,9 @@ namespace tessera {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::hours refused_again{1};
+constexpr std::size_t refused_max = 256;  // lines, for whoever is refused can change his name each time
 
 std::string known_as(const MemberInfo& info) { return "node " + info.name + " (" + info.address + ")"; }
 
@@ -45,7 +49,7 @@ Registry::behavior_type Registry::make_behavior() {
         for (const FollowerHandle& job : jobs_) send(job, NodeJoined{actors.node});
       },
       [this](const Renew& renew) {
-        const bool member = members_.renew(renew.uuid, renew.memory_used, Clock::now());
+        const bool member = members_.renew(renew.uuid, renew.use, Clock::now());
         if (member) send(actors_.at(renew.uuid).member, Renewed{});
       },
       [this](const Unreachable& pair) { members_.unreachable(pair.from, pair.to, Clock::now()); },
@@ -75,14 +79,21 @@ std::string Registry::refusal(const Hello& hello) const {
   return {};
 }
 
+// It asks again twice a second, as long as nobody mends it.
+void Registry::tell_refused(const std::string& line) {
+  const auto now = Clock::now();
+  std::erase_if(refused_, [&](const auto& entry) { return now - entry.second >= refused_again; });
+  if (refused_.size() < refused_max && refused_.try_emplace(line, now).second) options_.log(line);
+}
+
 void Registry::welcome(const Hello& hello) {
   const auto member = caf::actor_cast<MemberHandle>(hello.member);
   const std::string refused = refusal(hello);
   if (!refused.empty()) {
-    options_.log(known_as(hello.info) + " is refused: " + refused);
+    tell_refused(known_as(hello.info) + " is refused: " + refused);
     return send(member, Refused{refused});
   }
-  if (!members_.hello(hello.info, Clock::now())) return send(member, Expelled{"was lost", true});
+  if (!members_.hello(hello.info, hello.use, Clock::now())) return send(member, Expelled{"was lost", true});
   if (actors_.emplace(hello.info.uuid, Actors{member, hello.node, hello.last_words}).second) {
     monitor(member);
     if (!hello.last_words.empty()) {
@@ -192,6 +203,7 @@ void Registry::gone(const caf::down_msg& down) {
 void Registry::tick() {
   if (const auto closed = close_mute_connections(options_.lease); closed > 0)
     options_.log(std::to_string(closed) + " connections were closed, over which nothing was said");
+  for (const std::string& trouble : take_handshake_troubles()) options_.log(trouble);
   delayed_send(this, options_.lease / 10, caf::tick_atom::value);
   for (const Members::Loss& loss : members_.lose_silent(Clock::now())) lose(loss);
 }
@@ -210,7 +222,7 @@ MemberList Registry::list() const {
     const Members::Member& member = *members_.find(uuid);
     out.members.push_back({member.info, false, member.free && !leaving_.contains(uuid), leaving_.contains(uuid),
                            actors_.at(uuid).last_words, since(std::chrono::seconds(), member.came),
-                           since(std::chrono::milliseconds(), member.heard), member.memory_used});
+                           since(std::chrono::milliseconds(), member.heard), member.use});
     out.nodes.push_back(actors_.at(uuid).node);
   }
   return out;

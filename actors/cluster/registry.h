@@ -17,6 +17,7 @@
 // a member is gone, tick | NodeLost to every job; Expelled to the node          | -
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <set>
 #include <string>
@@ -44,6 +45,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   void failed(const std::exception_ptr& exception) noexcept override;
   void welcome(const Hello& hello);
   std::string refusal(const Hello& hello) const;
+  void tell_refused(const std::string& line);
   // `again`: its process may come back, as another node.
   void lose(const Members::Loss& loss, bool again = true);
   void follow(const caf::actor& job);
@@ -67,6 +69,7 @@ class Registry : public SteadyActor<RegistryHandle, Pool::deciding> {
   };
   std::map<NodeUuid, Going> leaving_;
   std::uint64_t lost_ = 0;
+  std::map<std::string, std::chrono::steady_clock::time_point> refused_;  // lines, when they were told
 };
 
 }  // namespace tessera

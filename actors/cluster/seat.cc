@@ -8,6 +8,7 @@
 #include "actors/cluster/network.h"
 #include "actors/cluster/registry.h"
 #include "src/base/random_token.h"
+#include "src/files/free_space.h"
 
 namespace tessera {
 namespace {
@@ -35,7 +36,7 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
     told(why, again);
   };
   const auto open = [&](const caf::actor& door) -> Status {
-    BOOST_OUTCOME_TRY(port, publish(system, door, o.listen));
+    BOOST_OUTCOME_TRY(port, publish(door, o.listen));
     port_ = port;
     return success();
   };
@@ -47,11 +48,11 @@ Status Seat::take(caf::actor_system& system, const Own& own) {
     MemberOptions member;
     member.cluster = o;
     uuid_ = random_token() + random_token();
-    member.info = {uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes};
+    member.info = {uuid_, o.node_name, to_string(o.advertised), own.threads, own.memory_bytes, o.certificate_end_s};
     member.last_words = last_words_;
     member.registry = as_actor(registry_);
     member.node = own.node;
-    member.memory_used = own.memory_used;
+    member.use = [used = own.memory_used, scratch = o.scratch] { return NodeUse{used(), free_bytes(scratch)}; };
     member.jobs = own.jobs;
     member_ = system.spawn<Member>(std::move(member));
     if (!o.coordinator) {

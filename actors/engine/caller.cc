@@ -75,6 +75,7 @@ RunSummary RunCaller::summary(const RunEnded& ended) {
   summary.exchange.updates = ended.sum.updates;
   summary.exchange.hops = ended.sum.hops;
   summary.exchange.most_received = ended.sum.most_received;
+  summary.memory_bytes = ended.memory_bytes;
   summary.exchange.nodes = ended.nodes;
   summary.exchange.nodes_lost = ended.nodes_lost;
   summary.exchange.tiles_again = ended.tiles_again;

@@ -14,6 +14,7 @@
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
+#include "src/budget/budget.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/run/disk_parts.h"
@@ -46,7 +47,10 @@ struct Engine::Impl {
         system(config) {
     if (seat && !seat->options().node) return;
     NodeOptions own;
-    if (seat) own.name = seat->options().node_name;
+    if (seat) {
+      own.name = seat->options().node_name;
+      own.data = seat->options().data;
+    }
     own.threads = threads;
     own.memory_bytes = memory_bytes;
     own.used = used;
@@ -88,6 +92,12 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.is_settled = [folder = run.folder] { return is_there(settled_marker(folder)); };
   job.stored = [out = std::filesystem::path(job.spec.out_folder)] {
     return stored_tiles(out, [](TileId) { return true; });
+  };
+  job.tile_points_max = [dimension = run.dimension, kernel = job.spec.kernel](std::uint32_t own, std::uint64_t bytes) {
+    return budget::tile_points_max(dimension, kernel, own, bytes);
+  };
+  job.tile_bytes = [dimension = run.dimension, kernel = job.spec.kernel](std::uint64_t points) {
+    return budget::tile_working_bytes(dimension, kernel, points);
   };
   job.spec.shares = seat->options().jobs_at_once;
   job.spec.grace_s = seat->options().grace_s;
@@ -192,6 +202,17 @@ std::uint32_t Engine::threads() const {
   std::uint32_t sum = 0;
   for (const NodeState& member : impl_->seat->members()) sum += member.free ? member.info.threads : 0;
   return std::max(1U, sum);
+}
+
+std::vector<budget::NodeShare> Engine::shares() const {
+  std::vector<budget::NodeShare> shares;
+  if (!impl_->seat) return shares;
+  const std::uint32_t jobs = impl_->seat->options().jobs_at_once;
+  for (const NodeState& node : impl_->seat->members()) {
+    if (node.free)
+      shares.push_back({node.info.name, std::max(1U, node.info.threads / jobs), node.info.memory_bytes / jobs});
+  }
+  return shares;
 }
 
 NodeWork Engine::work() const { return impl_->meter->now(); }

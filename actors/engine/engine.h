@@ -13,6 +13,7 @@
 #include "actors/node_meter.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
+#include "src/budget/budget.h"
 #include "src/cluster/members.h"
 #include "src/run/part.h"
 #include "src/run/run_summary.h"
@@ -47,6 +48,9 @@ class Engine {
 
   // That work on jobs, of all nodes there are now.
   std::uint32_t threads() const;
+
+  // What each node of a cluster that is free for work gives a job; none: it is not known yet, or there is no cluster.
+  std::vector<budget::NodeShare> shares() const;
 
   // What this process does as a node.
   NodeWork work() const;

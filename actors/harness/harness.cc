@@ -24,6 +24,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   const Setting setting = make_setting(options, seed, rng);
   MemoryStorage storage(options.dimension, setting.tiles);
   storage.late_stores = setting.late_stores;
+  storage.many_nodes = setting.context.many_nodes;
   storage.memory_faults = options.memory_faults;
   if (options.faults.storage) storage.fault = draw_fault(rng);
   const auto fail = [&](const std::string& failure) {
@@ -48,7 +49,10 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     if (outcome.ended) {
       report.waves += outcome.ended->waves;
       report.sleeps += outcome.ended->sum.sleeps;
-      if (!outcome.ended->failure) break;
+      if (!outcome.ended->failure) {
+        report.nodes_lost += outcome.ended->nodes_lost;
+        break;
+      }
       if (outcome.ended->again && ++mended <= damages) {
         ++lives_max;
         continue;

@@ -52,8 +52,9 @@ struct HarnessReport {
   std::uint64_t updates = 0, waves = 0, sleeps = 0, spills = 0;
   std::uint64_t failures = 0;  // runs that a fault ended, with an error
   std::uint64_t restarts = 0, settled_restarts = 0;
-  std::uint64_t epochs = 0;  // that losses and joining have begun
-  std::uint64_t mended = 0;  // runs that were begun again for damage found late
+  std::uint64_t epochs = 0;      // that losses and joining have begun
+  std::uint64_t nodes_lost = 0;  // in runs that ended well
+  std::uint64_t mended = 0;      // runs that were begun again for damage found late
   // The first seed whose run was wrong, and how: cells that differ, quiescence believed too early, or no end.
   std::optional<std::uint64_t> failed_seed;
   std::string failure;

@@ -59,7 +59,8 @@ Outcome Life::live(End end, std::uint64_t end_at) {
       continue;
     }
     ++outcome_.steps;
-    if (!losses.any() && !truth_.agrees()) outcome_.failure = "the counters of the tiles do not tell what is under way";
+    if (!losses.any() && storage_.failed().empty() && !truth_.agrees())
+      outcome_.failure = "the counters of the tiles do not tell what is under way";
   }
   outcome_.ended = ended();
   end_all();
@@ -73,7 +74,7 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   if (options_.faults.orderly() && outcome_.failure.empty() && again)
     outcome_.failure = "a tile began again where nodes left in order";
   const bool settled = outcome_.ended && !outcome_.ended->failure && outcome_.ended->waves == 0;  // from the start
-  if (settled && !losses.any() && storage_.take_reads() > 1) {
+  if (settled && !losses.any() && storage_.failed().empty() && storage_.take_reads() > 1) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
   }
   return std::move(outcome_);
@@ -172,7 +173,8 @@ void Life::end_all() {
   // What is left on the scratch of nodes that were lost is nobody's; nor, when the run is resumed, of those that came.
   const bool resumed = !outcome_.ended || outcome_.ended->failure;
   for (const NodeId home : homes) {
-    if (!given_up_.contains(home) && (home.value < setting_.nodes || !resumed)) continue;
+    const bool gone = given_up_.contains(home) || storage_.failed().contains(home);
+    if (!gone && (home.value < setting_.nodes || !resumed)) continue;
     if (!storage_.at(home).clear(ScratchKind::mail)) std::abort();
   }
 }

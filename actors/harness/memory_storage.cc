@@ -21,6 +21,14 @@ Status MemoryStorage::maybe_fail(StorageFault::Call call) {
   return error(Errc::io, "the harness's storage fails");
 }
 
+Status MemoryStorage::maybe_fail(StorageFault::Call call, NodeId node, ScratchKind what) {
+  const Status failed = maybe_fail(call);
+  const bool own = many_nodes && what != ScratchKind::settled && what != ScratchKind::duplicates;
+  if (failed || !own) return failed;
+  failed_.insert(node);
+  return failed;
+}
+
 class MemoryStorage::AtNode final : public TileStorage {
  public:
   AtNode(MemoryStorage& all, NodeId node) : all_(all), node_(node) {}
@@ -34,14 +42,14 @@ class MemoryStorage::AtNode final : public TileStorage {
 
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
-    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write));
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write, node_, what));
     all_.scratch_[place_of(node_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
     return success();
   }
 
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
-    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::append));
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::append, node_, what));
     all_.scratch_[place_of(node_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
     ++all_.spills_;
     return success();
@@ -49,7 +57,7 @@ class MemoryStorage::AtNode final : public TileStorage {
 
   Result<Pieces> read(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
-    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read, node_, what));
     const auto found = all_.scratch_.find(place_of(node_, tile, what));
     if (found == all_.scratch_.end()) return Pieces{};
     ++all_.reads_[{tile, what}];
@@ -63,7 +71,7 @@ class MemoryStorage::AtNode final : public TileStorage {
 
   Status remove(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
-    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::remove));
+    BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::remove, node_, what));
     all_.scratch_.erase(place_of(node_, tile, what));
     return success();
   }
@@ -86,6 +94,8 @@ class MemoryStorage::AtNode final : public TileStorage {
     if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
     return found->second.pieces;
   }
+
+  bool own_scratch_failed() const override { return all_.failed_.contains(node_); }
 
   Status forget_handed(TileId tile) override {
     const Turn ours(all_.memory_faults, false);

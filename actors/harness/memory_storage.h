@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -48,6 +49,9 @@ class MemoryStorage {
   std::optional<StorageFault> fault;
   MemoryFaults* memory_faults = nullptr;
   bool settled = false;  // the marker of the run
+  // Nodes have scratch of their own: when that fails, others can go on.
+  bool many_nodes = false;
+  const std::set<NodeId>& failed() const { return failed_; }  // those whose scratch has
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }
   std::vector<TileEntry> stored() const;
@@ -82,6 +86,8 @@ class MemoryStorage {
     TileStorage::Stored done;
   };
   Status maybe_fail(StorageFault::Call call);
+  // On the scratch of a node, which is not asked any more when it has failed.
+  Status maybe_fail(StorageFault::Call call, NodeId node, ScratchKind what);
   void store_now(Pending pending);
 
   int dimension_;
@@ -92,6 +98,7 @@ class MemoryStorage {
   std::vector<Pending> pending_;
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;
+  std::set<NodeId> failed_;
   std::map<std::pair<TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;  // no kind: of its points
   std::map<TileId, std::uint64_t> begun_;
 };

@@ -62,15 +62,19 @@ std::string results_text(const std::vector<proto::TriangulationInfo>& results) {
 
 std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
   if (nodes.empty()) return "there are no nodes\n";
-  std::vector<Row> rows{{"NODE", "ADDRESS", "STATE", "THREADS", "MEMORY", "USED", "TILES", "SINCE", "HEARD"}};
+  std::vector<Row> rows{
+      {"NODE", "ADDRESS", "STATE", "THREADS", "MEMORY", "USED", "SCRATCH", "TILES", "SINCE", "HEARD"}};
   for (const auto& node : nodes) {
     rows.push_back({node.name(), node.address(), node.state() + (node.coordinator() ? ", coordinator" : ""),
                     grouped(node.threads()), human_bytes(node.memory_bytes()), human_bytes(node.memory_used_bytes()),
+                    node.address().empty() ? "-" : human_bytes(node.scratch_free_bytes()) + " free",
                     grouped(node.tiles()), human_seconds(static_cast<double>(node.seconds())),
                     human_seconds(static_cast<double>(node.silent_ms()) / 1000) + " ago"});
   }
   std::string text = table(rows);
   for (const auto& node : nodes) {
+    if (!node.certificate_warning().empty())
+      text += printable(node.name() + ": its certificate " + node.certificate_warning()) + "\n";
     if (!node.last_words().empty())
       text += printable(node.name() + ": the process before this one " + node.last_words()) + "\n";
   }
@@ -113,6 +117,7 @@ std::string job_text(const proto::StatusInfo& job) {
   }
   if (job.points() > 0) line("points", grouped(job.points()));
   if (job.memory_bytes() > 0) line("memory", human_bytes(job.memory_bytes()));
+  if (job.nodes_lost() > 0) line("nodes lost", grouped(job.nodes_lost()));
   line("submitter", job.submitter());
   line("created", job.created());
   line("started", job.started() + (job.starts() > 1 ? " (for the " + std::to_string(job.starts()) + ". time)" : ""));
@@ -134,6 +139,7 @@ nlohmann::ordered_json job_json(const proto::StatusInfo& job) {
                               {"tiles_triangulated", job.tiles().triangulated()},
                               {"tiles_stored", job.tiles().stored()},
                               {"memory_bytes", job.memory_bytes()},
+                              {"nodes_lost", job.nodes_lost()},
                               {"resumable", job.resumable()},
                               {"starts", job.starts()},
                               {"submitter", job.submitter()},
@@ -166,6 +172,9 @@ nlohmann::ordered_json node_json(const proto::NodeInfo& node) {
           {"threads", node.threads()},
           {"memory_bytes", node.memory_bytes()},
           {"memory_used_bytes", node.memory_used_bytes()},
+          {"scratch_free_bytes", node.scratch_free_bytes()},
+          {"certificate_until", node.certificate_until()},
+          {"certificate_warning", node.certificate_warning()},
           {"tiles", node.tiles()},
           {"state", node.state()},
           {"seconds", node.seconds()},

@@ -62,6 +62,8 @@ std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::
   return beside(memory_bytes, fixed_bytes(threads) + tiles * tile_bytes) / 8 * 7;
 }
 
+std::uint64_t gate_bytes(std::uint64_t memory_bytes) { return memory_bytes / 8; }
+
 std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
   // A sixteenth of the memory, in pieces that are worth a write but not beyond what one write gains from.
   constexpr std::uint64_t least = 8, most = 16384;

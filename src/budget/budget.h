@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -66,6 +67,23 @@ Result<std::uint64_t> tile_limit(int dimension, KernelKind kernel, std::uint64_t
 // the memory, whatever else waits on disk.
 Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tiles, std::uint32_t threads,
                  std::uint64_t memory_bytes);
+
+// Of a node's memory for its part of a job on many nodes: what waits for other nodes, and was sent to them.
+std::uint64_t gate_bytes(std::uint64_t memory_bytes);
+// What a tile of so many points needs while it is worked on; and how many it may have where a part of a job on many
+// nodes has this.
+std::uint64_t tile_working_bytes(int dimension, KernelKind kernel, std::uint64_t points);
+std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::uint32_t threads, std::uint64_t memory_bytes);
+// What a node of a cluster gives a job.
+struct NodeShare {
+  std::string name;
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = 0;
+};
+// The most points that a tile may have on any of them. Error memory when a tile has more, with the need and the most
+// that a node has. REQUIRES: there are nodes.
+std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::span<const NodeShare> nodes);
+Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, std::span<const NodeShare> nodes);
 
 // What a job of `points` points in tiles of `tile_points` takes in each phase: resident bytes, at most the memory.
 struct Phases {

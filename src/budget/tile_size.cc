@@ -84,10 +84,38 @@ Result<std::uint64_t> tile_limit(int dimension, KernelKind kernel, std::uint64_t
   return std::min({fitting(dimension, kernel, points, threads, memory_bytes), largest_tile(dimension), busy});
 }
 
+std::uint64_t tile_working_bytes(int dimension, KernelKind kernel, std::uint64_t points) {
+  return points * largest_need(dimension, kernel);
+}
+
+std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::uint32_t threads, std::uint64_t memory_bytes) {
+  return left_for_tiles(memory_bytes - gate_bytes(memory_bytes), threads, 1) / largest_need(dimension, kernel);
+}
+
+std::uint64_t tile_points_max(int dimension, KernelKind kernel, std::span<const NodeShare> nodes) {
+  std::uint64_t most = 0;
+  for (const NodeShare& node : nodes)
+    most = std::max(most, tile_points_max(dimension, kernel, node.threads, node.memory_bytes));
+  return most;
+}
+
+Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, std::span<const NodeShare> nodes) {
+  if (points <= tile_points_max(dimension, kernel, nodes)) return success();
+  const auto most = std::max_element(nodes.begin(), nodes.end(), [](const NodeShare& a, const NodeShare& b) {
+    return a.memory_bytes < b.memory_bytes;
+  });
+  return error(Errc::memory, "a tile of " + std::to_string(points) + " points needs about " +
+                                 in_mebibytes(tile_working_bytes(dimension, kernel, points)) +
+                                 " of memory beside what a node needs itself, and no node has it: of " +
+                                 std::to_string(nodes.size()) + " node " + most->name + " gives a job most, " +
+                                 in_mebibytes(most->memory_bytes) + "; ask for smaller tiles, or give nodes more " +
+                                 option("memory"));
+}
+
 Status tile_fits(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tiles, std::uint32_t threads,
                  std::uint64_t memory_bytes) {
   // One at a time may be worked on while all others sleep: the threads wait for it.
-  const std::uint64_t bytes = points * largest_need(dimension, kernel);
+  const std::uint64_t bytes = tile_working_bytes(dimension, kernel, points);
   const auto enough = [&](std::uint64_t memory) {
     return bytes <= left_for_tiles(memory, threads, tiles) && fitting(dimension, kernel, 100, threads, memory) >= 100;
   };

@@ -57,6 +57,8 @@ inline Status check_node(const NodeCertificate& node) { return check_node(node.a
 
 // Until when the first certificate in the file is valid. Errors: io; usage when it holds none.
 Result<std::chrono::system_clock::time_point> valid_until(const std::filesystem::path& certificate);
+// "ends on 2028-11-21 13:18 UTC, in 12 days: ..."; empty while it is valid for 30 days or more.
+std::string expiry_warning(std::chrono::system_clock::time_point end, std::chrono::system_clock::time_point now);
 // "2028-11-21 13:18 UTC"
 std::string date_text(std::chrono::system_clock::time_point time);
 

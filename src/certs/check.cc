@@ -103,6 +103,16 @@ Status check_node(const fs::path& authority, const fs::path& certificate, const 
   return verified == 1 ? success() : refusal(*verification, authority, certificate);
 }
 
+std::string expiry_warning(system_clock::time_point end, system_clock::time_point now) {
+  constexpr std::chrono::hours day{24};
+  constexpr int days_ahead = 30;
+  if (now >= end) return "has expired on " + date_text(end) + ": whoever loses his connections does not come back";
+  const auto days = (end - now) / day;
+  if (days >= days_ahead) return {};
+  return "ends on " + date_text(end) + ", in " + std::to_string(days) + (days == 1 ? " day" : " days") +
+         ": make another one with 'tessera certs node', and restart the node with it";
+}
+
 Result<NodeCertificate> node_certificate_in(const fs::path& folder) {
   std::vector<std::string> nodes;
   FolderReader reader(folder);

@@ -32,6 +32,7 @@ struct ClusterOptions {
   std::vector<HostPort> join;
   // PEM. Whoever has no certificate of the same authority is not listened to.
   std::filesystem::path authority, certificate, key;
+  std::uint64_t certificate_end_s = 0;   // until when that is valid, by the system's clock; 0: not known
   bool coordinator = true, node = true;  // what it is
   std::chrono::milliseconds lease{10'000};
   std::uint32_t jobs_at_once = 1;  // each has an equal share of every node
@@ -40,6 +41,7 @@ struct ClusterOptions {
   std::chrono::seconds drain_timeout{20};
   std::filesystem::path scratch;  // a folder of this process; of tiles that are not in memory
   std::string shared;             // tells the shared folder from any other one
+  std::filesystem::path data;     // it, as this process sees it: what others name lies there; none: anywhere
   std::function<void(const std::string&)> log = [](const std::string&) {};
   // Called once, from any thread: the others count this process as lost, or cannot have it. It must begin anew
   // (`again`), or end: it has left in order.

@@ -4,7 +4,7 @@
 
 namespace tessera {
 
-bool Members::hello(const MemberInfo& info, Time now) {
+bool Members::hello(const MemberInfo& info, const NodeUse& use, Time now) {
   if (lost_.contains(info.uuid)) return false;
   Member& member = members_[info.uuid];
   if (member.number == 0) {
@@ -12,6 +12,7 @@ bool Members::hello(const MemberInfo& info, Time now) {
     member.came = now;
   }
   member.info = info;
+  member.use = use;
   member.heard = now;
   return true;
 }
@@ -24,11 +25,11 @@ bool Members::reached_all(const NodeUuid& uuid) {
   return found != members_.end() && !std::exchange(found->second.free, true);
 }
 
-bool Members::renew(const NodeUuid& uuid, std::uint64_t memory_used, Time now) {
+bool Members::renew(const NodeUuid& uuid, const NodeUse& use, Time now) {
   const auto found = members_.find(uuid);
   if (found == members_.end()) return false;
   found->second.heard = now;
-  found->second.memory_used = memory_used;
+  found->second.use = use;
   return true;
 }
 

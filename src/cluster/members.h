@@ -24,6 +24,13 @@ struct MemberInfo {
   std::string address;  // HOST:PORT by which others reach it
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
+  std::uint64_t certificate_end_s = 0;  // until when its certificate is valid, by the system's clock; 0: not known
+};
+
+// What a node has in use, as it says with each word.
+struct NodeUse {
+  std::uint64_t memory_bytes = 0;        // by jobs
+  std::uint64_t scratch_free_bytes = 0;  // that it may still write there
 };
 
 // A node, as whoever asks for it is told.
@@ -34,7 +41,7 @@ struct NodeState {
   bool leaves = false;                       // takes no more work, and ends when all it has is elsewhere
   std::string last_words;                    // how the process before its own has ended; empty: in order
   std::uint64_t seconds = 0, silent_ms = 0;  // since it came, since it was heard
-  std::uint64_t memory_used = 0;
+  NodeUse use;
 };
 
 // A node's place in its cluster, as it sees it itself.
@@ -56,7 +63,7 @@ class Members {
     std::uint64_t number = 0;  // in order of coming
     Time came, heard;
     bool free = false;  // has reached all others
-    std::uint64_t memory_used = 0;
+    NodeUse use;
   };
   struct Loss {
     Member member;
@@ -66,11 +73,11 @@ class Members {
   explicit Members(Duration lease) : lease_(lease) {}
 
   // False: it was lost, and must begin anew.
-  bool hello(const MemberInfo& info, Time now);
+  bool hello(const MemberInfo& info, const NodeUse& use, Time now);
   // It has reached all that were members when it came. Returns whether it is news.
   bool reached_all(const NodeUuid& uuid);
   // False: it is no member.
-  bool renew(const NodeUuid& uuid, std::uint64_t memory_used, Time now);
+  bool renew(const NodeUuid& uuid, const NodeUse& use, Time now);
   // `from` cannot reach `to` any more, or never could. Who of them is lost is decided when others have had the time to
   // say the same.
   void unreachable(const NodeUuid& from, const NodeUuid& to, Time now);

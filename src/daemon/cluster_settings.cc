@@ -91,6 +91,9 @@ Result<std::optional<ClusterOptions>> read_cluster_options(const Settings& setti
   if (drain_timeout) out.drain_timeout = std::chrono::seconds(*drain_timeout);
   BOOST_OUTCOME_TRY(files, node_name ? node_certificate_in(*certs, *node_name) : node_certificate_in(*certs));
   BOOST_OUTCOME_TRYV(check_node(files));
+  BOOST_OUTCOME_TRY(end, valid_until(files.certificate));
+  out.certificate_end_s =
+      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(end.time_since_epoch()).count());
   out.authority = files.authority;
   out.certificate = files.certificate;
   out.key = files.key;

@@ -46,7 +46,7 @@ class OneLine final : public spdlog::formatter {
 }  // namespace
 
 void start_daemon_log(bool json, bool insecure) {
-  auto logger = spdlog::stderr_logger_mt("tesserad");
+  auto logger = spdlog::stderr_logger_mt(daemon_log_name);
   logger->set_formatter(std::make_unique<OneLine>(json, insecure));
   logger->set_level(spdlog::level::info);
   logger->flush_on(spdlog::level::info);

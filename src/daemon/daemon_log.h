@@ -3,6 +3,8 @@
 
 namespace tessera {
 
+inline constexpr const char* daemon_log_name = "tesserad";
+
 // `insecure`: every line says so.
 void start_daemon_log(bool json, bool insecure);
 

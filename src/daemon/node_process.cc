@@ -14,6 +14,7 @@
 
 #include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
+#include "src/daemon/process_watch.h"
 #include "src/daemon/supervisor.h"
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
@@ -60,6 +61,7 @@ class Health final : public http::NodeHealth {
     out.waiting_bytes = work.waiting_bytes;
     out.members = place.others;
     out.member = place.member;
+    out.certificate_end_s = static_cast<double>(options_.cluster->certificate_end_s);
     out.lease_seconds = std::chrono::duration<double>(options_.cluster->lease).count();
     out.silent_seconds = static_cast<double>(place.silent_ms) / 1000;
     return out;
@@ -100,6 +102,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   BOOST_OUTCOME_TRYV(make_directories(options.data));
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
+  cluster.data = options.data;
   bool again = false, leaves = false;
   cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
   cluster.expelled = [&](const std::string& why, bool may_come_back) {
@@ -132,6 +135,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
     });
   });
   const Health health(*engine, options);
+  const ProcessWatch watch([&] { return health.unready(); }, cluster.certificate, cluster.certificate_end_s);
   std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
   std::unique_ptr<http::Server> server;
   if (!http.listeners.empty()) {

@@ -31,6 +31,7 @@
 #include "src/daemon/health.h"
 #include "src/daemon/last_words.h"
 #include "src/daemon/node_process.h"
+#include "src/daemon/process_watch.h"
 #include "src/daemon/supervisor.h"
 #include "src/files/open_files.h"
 #include "src/http/server.h"
@@ -42,8 +43,15 @@ namespace {
 
 constexpr std::chrono::seconds drain_time{10};
 
-int fail(const Error& error) {
-  std::fprintf(stderr, "tesserad: %s\n", printable(render(error.where, flag_name)).c_str());
+// `json`: as lines of the log.
+int fail(const Error& error, bool json = false) {
+  const std::string sentence = render(error.where, flag_name);
+  if (json) {
+    if (!spdlog::get(daemon_log_name)) start_daemon_log(true, false);
+    spdlog::error("{}", sentence);
+  } else {
+    std::fprintf(stderr, "tesserad: %s\n", printable(sentence).c_str());
+  }
   return static_cast<int>(error.code);
 }
 
@@ -166,6 +174,8 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   options.service.locked = [&turn](const Error& why) { return turn.wait(why); };
   options.service.lost = [words](const Error& why) { end_without_data_folder(why, words); };
   options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
+  options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, flag_name)); };
+  const std::optional<ClusterOptions> cluster = options.service.cluster;
   auto opened = Service::open(std::move(options.service));
   if (!opened && turn.given_up()) return success();
   BOOST_OUTCOME_TRY(service, std::move(opened));
@@ -180,7 +190,11 @@ Status serve_api(DaemonOptions options, LastWords* words) {
   spdlog::info("tesserad {} serves at {}; tokens: {}", version(), address, options.http.tokens.string());
   if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
   supervisor::ready("serving at " + address);
+  std::optional<ProcessWatch> watch(
+      std::in_place, [&] { return service->unready(); }, cluster ? cluster->certificate : std::filesystem::path(),
+      cluster ? cluster->certificate_end_s : 0);
   life.run(*service, *server);
+  watch.reset();
   supervisor::stopping();
   if (!server->drain(drain_time)) spdlog::warn("some requests were cut off");
   server.reset();
@@ -229,14 +243,16 @@ int tesserad_main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& wrong) {
-    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tesserad --help'"));
+    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tesserad --help'"),
+                settings.top.text("log") == "json");
   }
   if (health->parsed()) {
     const Status ready = check_health(metrics);
     return ready ? 0 : fail(ready.error());
   }
   auto options = read_daemon_options(settings, [](const char* name) { return std::getenv(name); });
-  if (!options) return fail(options.error());
+  if (!options) return fail(options.error(), settings.top.text("log") == "json");
+  const bool json = options.value().json_log;
   // The same program with the same options: nothing of the node that was lost stays.
   const auto begin_anew = [argv] {
     ::execv("/proc/self/exe", argv);
@@ -244,7 +260,7 @@ int tesserad_main(int argc, char** argv) {
     std::_Exit(static_cast<int>(Errc::internal));
   };
   const Status served = serve(std::move(options).value(), begin_anew);
-  return served ? 0 : fail(served.error());
+  return served ? 0 : fail(served.error(), json);
 }
 
 }  // namespace

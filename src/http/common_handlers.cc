@@ -186,8 +186,10 @@ void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operation
                 "metrics",
                 "Figures for Prometheus",
                 {{200, "text/plain", "", "In its text format"}},
-                [&shared, figures = std::move(operations.figures)](const Call&) {
-                  return text_answer(200, figures(*shared.metrics), "text/plain; version=0.0.4; charset=utf-8");
+                [&shared, operations](const Call&) {
+                  shared.metrics->tell(process_figures(), !operations.unready());
+                  return text_answer(200, operations.figures(*shared.metrics),
+                                     "text/plain; version=0.0.4; charset=utf-8");
                 }};
   for (Route* route : {&live, &is_ready, &metrics}) {
     route->place = Place::operations;

@@ -8,7 +8,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <mutex>
+#include <string>
+
+#include "src/job/version.h"
 
 namespace tessera::http {
 namespace {
@@ -27,13 +31,17 @@ void raise_to(prometheus::Counter& counter, double value) {
 }  // namespace
 
 struct Metrics::Impl {
+  // Made when a request of the kind comes first: most never do, and each is some lines at every scrape.
   struct OfRoute {
-    std::array<prometheus::Counter*, classes> requests{};
-    prometheus::Histogram* seconds = nullptr;
+    std::string name;
+    std::array<std::atomic<prometheus::Counter*>, classes> requests{};
+    std::atomic<prometheus::Histogram*> seconds{nullptr};
   };
 
   prometheus::Registry registry;
   std::vector<OfRoute> routes;  // one more than there are: for what fits none
+  prometheus::Family<prometheus::Counter>* requests = nullptr;
+  prometheus::Family<prometheus::Histogram>* seconds = nullptr;
   prometheus::Counter* refused = nullptr;
   prometheus::Counter* unauthorized = nullptr;
   prometheus::Gauge* connections = nullptr;
@@ -56,6 +64,23 @@ struct Metrics::Impl {
   void raise(const char* name, const char* help, Number value) {
     raise_to(*counter(name, help), static_cast<double>(value));
   }
+  prometheus::Counter& requests_of(OfRoute& of, std::size_t kind) {
+    prometheus::Counter* there = of.requests[kind];
+    if (!there)
+      of.requests[kind] = there = &requests->Add({{"route", of.name}, {"status", std::to_string(kind) + "xx"}});
+    return *there;
+  }
+  prometheus::Histogram& seconds_of(OfRoute& of) {
+    prometheus::Histogram* there = of.seconds;
+    const prometheus::Histogram::BucketBoundaries buckets{0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10};
+    if (!there) of.seconds = there = &seconds->Add({{"route", of.name}}, buckets);
+    return *there;
+  }
+  void tell_certificate(double end_s) {
+    if (end_s == 0) return;
+    set("tessera_certificate_not_after_seconds", "When the cluster's certificate of this process expires, since 1970",
+        end_s);
+  }
   void tell_memory(std::uint64_t budget, std::uint64_t used) {
     set("tessera_memory_budget_bytes", "Memory that jobs may use together", budget);
     set("tessera_memory_used_bytes", "Memory that running jobs may use now", used);
@@ -70,23 +95,17 @@ struct Metrics::Impl {
 
 Metrics::Metrics(const std::vector<Route>& routes) : impl_(std::make_unique<Impl>()) {
   Impl& my = *impl_;
-  auto& requests = BuildCounter()
-                       .Name("tessera_http_requests_total")
-                       .Help("Requests answered, by route and class of status")
-                       .Register(my.registry);
-  auto& seconds = BuildHistogram()
-                      .Name("tessera_http_request_seconds")
-                      .Help("From the end of a request's header to the begin of its answer, by route")
-                      .Register(my.registry);
-  const prometheus::Histogram::BucketBoundaries buckets{0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10};
-  for (std::size_t at = 0; at <= routes.size(); ++at) {
-    const std::string name = at < routes.size() ? routes[at].name : "none";
-    Impl::OfRoute of;
-    for (std::size_t kind = 2; kind < classes; ++kind)
-      of.requests[kind] = &requests.Add({{"route", name}, {"status", std::to_string(kind) + "xx"}});
-    of.seconds = &seconds.Add({{"route", name}}, buckets);
-    my.routes.push_back(of);
-  }
+  my.requests = &BuildCounter()
+                     .Name("tessera_http_requests_total")
+                     .Help("Requests answered, by route and class of status")
+                     .Register(my.registry);
+  my.seconds = &BuildHistogram()
+                    .Name("tessera_http_request_seconds")
+                    .Help("From the end of a request's header to the begin of its answer, by route")
+                    .Register(my.registry);
+  my.routes = std::vector<Impl::OfRoute>(routes.size() + 1);
+  for (std::size_t at = 0; at <= routes.size(); ++at)
+    my.routes[at].name = at < routes.size() ? routes[at].name : "none";
   my.refused = my.counter("tessera_http_connections_refused_total", "Connections beyond the bound");
   my.unauthorized = my.counter("tessera_http_authentications_failed_total", "Requests with a wrong token");
   my.connections = my.gauge("tessera_http_connections", "Open connections");
@@ -96,13 +115,27 @@ Metrics::~Metrics() = default;
 
 void Metrics::count(std::size_t route, int status, double seconds) {
   Impl::OfRoute& of = impl_->routes[std::min(route, impl_->routes.size() - 1)];
-  of.requests[static_cast<std::size_t>(std::clamp(status / 100, 2, 5))]->Increment();
-  of.seconds->Observe(seconds);
+  impl_->requests_of(of, static_cast<std::size_t>(std::clamp(status / 100, 2, 5))).Increment();
+  impl_->seconds_of(of).Observe(seconds);
 }
 
 void Metrics::count_refused_connection() { impl_->refused->Increment(); }
 void Metrics::count_failed_authentication() { impl_->unauthorized->Increment(); }
 void Metrics::add_connections(double change) { impl_->connections->Increment(change); }
+
+void Metrics::tell(const ProcessFigures& process, bool ready) {
+  Impl& my = *impl_;
+  const std::scoped_lock lock(my.scraping);
+  my.gauges("tessera_build_info", "1, of the version that runs").Add({{"version", version()}}).Set(1);
+  my.set("tessera_ready", "1 while /readyz says so", ready ? 1 : 0);
+  my.set("process_start_time_seconds", "When the process began, since 1970", process.start_time_s);
+  my.raise("process_cpu_seconds_total", "Time on processors", process.cpu_s);
+  my.set("process_resident_memory_bytes", "Resident memory", process.resident_bytes);
+  my.set("process_virtual_memory_bytes", "Address space in use", process.virtual_bytes);
+  my.set("process_open_fds", "Open file descriptors", process.open_files);
+  my.set("process_max_fds", "Bound of open file descriptors", process.open_files_max);
+  my.set("process_threads", "Threads", process.threads);
+}
 
 std::string Metrics::text(const Backend::Figures& figures) {
   Impl& my = *impl_;
@@ -122,6 +155,7 @@ std::string Metrics::text(const Backend::Figures& figures) {
   my.raise("tessera_nodes_lost_total", "Nodes that were lost; not those drained", figures.nodes_lost);
   my.tell_gates(figures.bytes_between, figures.credit_waits);
   my.tell_memory(figures.memory_budget_bytes, figures.memory_used_bytes);
+  my.tell_certificate(figures.certificate_end_s);
   my.set("tessera_disk_free_bytes", "Free space where results are stored", figures.disk_free_bytes);
   my.set("tessera_mailbox_updates", "Messages in the mailboxes of tiles, and on the way there",
          figures.updates_waiting);
@@ -134,6 +168,7 @@ std::string Metrics::text(const NodeFigures& figures) {
   Impl& my = *impl_;
   const std::scoped_lock lock(my.scraping);
   my.tell_memory(figures.memory_budget_bytes, figures.memory_used_bytes);
+  my.tell_certificate(figures.certificate_end_s);
   my.set("tessera_tile_memory_bytes", "Memory that tiles hold now, mail included", figures.tile_memory_bytes);
   my.set("tessera_scratch_free_bytes", "Free space for tiles that are not in memory", figures.scratch_free_bytes);
   my.set("tessera_node_jobs", "Jobs that this node works on", figures.jobs);

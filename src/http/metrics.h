@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/http/node_health.h"
+#include "src/http/process_figures.h"
 #include "src/http/router.h"
 #include "src/service/service.h"
 
@@ -26,6 +27,8 @@ class Metrics {
   // In the text format of Prometheus.
   std::string text(const Backend::Figures& figures);
   std::string text(const NodeFigures& figures);
+  // What both tell, before them.
+  void tell(const ProcessFigures& process, bool ready);
 
  private:
   struct Impl;

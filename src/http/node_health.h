@@ -21,6 +21,7 @@ struct NodeFigures {
   std::uint64_t members = 0;                        // other processes of the cluster that it reaches
   bool member = false;                              // its lease runs
   double lease_seconds = 0, silent_seconds = 0;     // how long it is, and since the coordinator was heard
+  double certificate_end_s = 0;                     // when its certificate expires, since 1970
 };
 
 // Safe from any thread.

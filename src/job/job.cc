@@ -65,7 +65,7 @@ Result<RoutedRun> routed_run(const Engine& engine, const JobOptions& options, co
     BOOST_OUTCOME_TRYV(check_same_job(run, cloud, key, folder));
     return std::move(run);
   }
-  BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud));
+  BOOST_OUTCOME_TRY(limit, tile_limit(options, cloud, engine.shares()));
   progress.phase = Phase::routing;
   const RouteOptions route_options{.kind = options.partition,
                                    .max_points_per_tile = limit,

@@ -45,7 +45,7 @@ JobSummary summary_of(const JobOptions& options, const std::filesystem::path& ou
   summary.tiles = manifest.tiles.size();
   summary.exchange = tiles.exchange;
   summary.threads = options.threads;
-  summary.memory_budget_bytes = options.memory_bytes;
+  summary.memory_budget_bytes = tiles.memory_bytes > 0 ? tiles.memory_bytes : options.memory_bytes;
   for (const auto& tile : manifest.tiles) summary.result_bytes += tile.bytes;
   return summary;
 }
@@ -71,6 +71,7 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"triangulating_cpu_s", e.work.triangulating},
                       {"splaying_cpu_s", e.work.splaying},
                       {"collecting_cpu_s", e.work.collecting},
+                      {"memory_budget_bytes", number(summary.memory_budget_bytes)},
                       {"peak_memory_bytes", number(summary.peak_memory_bytes)}};
 }
 
@@ -98,7 +99,7 @@ JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out
   options.threads = static_cast<std::uint32_t>(figure("threads"));
   auto summary = summary_of(options, out, manifest, tiles);
   summary.duplicates = manifest.duplicates;
-  summary.memory_budget_bytes = 0;
+  summary.memory_budget_bytes = figure("memory_budget_bytes");
   summary.peak_memory_bytes = figure("peak_memory_bytes");
   if (manifest.digest) summary.digest = digest_text(*manifest.digest);
   for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {

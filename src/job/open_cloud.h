@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/budget/budget.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 
@@ -15,7 +17,9 @@ namespace tessera {
 // Opens the inputs, as Cloud::open takes them; settles the dimension when it was left open (2 when no file holds z).
 Result<Cloud> open_cloud(const std::vector<std::string>& inputs, JobOptions& options, std::stop_token stop = {});
 
-// Points a tile may hold, as asked for or chosen. Error memory when it cannot be worked on within the memory.
-Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud);
+// Points a tile may hold, as asked for or chosen. Error memory when it cannot be worked on within the memory, or on any
+// of the `nodes` of a cluster, if it is one.
+Result<std::uint64_t> tile_limit(const JobOptions& options, const Cloud& cloud,
+                                 std::span<const budget::NodeShare> nodes = {});
 
 }  // namespace tessera

@@ -5,6 +5,20 @@
 #include "src/base/check.h"
 
 namespace tessera {
+namespace {
+
+// Of those with room for a tile of so many points.
+std::size_t least_loaded(std::span<const Host> hosts, const std::vector<double>& load, std::uint64_t points) {
+  std::size_t least = hosts.size();
+  for (std::size_t h = 0; h < hosts.size(); ++h) {
+    if (points > hosts[h].tile_points_max) continue;
+    if (least == hosts.size() || load[h] / hosts[h].threads < load[least] / hosts[least].threads) least = h;
+  }
+  check(least < hosts.size(), "somebody has room for the tile");
+  return least;
+}
+
+}  // namespace
 
 std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std::uint64_t> points,
                               std::span<const Host> hosts) {
@@ -12,8 +26,9 @@ std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std
   double all_points = 0, all_threads = 0;
   for (const TileId t : tiles) all_points += static_cast<double>(points[t.value]);
   for (const Host& host : hosts) all_threads += host.threads;
-  std::vector<NodeId> nodes;
-  nodes.reserve(tiles.size());
+  std::vector<std::size_t> homes;
+  homes.reserve(tiles.size());
+  std::vector<double> load(hosts.size());
   std::size_t host = 0;
   double begun = 0, until = all_points * hosts[0].threads / all_threads;
   for (const TileId t : tiles) {
@@ -24,9 +39,24 @@ std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std
       until += all_points * hosts[host].threads / all_threads;
     }
     begun += own;
-    nodes.push_back(hosts[host].node);
+    homes.push_back(host);
+    if (points[t.value] <= hosts[host].tile_points_max) load[host] += own;
+  }
+  std::vector<NodeId> nodes;
+  nodes.reserve(tiles.size());
+  for (std::size_t i = 0; i < tiles.size(); ++i) {
+    const std::uint64_t own = points[tiles[i].value];
+    if (own > hosts[homes[i]].tile_points_max) {
+      homes[i] = least_loaded(hosts, load, own);
+      load[homes[i]] += static_cast<double>(own);
+    }
+    nodes.push_back(hosts[homes[i]].node);
   }
   return nodes;
+}
+
+bool any_has_room(std::span<const Host> hosts, std::uint64_t points) {
+  return std::any_of(hosts.begin(), hosts.end(), [&](const Host& host) { return points <= host.tile_points_max; });
 }
 
 std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,

@@ -16,6 +16,7 @@
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/frame.h"
+#include "src/files/free_space.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/run/disk_storage.h"
@@ -28,6 +29,9 @@ namespace {
 // Tiles of fewer, and all tiles of smaller clouds, are stored in one go: to write them twice costs more time than they
 // take memory.
 constexpr std::uint64_t early_points_min = std::uint64_t{1} << 15, early_cloud_min = std::uint64_t{1} << 22;
+
+// A node with less is done without from the start: it would fail with its first tiles.
+constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
 
 struct DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
@@ -112,6 +116,10 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
     if (scratch_.empty())
       return error(Errc::usage, "this node has no scratch folder: it cannot take part of a cluster's job");
     static std::atomic<std::uint64_t> number{0};
+    if (const std::uint64_t free = free_bytes(scratch_); free < scratch_free_min) {
+      return error(Errc::io, scratch_.string() + ": only " + std::to_string(free >> 10) +
+                                 " KiB are free for tiles that are not in memory");
+    }
     scratch = part_scratch_folder(scratch_, number++);
     BOOST_OUTCOME_TRYV(make_directories(scratch));
   }
@@ -133,7 +141,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
   part->schedule.memory_bytes = budget::for_tiles(
-      spec.memory_bytes - (many_nodes ? spec.memory_bytes / 8 : 0) - (reduce ? pool_bytes : 0), spec.threads, tiles);
+      spec.memory_bytes - (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) - (reduce ? pool_bytes : 0),
+      spec.threads, tiles);
   part->schedule.begin_bytes = needs.triangulate;
   part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
   part->schedule.kernel = spec.kernel;
@@ -142,7 +151,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (many_nodes) {
     std::uint64_t peers = 4;  // and some that may come
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
-    part->gates = gates_within(spec.memory_bytes / 8, peers);
+    part->gates = gates_within(budget::gate_bytes(spec.memory_bytes), peers);
   }
   context.many_nodes = part->schedule.settle_asleep = many_nodes;
   if (many_nodes) part->sync_settled = [storage = &part->storage] { return storage->sync_settled(); };

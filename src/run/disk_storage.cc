@@ -63,14 +63,20 @@ const std::filesystem::path& DiskStorage::folder_of(ScratchKind what) const {
   return what == ScratchKind::duplicates ? run_->folder : scratch_;  // all duplicates are gathered at the end
 }
 
+template <class Outcome>
+Outcome DiskStorage::on(ScratchKind what, Outcome outcome) {
+  if (!outcome && outcome.error().code == Errc::io && folder_of(what) != run_->folder) own_scratch_failed_ = true;
+  return outcome;
+}
+
 Result<LoadedTile> DiskStorage::load_points(TileId tile) { return load_tile(*run_, tile); }
 
 Status DiskStorage::write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.append(tile, bytes);
   const auto path = scratch_file(folder_of(what), what, tile);
-  BOOST_OUTCOME_TRYV(make_folder_of(path));
-  return write_frame(path, what, owner_of(tile), bytes);
+  BOOST_OUTCOME_TRYV(on(what, make_folder_of(path)));
+  return on(what, write_frame(path, what, owner_of(tile), bytes));
 }
 
 Status DiskStorage::hand_over(TileId tile, std::span<const std::byte> bytes) {
@@ -89,13 +95,13 @@ Status DiskStorage::forget_handed(TileId tile) { return remove_file(handed_file(
 Status DiskStorage::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(folder_of(what), what, tile);
-  BOOST_OUTCOME_TRYV(make_folder_of(path));
-  return append_frame(path, what, owner_of(tile), bytes);
+  BOOST_OUTCOME_TRYV(on(what, make_folder_of(path)));
+  return on(what, append_frame(path, what, owner_of(tile), bytes));
 }
 
 Result<bool> DiskStorage::has(TileId tile, ScratchKind what) {
   if (what == ScratchKind::settled) return settled_.has(tile);
-  return is_there(scratch_file(folder_of(what), what, tile));
+  return on(what, is_there(scratch_file(folder_of(what), what, tile)));
 }
 
 Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
@@ -105,19 +111,19 @@ Result<TileStorage::Pieces> DiskStorage::read(TileId tile, ScratchKind what) {
     if (bytes) pieces.push_back(std::move(*bytes));
     return pieces;
   }
-  return pieces_of(scratch_file(folder_of(what), what, tile), what, owner_of(tile));
+  return on(what, pieces_of(scratch_file(folder_of(what), what, tile), what, owner_of(tile)));
 }
 
 Status DiskStorage::remove(TileId tile, ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
-  return remove_file(scratch_file(folder_of(what), what, tile));
+  return on(what, remove_file(scratch_file(folder_of(what), what, tile)));
 }
 
 Status DiskStorage::clear(ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.clear();
   const auto folder = scratch_folder(folder_of(what), what);
-  if (const auto failed = remove_tree(folder)) return refused(folder, "remove it", failed);
+  if (const auto failed = remove_tree(folder)) return on(what, Status(refused(folder, "remove it", failed)));
   return success();
 }
 

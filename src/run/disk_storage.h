@@ -1,6 +1,7 @@
 // A tile's bytes in a run folder, its result in the store.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <future>
 #include <memory>
@@ -40,10 +41,14 @@ class DiskStorage final : public TileStorage {
   void store(TileId tile, CollectedTile collected, Stored done) override;
   // What settled tiles have left has reached the disk. Error io.
   Status sync_settled() { return settled_.sync(); }
+  bool own_scratch_failed() const override { return own_scratch_failed_; }
 
  private:
   const std::filesystem::path& folder_of(ScratchKind what) const;
   FrameOwner owner_of(TileId tile) const { return {run_->seal, tile.value}; }
+  // What came of it on scratch, which is noted when it could not be used, and is the node's own.
+  template <class Outcome>
+  Outcome on(ScratchKind what, Outcome outcome);
   Result<std::vector<std::byte>> gather_rows(const TileMesh& mesh) const;
   template <class Write>
   auto written(TileId tile, const Write& write) const noexcept -> decltype(write());
@@ -52,6 +57,7 @@ class DiskStorage final : public TileStorage {
 
   std::shared_ptr<const RoutedRun> run_;
   std::filesystem::path scratch_, out_;
+  std::atomic<bool> own_scratch_failed_{false};
   StoreOptions options_;
   SettledFiles settled_;
   std::counting_semaphore<> early_;  // how many more may be stored early now

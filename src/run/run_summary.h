@@ -14,7 +14,8 @@ struct RunSummary {
   std::vector<double> tile_seconds;  // beside them: worked on each
   std::uint64_t vertices = 0, cells = 0;
   ExchangeFigures exchange;
-  PhaseSeconds wall;  // wall clock of the phases
+  std::uint64_t memory_bytes = 0;  // that all nodes which had a part gave the job
+  PhaseSeconds wall;               // wall clock of the phases
 };
 
 }  // namespace tessera

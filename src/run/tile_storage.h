@@ -39,6 +39,8 @@ class TileStorage {
   virtual Result<bool> has(TileId tile, ScratchKind what) = 0;
   virtual Status remove(TileId tile, ScratchKind what) = 0;
   virtual Status clear(ScratchKind what) = 0;  // of all tiles
+  // Whether the system has refused scratch that is one node's own: another node can do what this one cannot.
+  virtual bool own_scratch_failed() const { return false; }
 
   // For whichever node begins the tile next, where nodes share a folder: as write(), read() and remove(), but that all
   // of them read what one has written.

@@ -1,7 +1,6 @@
 #include "src/service/costs.h"
 
 #include <fcntl.h>
-#include <sys/statvfs.h>
 
 #include <algorithm>
 #include <array>
@@ -34,19 +33,14 @@ void add_surface(const Manifest& manifest, std::uint64_t memory_bytes, unsigned 
 
 }  // namespace
 
-std::uint64_t free_bytes(const std::filesystem::path& folder) {
-  struct statvfs status {};
-  if (::statvfs(folder.c_str(), &status) != 0) return 0;
-  return static_cast<std::uint64_t>(status.f_bavail) * status.f_frsize;
-}
-
 std::uint64_t unpacked_max(const ServiceLimits& limits, const std::filesystem::path& data) {
   const auto free = std::max<std::uint64_t>(free_bytes(data), 1);
   return limits.disk_bytes == 0 ? free : std::min(free, limits.disk_bytes);
 }
 
 std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
-                                          const std::filesystem::path& data, proto::Estimate& estimate) {
+                                          const std::filesystem::path& data, proto::Estimate& estimate,
+                                          std::span<const budget::NodeShare> nodes) {
   const auto points = expected_points(cloud.files());
   estimate.set_points(points);
   if (limits.points > 0 && points > limits.points) {
@@ -54,7 +48,7 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
                    "inputs: hold " + grouped(points) + " points; a job may have " + grouped(limits.points) + " here",
                    Errc::memory);
   }
-  const auto limit = tile_limit(options, cloud);
+  const auto limit = tile_limit(options, cloud, nodes);
   if (!limit) return problem_of(limit.error());
   auto cost =
       tessera::estimate(options.cloud.dimension, options.kernel, points, limit.value(), options.neighbors,

@@ -4,13 +4,16 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "service.pb.h"
 #include "src/base/ledger.h"
 #include "src/base/result.h"
+#include "src/budget/budget.h"
 #include "src/export/export.h"
+#include "src/files/free_space.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/job_options.h"
 #include "src/service/service.h"
@@ -20,16 +23,15 @@
 
 namespace tessera {
 
-// Bytes that this process may still write there; 0 when it cannot be told.
-std::uint64_t free_bytes(const std::filesystem::path& folder);
-
 // What one job may take, of whatever kind it is: the bound of disk, and what has to stay free.
 Ledger::Bounds bounds_of_job(const ServiceLimits& limits, const std::filesystem::path& data);
 
 // The problem of a job that costs too much: 422 for points, memory and disk beyond its limits, 507 for a disk that is
-// full now. `estimate` is filled in as far as is known, also when the job is refused.
+// full now. `nodes`: what each of a cluster gives a job; none: it is not known. `estimate` is filled in as far as is
+// known, also when the job is refused.
 std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& options, const ServiceLimits& limits,
-                                          const std::filesystem::path& data, proto::Estimate& estimate);
+                                          const std::filesystem::path& data, proto::Estimate& estimate,
+                                          std::span<const budget::NodeShare> nodes = {});
 
 // The same of a raster, lines or an export of a result, which is in `out`.
 std::optional<proto::Problem> check_costs(const Manifest& manifest, const DemOptions& options,

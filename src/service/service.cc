@@ -44,6 +44,7 @@ Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
   cluster.jobs_at_once = options.limits.running;
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
+  cluster.data = options.data;
   return Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(std::move(cluster)));
 }
 
@@ -142,7 +143,6 @@ void Service::Impl::recover(Job& job) {
   };
   const auto changed = deaths < options.limits.deaths ? change(job, Need::done, waits) : change(job, Need::done, fails);
   static_cast<void>(changed);  // Need::done: it is written later if it could not be now
-  if (job.is(job_state::failed)) tell("job " + job.record.id() + ": " + job.record.message());
 }
 
 void Service::Impl::begin() {

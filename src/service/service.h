@@ -62,8 +62,9 @@ struct ServiceOptions {
   std::function<void(const Error&)> lost = {};
   // Called while another process holds the data folder, with a sentence about it. True: it is tried again.
   std::function<bool(const Error&)> locked = {};
-  std::optional<ClusterOptions> cluster = {};        // that works on its jobs; none: this process alone
-  std::function<void(const std::string&)> log = {};  // what the service itself has to tell, a line at a time
+  std::optional<ClusterOptions> cluster = {};         // that works on its jobs; none: this process alone
+  std::function<void(const std::string&)> log = {};   // what the service itself has to tell, a line at a time
+  std::function<void(const std::string&)> note = {};  // the same of what is as it should be
 };
 
 // A file to be sent: open for reading, so that nothing can be put in its place any more.
@@ -229,6 +230,7 @@ class Backend {
     std::vector<std::pair<std::string, std::uint64_t>> nodes = {};  // by state
     std::uint64_t nodes_lost = 0;                                   // since the start
     std::uint64_t bytes_between = 0, credit_waits = 0;  // sent from node to node, and waited for, since the start
+    double certificate_end_s = 0;  // when the cluster's certificate of this process expires, since 1970; 0: no cluster
   };
   virtual Figures figures() const = 0;
   // Nothing when jobs can be taken, else why not: a full or read-only folder, a scheduler that does not answer.

@@ -129,8 +129,14 @@ Status Service::Impl::change(Job& job, Need need, const std::function<void(proto
   const auto written = store.replace(changed);
   if (!written && need == Need::written) return written.error();
   // First: who hears of a job's end finds its log whole, and a watcher's stream ends with the status.
-  if (before != changed.state())
-    log(changed.id(), changed.state() + (changed.message().empty() ? "" : ": " + changed.message()));
+  if (before != changed.state()) {
+    const std::string said = changed.state() + (changed.message().empty() ? "" : ": " + changed.message());
+    log(changed.id(), said);
+    const std::string line =
+        "job " + changed.id() + " (" + process_of(changed.inputs()) + ") of " + changed.caller() + ": " + said;
+    if (changed.state() == job_state::failed) tell(line);
+    if (changed.state() != job_state::failed && options.note) options.note(line);
+  }
   {
     const std::lock_guard lock(mutex);
     if (!written) {

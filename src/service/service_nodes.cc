@@ -4,7 +4,9 @@
 #include <map>
 #include <string>
 
+#include "src/certs/certificates.h"
 #include "src/job/machine.h"
+#include "src/service/naming.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 
@@ -18,7 +20,13 @@ proto::NodeInfo info_of(const NodeState& node) {
   info.set_address(node.info.address);
   info.set_threads(node.info.threads);
   info.set_memory_bytes(node.info.memory_bytes);
-  info.set_memory_used_bytes(node.memory_used);
+  info.set_memory_used_bytes(node.use.memory_bytes);
+  info.set_scratch_free_bytes(node.use.scratch_free_bytes);
+  if (node.info.certificate_end_s > 0) {
+    const std::chrono::system_clock::time_point end{std::chrono::seconds(node.info.certificate_end_s)};
+    info.set_certificate_until(time_text(end));
+    info.set_certificate_warning(expiry_warning(end, std::chrono::system_clock::now()));
+  }
   info.set_state(node.leaves ? "draining" : node.free ? "free" : "joining");
   info.set_seconds(node.seconds);
   info.set_silent_ms(node.silent_ms);
@@ -53,11 +61,11 @@ Reply<proto::NodeList> Service::nodes() {
     return list;
   }
   NodeState self;
-  self.info = {{}, host_name(), {}, impl_->options.threads, impl_->options.memory_bytes};
+  self.info = {{}, host_name(), {}, impl_->options.threads, impl_->options.memory_bytes, 0};
   self.own = self.free = true;
   self.seconds = static_cast<std::uint64_t>(
       std::chrono::duration_cast<std::chrono::seconds>(std::chrono::steady_clock::now() - impl_->began).count());
-  self.memory_used = figures().memory_used_bytes;
+  self.use.memory_bytes = figures().memory_used_bytes;
   *list.add_nodes() = info_of(self);
   return list;
 }

@@ -180,6 +180,8 @@ Service::Figures Service::figures() const {
   Figures figures = impl_->since_start;
   figures.nodes = std::move(nodes);
   figures.nodes_lost = lost;
+  if (impl_->options.cluster)
+    figures.certificate_end_s = static_cast<double>(impl_->options.cluster->certificate_end_s);
   for (const auto& id : impl_->active) {
     const Job& job = *impl_->jobs.at(id);
     if (job.is(job_state::accepted)) ++figures.accepted;

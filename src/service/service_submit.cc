@@ -148,7 +148,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
       return success();
     }
     BOOST_OUTCOME_TRY(cloud, open_cloud(files, options.value(), Ledger::token_of_thread()));
-    refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate);
+    refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate, engine->shares());
     return success();
   }();
   if (!looked && !Ledger::reason_of_thread()) return problem_of_inputs(looked.error());

@@ -96,7 +96,8 @@ Reply<JobDone> triangulate(const Workshop& shop, const JobWork& work) {
     BOOST_OUTCOME_TRY(files, shop.roots.files(list_of(inputs.inputs()), inputs.recursive()));
     BOOST_OUTCOME_TRY(cloud, open_cloud(files, opened, stop));
     proto::Estimate estimate;
-    if (!folder.value().resuming()) refused = check_costs(cloud, opened, shop.limits, shop.data, estimate);
+    if (!folder.value().resuming())
+      refused = check_costs(cloud, opened, shop.limits, shop.data, estimate, shop.engine.shares());
     if (refused) return error(Errc::memory, refused->detail());
     for (const auto& warning : cloud.warnings()) work.log("warning: " + warning);
     return std::move(cloud);

@@ -69,7 +69,8 @@ TEST_P(Accidents, EndInAnErrorAndWhatIsResumedIsTheGlobalDelaunayTriangulation) 
   EXPECT_FALSE(report.failed_seed) << "seed " << *report.failed_seed << ": " << report.failure;
   EXPECT_EQ(report.seeds, c.seeds);
   EXPECT_GT(report.failures, c.seeds / 10);
-  EXPECT_GT(report.restarts, c.seeds);
+  EXPECT_GT(report.restarts, c.seeds / 10 * 9);
+  EXPECT_GT(report.nodes_lost, c.seeds / 50) << "whose scratch failed, and others went on";
   EXPECT_GT(report.settled_restarts, 0u);
   EXPECT_GT(report.mended, 0u);
 }

@@ -213,5 +213,22 @@ TEST_F(OnePart, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
   EXPECT_EQ(heard.found[0].released, std::vector<TileId>{TileId{4}});
 }
 
+// By whoever has a certificate: neither ends the process.
+TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
+  begin();
+  run();
+  begin();
+  run();
+  EXPECT_EQ(listen().idle, 1);
+}
+
+TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
+  tell(BeginPart{parts(), Table{0, {NodeId{0}}, {0}}, false});
+  run();
+  std::string why;
+  self_->receive([&](const PartEnded& ended) { why = ended.failure.text; });
+  EXPECT_NE(why.find("got a table that is not of its job"), std::string::npos) << why;
+}
+
 }  // namespace
 }  // namespace tessera

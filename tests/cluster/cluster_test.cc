@@ -1,6 +1,7 @@
 // Jobs of several engines as one cluster: the same files, whoever works on them.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <fstream>
 #include <mutex>
@@ -144,10 +145,30 @@ TEST_F(ClusterTest, DoesNotSpeakToStrangers) {
   spy.certificate = node_certificate_file(foreign, "spy");
   spy.key = node_key_file(foreign, "spy");
   const auto engine = start(spy);
-  wait_for("nobody of the cluster is reached", "disconnect_during_handshake");
+  // Both sides say why.
+  wait_for("nobody of the cluster is reached", "the connection was closed before anything was said");
+  wait_for("127.0.0.1:" + std::to_string(first_.port) + " is not spoken to",
+           "certificate 'all' is of another authority");
   const auto second = start(options("second"));
   wait_for("node second", "has joined");  // nor are the others disturbed
   EXPECT_EQ(first->nodes().size(), 2U);
+}
+
+// It has been valid when its process began. Both sides say what is wrong.
+TEST_F(ClusterTest, BothSidesSayThatACertificateHasExpired) {
+  const auto first = coordinator();
+  const auto now = std::chrono::system_clock::now();
+  ASSERT_TRUE(make_node(certs_, "old", {.days = 1, .now = now - std::chrono::hours(72)}));
+  auto late = options("late");
+  late.certificate = node_certificate_file(certs_, "old");
+  late.key = node_key_file(certs_, "old");
+  late.certificate_end_s =
+      static_cast<std::uint64_t>(std::chrono::system_clock::to_time_t(now - std::chrono::hours(48)));
+  const auto engine = start(late);
+  wait_for("a connection from 127.0.0.1 is refused", "its certificate 'old' has expired on ");
+  wait_for("nobody of the cluster is reached",
+           "the certificate of this node has expired: " + late.certificate.string());
+  EXPECT_EQ(first->nodes().size(), 1U);
 }
 
 }  // namespace

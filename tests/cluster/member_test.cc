@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "actors/cluster/network.h"
+#include "actors/cluster/registry.h"
 #include "tests/cluster/cluster_testing.h"
 
 namespace tessera {
@@ -78,12 +79,36 @@ TEST_F(ClusterTest, ANodeThatCannotReachOneThatHasDiedIsFreeAllTheSame) {
   member.cluster = with;
   member.info = {"comes", "comes", "127.0.0.1:1", 1, 1};
   member.registry = caf::actor_cast<caf::actor>(host);
-  member.memory_used = member.jobs = [] { return std::uint64_t{0}; };
+  member.use = [] { return NodeUse{}; };
+  member.jobs = [] { return std::uint64_t{0}; };
   const auto comes = system.spawn<Member>(std::move(member));
   heard.expect("unreachable other");
   heard.expect("reached all");
   caf::anon_send(comes, Leave{});
   caf::anon_send(host, Leave{});
+}
+
+// Twice a second, as long as nobody mends it: the log is not the place for each.
+TEST_F(ClusterTest, ANodeThatIsRefusedAgainAndAgainIsALineOnce) {
+  auto with = options("coordinator");
+  int lines = 0;
+  with.log = [&](const std::string& line) { lines += line.find("is refused") == std::string::npos ? 0 : 1; };
+  System config(with);
+  caf::actor_system system(config);
+  const auto registry = system.spawn<Registry>(with);
+  {
+    caf::scoped_actor node{system};
+    Hello hello;
+    hello.info = {"uuid", "stranger", "127.0.0.1:1", 1, 1};
+    hello.member = hello.node = caf::actor_cast<caf::actor>(node.ptr());
+    for (const char* cluster : {"another", "another", "another", "a third"}) {
+      hello.cluster = cluster;
+      node->send(registry, hello);
+      node->receive([](const Refused&) {});
+    }
+  }
+  EXPECT_EQ(lines, 2);
+  caf::anon_send(registry, Leave{});
 }
 
 }  // namespace

@@ -31,21 +31,22 @@ std::vector<NodeUuid> silent_until(Members& members, std::chrono::seconds from, 
 
 TEST(Members, WhoDoesNotRenewItsLeaseIsLostAndDoesNotComeBack) {
   Members members(10s);
-  EXPECT_TRUE(members.hello(node("a"), at(0s)));
-  EXPECT_TRUE(members.hello(node("b"), at(0s)));
-  EXPECT_TRUE(members.renew("b", 5, at(9s)));
+  EXPECT_TRUE(members.hello(node("a"), {}, at(0s)));
+  EXPECT_TRUE(members.hello(node("b"), {}, at(0s)));
+  EXPECT_TRUE(members.renew("b", {5, 7}, at(9s)));
   EXPECT_EQ(silent_until(members, 0s, 10s), std::vector<NodeUuid>{});
   EXPECT_EQ(silent_until(members, 11s, 19s), std::vector<NodeUuid>{"a"});
-  EXPECT_FALSE(members.hello(node("a"), at(20s)));
-  EXPECT_FALSE(members.renew("a", 0, at(20s)));
+  EXPECT_FALSE(members.hello(node("a"), {}, at(20s)));
+  EXPECT_FALSE(members.renew("a", {}, at(20s)));
   EXPECT_EQ(members.all().size(), 1U);
-  EXPECT_EQ(members.find("b")->memory_used, 5U);
+  EXPECT_EQ(members.find("b")->use.memory_bytes, 5U);
+  EXPECT_EQ(members.find("b")->use.scratch_free_bytes, 7U);
 }
 
 // A coordinator that was stopped, or had no processor, has heard nothing because it did not listen.
 TEST(Members, LeasesGoOnForAsLongAsNobodyListened) {
   Members members(10s);
-  members.hello(node("a"), at(0s));
+  members.hello(node("a"), {}, at(0s));
   EXPECT_TRUE(members.lose_silent(at(1s)).empty());
   EXPECT_TRUE(members.lose_silent(at(60s)).empty());
   EXPECT_EQ(silent_until(members, 61s, 80s), std::vector<NodeUuid>{"a"});
@@ -53,7 +54,7 @@ TEST(Members, LeasesGoOnForAsLongAsNobodyListened) {
 
 TEST(Members, OfThoseWhoCannotReachEachOtherTheWorstConnectedIsLost) {
   Members members(8s);
-  for (const char* uuid : {"a", "b", "c", "d"}) members.hello(node(uuid), at(0s));
+  for (const char* uuid : {"a", "b", "c", "d"}) members.hello(node(uuid), {}, at(0s));
   members.unreachable("b", "a", at(0s));
   EXPECT_TRUE(members.lose_silent(at(500ms)).empty());  // others may say the same
   members.unreachable("a", "c", at(600ms));
@@ -67,7 +68,7 @@ TEST(Members, OfThoseWhoCannotReachEachOtherTheWorstConnectedIsLost) {
 
 TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
   Members members(10s);
-  members.hello(node("a"), at(0s));
+  members.hello(node("a"), {}, at(0s));
   EXPECT_FALSE(members.find("a")->free);
   EXPECT_TRUE(members.reached_all("a"));
   EXPECT_FALSE(members.reached_all("a"));
@@ -78,7 +79,7 @@ TEST(Members, ANodeIsFreeOnceItHasReachedTheOthers) {
 // One of the two is lost soon; whoever stays says again that it has reached all.
 TEST(Members, ANodeIsNotFreeWhileAnotherMemberCannotBeReached) {
   Members members(8s);
-  for (const char* uuid : {"a", "b", "c"}) members.hello(node(uuid), at(0s));
+  for (const char* uuid : {"a", "b", "c"}) members.hello(node(uuid), {}, at(0s));
   members.unreachable("a", "c", at(0s));
   EXPECT_FALSE(members.reached_all("a"));
   EXPECT_FALSE(members.find("a")->free);

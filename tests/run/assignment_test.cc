@@ -30,6 +30,15 @@ TEST(ShareOut, CutsTheOrderIntoRunsByPointsAndThreads) {
   EXPECT_EQ(share_out(tiles({0, 1, 2, 3, 4}), heavy, two), nodes({0, 0, 0, 1, 1}));
 }
 
+TEST(ShareOut, GivesNoTileToAHostWithoutRoomForIt) {
+  const std::vector<std::uint64_t> points{40, 50, 40, 50};
+  const std::vector<Host> small{{NodeId{0}, 1}, {NodeId{1}, 1, 20}, {NodeId{2}, 2}};
+  EXPECT_EQ(share_out(tiles({0, 1, 2, 3}), points, small), nodes({0, 0, 2, 2}))
+      << "the second would be the middle one's";
+  EXPECT_TRUE(any_has_room(small, 50));
+  EXPECT_FALSE(any_has_room(std::span(small).subspan(1, 1), 21));
+}
+
 TEST(ShareOut, EveryTileHasAHostWhateverTheCounts) {
   EXPECT_TRUE(share_out({}, {}, std::vector<Host>{{NodeId{0}, 1}}).empty());
   const std::vector<std::uint64_t> points{5, 0, 0};
