@@ -175,7 +175,9 @@ Reply<void> Uploads::remove(std::string_view folder, std::string_view file, cons
 Result<bool> Uploads::remove_one(const fs::path& file) {
   BOOST_OUTCOME_TRY(bytes, bytes_if_there(file, FollowLinks::no));
   if (!bytes) return false;
-  BOOST_OUTCOME_TRYV(remove_file(file));
+  // Over the desk, so that a daemon which holds the data folder no more takes nothing from one that does.
+  BOOST_OUTCOME_TRY(picked_up, desk_.pick_up(file));
+  BOOST_OUTCOME_TRYV(remove_file(picked_up));
   gone(*bytes, true);
   return true;
 }

@@ -25,7 +25,7 @@ struct UploadLimits {
 
 class Uploads {
  public:
-  // `desk`: of uploads, over which a whole file gets its name.
+  // `desk`: of uploads, over which a whole file gets its name, and goes.
   Uploads(std::filesystem::path data, const UploadLimits& limits, Desk& desk);
   // Makes the folder. Error io.
   Status open();

@@ -8,6 +8,8 @@
 
 #include "job_record.pb.h"
 #include "src/base/ledger.h"
+#include "src/files/names.h"
+#include "src/service/desk.h"
 #include "src/service/kinds.h"
 #include "src/service/work.h"
 #include "tests/service/service_testing.h"
@@ -97,7 +99,10 @@ class Bounds : public ServiceTest {
     Engine engine(2, options.memory_bytes);
     auto roots = Roots::open(options.roots, "");
     EXPECT_TRUE(roots);
-    Results results(data());
+    std::filesystem::create_directories(results_folder(data()));
+    const auto desk = Desk::lay(results_folder(data()), 1000, [] { return Status(success()); });
+    EXPECT_TRUE(desk) << desk.error().where;
+    Results results(data(), *desk.value());
     EXPECT_TRUE(results.open({}));
     RegionClouds clouds(0);
     const auto before = files_of_data();

@@ -6,6 +6,7 @@
 
 #include "src/files/names.h"
 #include "src/service/deadline.h"
+#include "src/service/desk.h"
 #include "src/service/kept_inputs.h"
 #include "src/service/uploads.h"
 #include "tests/service/service_testing.h"
@@ -149,6 +150,7 @@ TEST_F(Limits, UploadsHaveABoundLeaveTheReserveAndCanBeRemoved) {
   EXPECT_EQ(service->remove_upload("u", "c.xyz", alice).error().status(), 404);
   EXPECT_EQ(service->remove_upload("..", "a.xyz", alice).error().status(), 400);
   EXPECT_EQ(service->remove_upload("u", "a.xyz", {"r", Role::read}).error().status(), 403);
+  EXPECT_EQ(service->remove_upload("u", "a.xyz", bob).error().status(), 403);
   ASSERT_TRUE(service->remove_upload("u", "a.xyz", alice));
   EXPECT_FALSE(service->uploaded("u", "a.xyz"));
   ASSERT_TRUE(send("b.xyz", std::string(600, '1'), false));
@@ -165,22 +167,24 @@ TEST_F(Limits, UploadsHaveABoundLeaveTheReserveAndCanBeRemoved) {
 }
 
 TEST_F(Limits, PartsOfUploadsThatNobodyGoesOnSendingAreRemovedAndFilesAreBounded) {
-  std::filesystem::create_directories(data());
-  Uploads uploads(data(), {.files = 2});
+  std::filesystem::create_directories(uploads_folder(data()));
+  const auto desk = Desk::lay(uploads_folder(data()), 1, [] { return Status(success()); });
+  ASSERT_TRUE(desk) << desk.error().where;
+  Uploads uploads(data(), {.files = 2}, *desk.value());
   ASSERT_TRUE(uploads.open());
   {
-    const auto sending = uploads.begin("u", "a.xyz", 0);
+    const auto sending = uploads.begin("u", "a.xyz", 0, alice);
     ASSERT_TRUE(sending);
     const auto future = std::chrono::system_clock::now() + std::chrono::hours(1);
     EXPECT_TRUE(uploads.expire(future).empty()) << "it is being sent";
-    ASSERT_TRUE(uploads.begin("u", "b.xyz", 0).value()->finish());
-    EXPECT_EQ(uploads.begin("u", "c.xyz", 0).error().status(), 507);
+    ASSERT_TRUE(uploads.begin("u", "b.xyz", 0, alice).value()->finish());
+    EXPECT_EQ(uploads.begin("u", "c.xyz", 0, alice).error().status(), 507);
   }
   EXPECT_TRUE(uploads.expire(std::chrono::system_clock::now() - std::chrono::hours(1)).empty()) << "it is young";
   EXPECT_EQ(uploads.expire(std::chrono::system_clock::now() + std::chrono::hours(1)).size(), 1U);
   EXPECT_FALSE(uploads.uploaded("u", "a.xyz"));
   EXPECT_TRUE(uploads.uploaded("u", "b.xyz")) << "whole files stay";
-  EXPECT_TRUE(uploads.begin("u", "c.xyz", 0));
+  EXPECT_TRUE(uploads.begin("u", "c.xyz", 0, alice));
 }
 
 TEST_F(Limits, WhatTheCallerDidIsNoErrorOfTheServer) {
