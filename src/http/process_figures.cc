@@ -34,9 +34,9 @@ double started_at(double ticks_after_boot) {
 ProcessFigures process_figures() {
   ProcessFigures out;
   // "4711 (a name, which may hold anything) S 1 ...": the third field and those after it (proc(5)).
-  std::ifstream stat("/proc/self/stat");
+  std::ifstream told("/proc/self/stat");
   std::string line;
-  std::getline(stat, line);
+  std::getline(told, line);
   std::istringstream fields(line.substr(std::min(line.size(), line.rfind(')') + 2)));
   std::string skipped;
   for (int field = 3; field < 20; ++field) fields >> skipped;
