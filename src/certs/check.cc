@@ -110,7 +110,7 @@ std::string expiry_warning(system_clock::time_point end, system_clock::time_poin
   const auto days = (end - now) / day;
   if (days >= days_ahead) return {};
   return "ends on " + date_text(end) + ", in " + std::to_string(days) + (days == 1 ? " day" : " days") +
-         ": make another one with 'tessera certs node', and restart the node with it";
+         ": have the authority of the cluster make another one, and restart the node with it";
 }
 
 Result<NodeCertificate> node_certificate_in(const fs::path& folder) {

@@ -75,28 +75,6 @@ class Life {
     context_.run();
   }
 
- private:
-  void wait_for_signal() {
-    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
-      if (error) return;
-      if (signal != SIGHUP) {
-        spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
-        LastWords::end_by(SIGTERM);  // a second one, at once
-        LastWords::end_by(SIGINT);
-        context_.stop();
-        return;
-      }
-      supervisor::reloading();
-      if (const Status reloaded = server_->reload(); !reloaded) {
-        spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
-      } else {
-        spdlog::info("tokens, certificate and key were read again");
-      }
-      supervisor::ready("serving");
-      wait_for_signal();
-    });
-  }
-
   // Whether no signal to end has come until then. REQUIRES: it does not run yet.
   bool pause(std::chrono::milliseconds time) {
     bool goes_on = true;
@@ -118,6 +96,28 @@ class Life {
     context_.poll();  // what was cancelled
     context_.restart();
     return goes_on;
+  }
+
+ private:
+  void wait_for_signal() {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      if (signal != SIGHUP) {
+        spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
+        LastWords::end_by(SIGTERM);  // a second one, at once
+        LastWords::end_by(SIGINT);
+        context_.stop();
+        return;
+      }
+      supervisor::reloading();
+      if (const Status reloaded = server_->reload(); !reloaded) {
+        spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
+      } else {
+        spdlog::info("tokens, certificate and key were read again");
+      }
+      supervisor::ready("serving");
+      wait_for_signal();
+    });
   }
 
   // The service is asked something that needs its lock: a daemon that hangs is not alive.
