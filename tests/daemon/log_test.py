@@ -68,7 +68,7 @@ class ClusterLog(DaemonTest):
     def test_a_certificate_that_ends_soon_and_a_node_that_is_not_ready(self):
         node = Node(self, "b", self.port, "certs", "--metrics", f"127.0.0.1:{self.operations['b']}")
         self.wait_until_of(node, "not ready any more: looks for the cluster's coordinator")
-        self.wait_until_of(node, r"certs/b\.pem: ends on \d{4}-\d\d-\d\d \d\d:\d\d UTC, in 5 days: make another one with 'tessera certs node'")
+        self.wait_until_of(node, r"certs/b\.pem: ends on \d{4}-\d\d-\d\d \d\d:\d\d UTC, in 5 days: have the authority of the cluster make another one")
         self.coordinator = self.start_coordinator()
         self.wait_until_of(node, "ready again")
         self.assertNotIn("ends on", self.coordinator.messages())
