@@ -12,7 +12,7 @@ KEYS = {"listen", "metrics", "data", "inputs", "memory", "threads", "jobs", "upl
         "tls-key", "public-url", "hosts", "insecure", "log", "print-token",
         "cluster", "advertise", "join", "certs", "roles", "node-name", "cluster-name", "scratch", "lease", "grace",
         "drain-timeout"}
-LIMITS = {"queued", "jobs", "points", "disk"}
+LIMITS = {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"}
 
 
 class Settings(unittest.TestCase):
