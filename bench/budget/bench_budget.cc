@@ -156,7 +156,7 @@ class Bench {
     put(folder_ / "points.bin", points);
     box_ = {bounds.lo, bounds.hi};
     around_ = Surroundings({bounds, beside_}, {{TileId{1}}, {TileId{0}}}, {});
-    // HDF5 is loaded when it is first used: fixed costs, not this tile's.
+    // What is made or loaded when it is first used: fixed costs, not this tile's.
     std::vector<LocalPoint> few(points.begin(), points.begin() + 100);
     const LoadedTile tile = order_points(few, o.dimension);
     TileTriangulation t(options_);
@@ -237,7 +237,8 @@ class Bench {
 
   void collect(TileTriangulation& t, LoadedTile tile, bool reduced) {
     CollectedTile collected;
-    const Growth made = growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : KeptFinals{}); });
+    const Growth made =
+        growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : KeptFinals{}); });
     const double loaded = reduced ? static_cast<double>(o_.points) * 32 : 0;
     table_.row(reduced ? "collect, reduced" : "collect, whole", made.peak + loaded, o_.points,
                static_cast<double>(reduced ? model_.collect : model_.collect_whole));

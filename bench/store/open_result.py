@@ -6,7 +6,7 @@
                                                               makes results of made-up terrain to open: DIR/out of so many
                                                               tiles and points, and DIR/plain.vtu, its cells in one file
 
-MASTER: out/triangulation.pvtu, or any file of that kind; .vtkhdf and .hdf of format 1 as well. ParaView also gathers the
+MASTER: out/triangulation.pvtu, or any file of that kind. ParaView also gathers the
 range of every array, as its window shows them, and then draws: the outline, as a window does that was told so for large data;
 the surface; and a slice. Each file is opened by a process of its own. Processor seconds on a machine that does other things, too, are too
 many by a third and more: repeat, and take the least.
@@ -67,10 +67,9 @@ def open_in_paraview(path):
 
 
 def open_in_vtk(path):
-    from vtkmodules.vtkIOHDF import vtkHDFReader
     from vtkmodules.vtkIOXML import vtkXMLPUnstructuredGridReader, vtkXMLUnstructuredGridReader
     kinds = {".pvtu": vtkXMLPUnstructuredGridReader, ".vtu": vtkXMLUnstructuredGridReader}
-    reader = kinds.get(pathlib.Path(path).suffix, vtkHDFReader)()
+    reader = kinds[pathlib.Path(path).suffix]()
     laps = Laps()
     reader.SetFileName(path)
     reader.Update()

@@ -55,8 +55,7 @@ enum class Method {
 // interrupted when `stop` is requested.
 class TESSERA_PUBLIC Questions {
  public:
-  // `memory_bytes`: for tiles; 0: 1 GiB. `threads`: of one question; 0: all processors. Failure: usage for a result of
-  // format 1 and for a region.
+  // `memory_bytes`: for tiles; 0: 1 GiB. `threads`: of one question; 0: all processors. Failure: usage for a region.
   explicit Questions(const Triangulation& triangulation, std::uint64_t memory_bytes = 0, unsigned threads = 0);
 
   // `points`: n x d coordinates, row after row. Of several cells that have a point it is the one whose sorted ranks

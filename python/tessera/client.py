@@ -172,8 +172,8 @@ class Client:
         try:
             manifest = json.loads(text)
             sums = dict(manifest["checksums"])
-            ending, pieces = ".vtkhdf" if manifest["format_version"] == 1 else ".vtu", manifest["format_version"] > 2
-            wanted = [(f"tiles/{int(tile['tile']):06}{ending}", tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
+            pieces = manifest["format_version"] > 2
+            wanted = [(f"tiles/{int(tile['tile']):06}.vtu", tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
             wanted += [(file, sums[file], None, pieces and file == "duplicates.bin") for file in sums if file == os.path.basename(file)]
         except (ValueError, KeyError, TypeError):
             raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is none") from None

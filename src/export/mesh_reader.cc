@@ -129,10 +129,7 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
     for (std::size_t i = 0; i < cell_numbers.size(); ++i)
       if (source.filter.keeps(mesh, i)) cell_numbers[i] = next++;
   }
-  // Format 1 tells no owners.
-  const auto is_own = [&](std::size_t v, TileId by) {
-    return mesh.owners.empty() ? mesh.point_ghost[v] == 0 : mesh.owners[v] == by;
-  };
+  const auto is_own = [&](std::size_t v, TileId by) { return mesh.owners[v] == by; };
   CellView cell;
   cell.neighbors.fill(CellView::elsewhere);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
@@ -230,7 +227,7 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
     if (source.format.corners) {
       BOOST_OUTCOME_TRYV(rows.lift(source, tile));
     } else {
-      const fs::path file = stored_tile_file(source.out, source.manifest.tiles[index].tile);
+      const fs::path file = tile_file(source.out, source.manifest.tiles[index].tile);
       BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
       numbers = std::move(found);
     }

@@ -24,14 +24,13 @@ std::uint64_t count_zeros(const Flags& flags) {
 // More than announced would run into the next array of a file.
 Error wrong_count(const MeshSource& source, const TileEntry& entry, std::uint64_t found, const char* of,
                   std::uint64_t expected) {
-  return error(Errc::corrupt, stored_tile_file(source.out, entry.tile).string() + ": holds " + std::to_string(found) +
-                                  " " + of + ", and the manifest counts " + std::to_string(expected));
+  return error(Errc::corrupt, tile_file(source.out, entry.tile).string() + ": holds " + std::to_string(found) + " " +
+                                  of + ", and the manifest counts " + std::to_string(expected));
 }
 
 Status check_counts(const MeshSource& source, const TileEntry& entry, const TileMesh& mesh) {
   if (mesh.dimension != source.manifest.dimension)
-    return error(Errc::corrupt,
-                 stored_tile_file(source.out, entry.tile).string() + ": has another dimension than the result");
+    return error(Errc::corrupt, tile_file(source.out, entry.tile).string() + ": has another dimension than the result");
   const auto own = count_zeros(mesh.point_ghost);
   if (own != entry.own_points) return wrong_count(source, entry, own, "vertices of its own", entry.own_points);
   return success();

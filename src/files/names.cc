@@ -12,7 +12,6 @@
 #include "src/base/random_token.h"
 #include "src/files/data_names.h"
 #include "src/files/handed_file.h"
-#include "src/files/there.h"
 
 namespace tessera {
 
@@ -84,21 +83,9 @@ const char* folder_name(ScratchKind kind) {
 }  // namespace
 
 fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
-fs::path master_file(const fs::path& out, int format) {
-  return out / (format == 1 ? "triangulation.vtkhdf" : "triangulation.pvtu");
-}
+fs::path master_file(const fs::path& out) { return out / "triangulation.pvtu"; }
 fs::path tiles_folder(const fs::path& out) { return out / "tiles"; }
-fs::path tile_file(const fs::path& out, TileId tile, int format) {
-  return numbered(tiles_folder(out), tile, format == 1 ? ".vtkhdf" : ".vtu");
-}
-fs::path stored_tile_file(const fs::path& out, TileId tile) {
-  for (const int format : {newest_format, 1}) {
-    // One that cannot be looked at, too: opening it tells why.
-    fs::path file = tile_file(out, tile, format);
-    if (const auto there = is_there(file); !there || there.value()) return file;
-  }
-  return tile_file(out, tile);
-}
+fs::path tile_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, ".vtu"); }
 fs::path done_file(const fs::path& out, NodeId node) { return numbered(tiles_folder(out), node, done_ending); }
 fs::path early_file(const fs::path& out, TileId tile, NodeId node) {
   fs::path name = temporary_name(tile_file(out, tile));
@@ -221,8 +208,8 @@ fs::path temporary_name_of_process(const fs::path& final_name) {
 
 bool is_result_name(const fs::path& file) {
   const auto name = without_temporary_ending(file);
-  return name == manifest_file("") || name == master_file("") || name == master_file("", 1) ||
-         name == duplicates_file("") || name == report_file("");
+  return name == manifest_file("") || name == master_file("") || name == duplicates_file("") ||
+         name == report_file("") || name == "triangulation.vtkhdf";  // the master file of format 1
 }
 
 bool is_tile_name(const fs::path& file) {

@@ -1,8 +1,8 @@
 // Every name in a result folder and in a run folder, and of what is on its way there.
 //
 //   OUT/manifest.json              what the result is; written last
-//   OUT/triangulation.pvtu         the master file, over the tiles; triangulation.vtkhdf in format 1
-//   OUT/tiles/000042.vtu           a tile; 000042.vtkhdf in format 1
+//   OUT/triangulation.pvtu         the master file, over the tiles
+//   OUT/tiles/000042.vtu           a tile
 //   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
 //                                  a tile's alone in 000042.done of older software
 //   OUT/duplicates.bin             when there are any
@@ -70,13 +70,11 @@
 namespace tessera {
 
 // Result folders.
-inline constexpr int newest_format = 3;
+inline constexpr int newest_format = 3, oldest_format = 2;  // that is read
 std::filesystem::path manifest_file(const std::filesystem::path& out);
-std::filesystem::path master_file(const std::filesystem::path& out, int format = newest_format);
+std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
-std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, int format = newest_format);
-// The tile's file in whatever format it is there; in the newest when there is none.
-std::filesystem::path stored_tile_file(const std::filesystem::path& out, TileId tile);
+std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile);
 std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
 // What a node has written of a tile whose other cells are not known yet: a temporary name.
 std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);

@@ -8,8 +8,6 @@ Result<Homes> Homes::of(const std::filesystem::path& out, const Manifest& manife
   const auto refused = [&](const std::string& reason) {
     return error(Errc::corrupt, manifest_file(out).string() + ": " + reason);
   };
-  if (manifest.partition.empty())
-    return refused("is of format 1, which tells no owners of vertices; triangulate again to ask questions");
   auto partition = Partition::from_json(manifest.partition);
   if (!partition) return refused(partition.error().where);
   Homes homes;

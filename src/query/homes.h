@@ -13,7 +13,7 @@ namespace tessera::query {
 
 class Homes {
  public:
-  // Error corrupt: the partition is damaged, none (format 1), or has no tile with points.
+  // Error corrupt: the partition is damaged, or has no tile with points.
   static Result<Homes> of(const std::filesystem::path& out, const Manifest& manifest);
   // A tile with points: the one whose box has q, or one not far when that is empty.
   TileId operator()(const Point& q) const { return stand_in_[partition_.tile_of(q).value]; }

@@ -45,7 +45,7 @@ Status check(const std::filesystem::path& path, const Manifest& manifest, const 
 
 Result<std::shared_ptr<const QueryTile>> QueryTile::load(const std::filesystem::path& out, const Manifest& manifest,
                                                          const TileEntry& entry, bool with_rows) {
-  const auto path = stored_tile_file(out, entry.tile);
+  const auto path = tile_file(out, entry.tile);
   try {
     BOOST_OUTCOME_TRY(stored, read_tile(out, entry.tile, with_rows));
     BOOST_OUTCOME_TRYV(check(path, manifest, entry, stored));

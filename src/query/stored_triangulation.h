@@ -110,8 +110,8 @@ struct Interpolated {
 // error of Errc::corrupt that names it.
 class StoredTriangulation {
  public:
-  // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; format 1; usage
-  // for a region of a triangulation, whose cells end where the triangulation does not, if parts are not wanted.
+  // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; usage for
+  // a region of a triangulation, whose cells end where the triangulation does not, if parts are not wanted.
   static Result<StoredTriangulation> open(const std::filesystem::path& out, const OpenOptions& options = {});
   StoredTriangulation(StoredTriangulation&&) noexcept;
   ~StoredTriangulation();

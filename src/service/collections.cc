@@ -29,7 +29,7 @@ std::optional<Collections::Place> Collections::place_of(const Results::Held& hel
   const Manifest& manifest = *held.manifest;
   std::optional<Place> place;
   const auto places = LonLat::of(manifest.crs);
-  if (places && !manifest.partition.empty() && !manifest.bounds.empty()) {
+  if (places && !manifest.bounds.empty()) {
     if (const auto box = places.value().box_to(manifest.bounds))
       place = Place{{box.value().lo.x, box.value().lo.y, box.value().hi.x, box.value().hi.y}, {}};
     if (const auto storage = storage_crs(manifest.crs); place && storage) place->storage_crs = storage.value().uri;

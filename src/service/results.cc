@@ -37,10 +37,10 @@ std::string identity(const struct stat& status) {
 
 // The checksum in the manifest; empty when it has none of this file.
 std::string checksum_in(const Manifest& manifest, const fs::path& path) {
-  if (path == master_file("", manifest.format_version)) return checksum_text(manifest.master_xxh3);
+  if (path == master_file("")) return checksum_text(manifest.master_xxh3);
   if (path == duplicates_file("")) return checksum_text(manifest.duplicates_xxh3);
   for (const auto& entry : manifest.tiles)
-    if (path == tile_file("", entry.tile, manifest.format_version)) return checksum_text(entry.xxh3);
+    if (path == tile_file("", entry.tile)) return checksum_text(entry.xxh3);
   return "";
 }
 

@@ -62,7 +62,7 @@ Status tell_stored(const Manifest& manifest, bool with_layout, proto::JobTiles& 
   }
   tiles.set_stages(std::move(stages));
   for (const auto& [phase, seconds] : manifest.seconds) tiles.set_elapsed_s(tiles.elapsed_s() + seconds);
-  if (!with_layout || manifest.partition.empty()) return success();
+  if (!with_layout) return success();
   BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));
   tell_layout(layout_of(partition, manifest.bounds), *tiles.mutable_layout());
   return success();

@@ -23,7 +23,7 @@ namespace store {
 namespace {
 
 // Checksums stand under the names of their files.
-std::string master_key(int format) { return master_file("", format).string(); }
+const std::string master_key = master_file("").string();
 const std::string duplicates_key = duplicates_file("").string();
 
 // A digest of another definition stands under another key, and is passed over: "digest" was a hash of sorted ids.
@@ -132,7 +132,7 @@ Manifest to_manifest(const json& value) {
   manifest.crs = value.at("crs").get<std::string>();
   manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
   for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
-  if (manifest.format_version > 1) manifest.partition = partition_text(value.at("partition"), manifest);
+  manifest.partition = partition_text(value.at("partition"), manifest);
   manifest.bounds = to_corners<Bounds>(value.at("bounds"));
   if (value.contains("region")) {
     const auto& region = value.at("region");
@@ -161,7 +161,7 @@ Manifest to_manifest(const json& value) {
   manifest.vertices = to_count(counts.at("vertices"));
   manifest.cells = to_count(counts.at("cells"));
   manifest.digest = to_digest(value);
-  manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key(manifest.format_version)));
+  manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
   if (value.at("checksums").contains(duplicates_key))
     manifest.duplicates_xxh3 = to_sum(value.at("checksums").at(duplicates_key));
   manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
@@ -195,7 +195,7 @@ std::string manifest_to_text(const Manifest& manifest) {
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
   if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
-  value["checksums"][master_key(manifest.format_version)] = checksum_text(manifest.master_xxh3);
+  value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
   if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
@@ -242,6 +242,11 @@ Result<Manifest> read_manifest(const fs::path& out) {
   if (version.get<std::uint64_t>() > newest_format)
     return corrupt("is of format version " + version.dump() + ", this program knows version " +
                    std::to_string(newest_format) + " and older: use a newer tessera");
+  if (version.get<std::uint64_t>() < oldest_format)
+    return corrupt(
+        "is of format version " + version.dump() +
+        ", which this program reads no more: the tessera that wrote it (software_version in this file) reads and "
+        "exports it; or triangulate again, for the file tells inputs and command");
   try {
     return store::to_manifest(value);
   } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell

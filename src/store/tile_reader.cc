@@ -13,7 +13,6 @@
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/store/block_sum.h"
-#include "src/store/format1_reader.h"
 #include "src/store/mesh_checks.h"
 #include "src/store/packed_array.h"
 #include "src/store/tile_layout.h"
@@ -306,27 +305,18 @@ class TileReader {
   std::vector<Packed> arrays_;
 };
 
-Result<StoredTile> read_stored(const fs::path& out, TileId tile, bool with_cells, bool with_rows) {
-  const fs::path path = stored_tile_file(out, tile);
-  if (path == tile_file(out, tile)) return TileReader(path, tile).read(with_cells, with_rows);
-  return read_format1_tile(path, with_cells, with_rows);
-}
-
 }  // namespace
 
 Result<StoredTile> read_tile(const fs::path& out, TileId tile, bool with_rows) {
-  return read_stored(out, tile, true, with_rows);
+  return TileReader(tile_file(out, tile), tile).read(true, with_rows);
 }
 
 Result<StoredTile> read_tile_vertices(const fs::path& out, TileId tile, bool with_rows) {
-  return read_stored(out, tile, false, with_rows);
+  return TileReader(tile_file(out, tile), tile).read(false, with_rows);
 }
 
 Result<std::vector<PointId>> read_own_ids(const fs::path& out, TileId tile) {
-  const fs::path path = stored_tile_file(out, tile);
-  if (path == tile_file(out, tile)) return TileReader(path, tile).read_own_ids();
-  BOOST_OUTCOME_TRY(stored, read_format1_tile(path, false, false));
-  return TileReader::own_of(std::move(stored.mesh.ids), stored.mesh.point_ghost);
+  return TileReader(tile_file(out, tile), tile).read_own_ids();
 }
 
 }  // namespace tessera

@@ -67,7 +67,7 @@ Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out,
                                             const std::function<bool(TileId)>& wanted = {});
 
 // Reads a tile file back, of this format or an older one. Every array is checked (lengths, checksums, ranges, flags);
-// corrupt names the file and the place. owners is empty for format 1, which does not tell them.
+// corrupt names the file and the place.
 struct StoredTile {
   TileMesh mesh;
   std::vector<Attribute> schema;
@@ -93,7 +93,7 @@ struct Manifest {
   std::string crs;
   std::string partition_kind;
   std::vector<Box> boxes;  // by tile id
-  // As Partition::to_json() gives it, for Partition::from_json(): tile_of() of the result. Empty in format 1.
+  // As Partition::to_json() gives it, for Partition::from_json(): tile_of() of the result.
   std::string partition;
   Bounds bounds;
   // There when the tiles are not a whole triangulation, but those of its cells that meet a closed box.

@@ -132,9 +132,6 @@ Status check(const fs::path& out, const Manifest& manifest, const ContourOptions
   if (manifest.dimension != 2)
     return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
                                   option("dim", "2"));
-  if (manifest.partition.empty())
-    return error(Errc::corrupt, manifest_file(out).string() +
-                                    ": is of format 1, which tells no owners of vertices; triangulate again");
   return success();
 }
 

@@ -54,7 +54,7 @@ Result<ContourCost> estimate_contours(const std::filesystem::path& out, const Co
 // contour_lines.h: the file is a function of the triangulation, however the result is tiled. Tiles are read once, each
 // by itself; lines wait in a file without a name in the target's folder. Errors: usage, before anything is written, for
 // wrong options, a 3D result, no such attribute, a target that exists, an interval too small for the values; corrupt
-// for a damaged tile or a result of format 1; io; interrupted.
+// for a damaged tile; io; interrupted.
 Result<Contours> write_contours(const std::filesystem::path& out, const std::filesystem::path& target,
                                 const ContourOptions& options, std::stop_token stop);
 

@@ -96,17 +96,17 @@ class Drawing {
     const TileMesh& mesh = tile.mesh;
     if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.points.size() != entry.points ||
         mesh.cell_ghost.size() != entry.cells)
-      return corrupt(stored_tile_file(out_, entry.tile), "is not what the manifest says");
+      return corrupt(tile_file(out_, entry.tile), "is not what the manifest says");
     const Bounds& bounds = manifest_.bounds;
     for (const Point& p : mesh.points)
       if (!(p.x >= bounds.lo.x && p.x <= bounds.hi.x && p.y >= bounds.lo.y && p.y <= bounds.hi.y))
-        return corrupt(stored_tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
+        return corrupt(tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
     return tile;
   }
 
   Status draw(const TileEntry& entry, Blocks& blocks) {
     BOOST_OUTCOME_TRY(tile, load(entry));
-    return draw(tile, stored_tile_file(out_, entry.tile), blocks);
+    return draw(tile, tile_file(out_, entry.tile), blocks);
   }
 
   // `from`: whose cells they are, for errors.

@@ -12,8 +12,7 @@ namespace tessera::terrain {
 Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, const Manifest& manifest,
                                              const std::optional<Bounds>& box, const Looking& looking) {
   const Bounds& all = manifest.bounds;
-  // Format 1 does not tell owners, along which cells are found.
-  if (!box || manifest.partition.empty() || manifest.region) return manifest.tiles;  // a region is one tile
+  if (!box || manifest.region) return manifest.tiles;  // a region is one tile
   const double width = std::min(box->hi.x, all.hi.x) - std::max(box->lo.x, all.lo.x);
   const double height = std::min(box->hi.y, all.hi.y) - std::max(box->lo.y, all.lo.y);
   const double whole = (all.hi.x - all.lo.x) * (all.hi.y - all.lo.y);

@@ -93,7 +93,7 @@ class Making {
     BOOST_OUTCOME_TRY(tile, read_tile(out_, id, true));
     const TileMesh& mesh = tile.mesh;
     if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.cell_ghost.size() != entry->cells)
-      return error(Errc::corrupt, stored_tile_file(out_, id).string() + ": is not what the manifest says");
+      return error(Errc::corrupt, tile_file(out_, id).string() + ": is not what the manifest says");
     const std::size_t row = row_bytes(manifest_.schema);
     Surface surface;
     std::vector<std::int64_t> number(mesh.points.size(), -1);
@@ -196,8 +196,6 @@ Status check_result(const fs::path& out, const Manifest& manifest) {
   if (manifest.dimension != 2)
     return error(Errc::usage,
                  out.string() + ": is a 3D result, which is no surface; triangulate with " + option("dim", "2"));
-  if (manifest.partition.empty())
-    return error(Errc::usage, out.string() + ": is of format 1, which does not tell how its tiles lie; make it again");
   const Bounds& box = manifest.bounds;
   if (!(box.hi.x - box.lo.x <= farthest && box.hi.y - box.lo.y <= farthest))
     return error(Errc::usage, out.string() + ": its points are too far apart for what viewers compute with");

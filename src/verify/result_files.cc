@@ -29,9 +29,8 @@ Error corrupt(const fs::path& path, const std::string& reason) {
 // Programs open it instead of the tiles: it must lead to all of them, whole and in order. Made again rather than
 // parsed, so that nothing in it can be overlooked.
 Status check_master(const fs::path& out, const Manifest& manifest) {
-  const auto path = master_file(out, manifest.format_version);
+  const auto path = master_file(out);
   BOOST_OUTCOME_TRYV(check_sum(path, manifest.master_xxh3));
-  if (manifest.format_version < 2) return success();  // older ones are not made any more
   const std::string wanted = store::master_text(manifest);
   if (checksum(std::as_bytes(std::span(wanted))) == manifest.master_xxh3) return success();
   return corrupt(path, "is not the master file of the tiles in the manifest");
@@ -41,12 +40,12 @@ Status check_listed(const fs::path& out, const Manifest& manifest) {
   const auto folder = tiles_folder(out);
   std::set<fs::path> names;
   for (const auto& entry : manifest.tiles) {
-    names.insert(tile_file(out, entry.tile, manifest.format_version).filename());
+    names.insert(tile_file(out, entry.tile).filename());
   }
   FolderReader reader(folder);
   while (const char* entry = reader.next()) {
     const fs::path name(entry);
-    if (name.extension() == tile_file(out, TileId{0}, manifest.format_version).extension() && !names.contains(name))
+    if (name.extension() == tile_file(out, TileId{0}).extension() && !names.contains(name))
       return corrupt(folder / name, "is no tile of the manifest");
   }
   // A result without tiles may be without the folder.
@@ -76,7 +75,7 @@ Status check_files(const fs::path& out, const Manifest& manifest) {
 }
 
 Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Manifest& manifest) {
-  const auto path = tile_file(out, entry.tile, manifest.format_version);
+  const auto path = tile_file(out, entry.tile);
   BOOST_OUTCOME_TRYV(check_sum(path, entry.xxh3, data_sum_of(manifest.format_version)));
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   if (bytes != entry.bytes)

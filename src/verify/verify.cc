@@ -49,7 +49,7 @@ Status check_contents(const Contents& contents, const Manifest& manifest, const 
     const TileEntry& entry = manifest.tiles[i];
     sum += contents.digests[i];
     if (entry.digest && *entry.digest != contents.digests[i])
-      return error(Errc::corrupt, tile_file(out, entry.tile, manifest.format_version).string() + ": its digest is " +
+      return error(Errc::corrupt, tile_file(out, entry.tile).string() + ": its digest is " +
                                       digest_text(contents.digests[i]) + ", the manifest says " +
                                       digest_text(*entry.digest) + ": it holds another triangulation than was stored");
   }

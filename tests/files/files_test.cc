@@ -175,10 +175,8 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   const TileId tile{42};
   std::set<fs::path> names{manifest_file("r"),
                            master_file("r"),
-                           master_file("r", 1),
                            tiles_folder("r"),
                            tile_file("r", tile),
-                           tile_file("r", tile, 1),
                            done_file("r", NodeId{3}),
                            duplicates_file("r"),
                            report_file("r"),
@@ -196,7 +194,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
                            stretch_file("r", 42),
                            settled_file("r", NodeId{3}),
                            settled_marker("r")};
-  std::size_t expected = 23;
+  std::size_t expected = 21;
   for (const auto kind : scratch_kinds) {
     names.insert(scratch_folder("r", kind));
     names.insert(scratch_file("r", kind, tile));
@@ -213,7 +211,7 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_TRUE(is_new_run_name("r/.run.new"));  // of older software
   EXPECT_FALSE(is_new_run_name(run_folder("r")));
   EXPECT_TRUE(is_result_name(temporary_name(manifest_file("r"))));
-  EXPECT_TRUE(is_result_name(master_file("r", 1)));
+  EXPECT_TRUE(is_result_name("r/triangulation.vtkhdf"));
   EXPECT_FALSE(is_result_name("r/notes.txt"));
   for (const auto kind : scratch_kinds) EXPECT_TRUE(is_run_name(scratch_folder("r", kind)));
   EXPECT_TRUE(is_run_name(temporary_name(plan_file("r"))));

@@ -16,7 +16,7 @@ import tessera
 import clouds
 
 IGN = pathlib.Path(os.environ["IGN"])
-FORMAT_1 = pathlib.Path(__file__).parents[1] / "data" / "format-1"
+FORMAT_2 = pathlib.Path(__file__).parents[1] / "data" / "format-2"
 
 
 class FolderTest(unittest.TestCase):
@@ -155,9 +155,9 @@ class Folders(FolderTest):
             again = tessera.open(path)
             np.testing.assert_array_equal(again.simplices(), simplices)
 
-    def test_a_result_of_format_1_is_read_like_any_other(self):
-        t = tessera.open(FORMAT_1)
-        rows = np.loadtxt(FORMAT_1 / "points.csv", delimiter=",", skiprows=1)
+    def test_a_result_of_format_2_is_read_like_any_other(self):
+        t = tessera.open(FORMAT_2)
+        rows = np.loadtxt(FORMAT_2 / "points.csv", delimiter=",", skiprows=1)
         self.assertEqual((t.dim, t.n_points, t.n_vertices, t.n_duplicates, len(t)), (3, 63, 60, 3, 3))
         self.assertEqual((t.digest, t.crs), ("", ""))
         for tile in t:

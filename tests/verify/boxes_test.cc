@@ -24,10 +24,9 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Boxes,
                            return name_of(info.param.kind) + std::to_string(info.param.dimension);
                          });
 
-Manifest manifest_of(const Partition& partition, int format) {
+Manifest manifest_of(const Partition& partition) {
   Manifest manifest;
-  manifest.format_version = format;
-  manifest.partition = format > 1 ? partition.to_json() : "";
+  manifest.partition = partition.to_json();
   manifest.partition_kind = name_of(partition.kind());
   manifest.boxes = partition.boxes();
   manifest.tiles.resize(1);
@@ -40,25 +39,23 @@ TEST_P(Boxes, OfAPartitionPartSpaceAndWithAnyPlaneMovedTheyDoNot) {
   Bounds bounds;
   for (const auto& p : points) bounds.add(p);
   const auto partition = Partition::build_tiles(GetParam().kind, GetParam().dimension, points, bounds, 60);
-  for (const int format : {1, 2}) {
-    const Manifest good = manifest_of(partition, format);
-    EXPECT_GE(good.boxes.size(), 60u);
-    EXPECT_TRUE(check_boxes(good, "out"));
-    int moved = 0;
-    for (std::size_t tile = 0; tile < good.boxes.size(); ++tile)
-      for (int axis = 0; axis < 3; ++axis)
-        for (const bool lower : {true, false})
-          for (const double towards : {-1e9, 1e9}) {
-            Manifest bad = good;
-            double& plane = (lower ? bad.boxes[tile].lo : bad.boxes[tile].hi)[axis];
-            plane = std::nextafter(plane, towards);
-            const auto result = check_boxes(bad, "out");
-            ASSERT_FALSE(result) << format << " " << tile << " " << axis << " " << lower << " " << towards;
-            EXPECT_EQ(result.error().code, Errc::corrupt);
-            ++moved;
-          }
-    EXPECT_GE(moved, 60 * 12);
-  }
+  const Manifest good = manifest_of(partition);
+  EXPECT_GE(good.boxes.size(), 60u);
+  EXPECT_TRUE(check_boxes(good, "out"));
+  int moved = 0;
+  for (std::size_t tile = 0; tile < good.boxes.size(); ++tile)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const bool lower : {true, false})
+        for (const double towards : {-1e9, 1e9}) {
+          Manifest bad = good;
+          double& plane = (lower ? bad.boxes[tile].lo : bad.boxes[tile].hi)[axis];
+          plane = std::nextafter(plane, towards);
+          const auto result = check_boxes(bad, "out");
+          ASSERT_FALSE(result) << tile << " " << axis << " " << lower << " " << towards;
+          EXPECT_EQ(result.error().code, Errc::corrupt);
+          ++moved;
+        }
+  EXPECT_GE(moved, 60 * 12);
 }
 
 TEST(Boxes, TwoThatChangePlacesStillPartSpaceButAreNotThePartitions) {
@@ -68,22 +65,6 @@ TEST(Boxes, TwoThatChangePlacesStillPartSpaceButAreNotThePartitions) {
   manifest.boxes[0].hi.x = manifest.boxes[1].lo.x = 0.5;
   EXPECT_TRUE(check_boxes(manifest, "out"));
   std::swap(manifest.boxes[0], manifest.boxes[1]);
-  EXPECT_FALSE(check_boxes(manifest, "out"));
-  // Format 1: whose box is whose is checked by the vertices in them.
-  manifest.format_version = 1;
-  manifest.partition_kind = "kdtree";
-  EXPECT_TRUE(check_boxes(manifest, "out"));
-  manifest.boxes[1] = manifest.boxes[0];
-  EXPECT_FALSE(check_boxes(manifest, "out"));
-}
-
-TEST(Boxes, OfARandomPartitionAreAllOfSpace) {
-  Manifest manifest;
-  manifest.format_version = 1;
-  manifest.partition_kind = "random";
-  manifest.boxes.resize(3);
-  EXPECT_TRUE(check_boxes(manifest, "out"));
-  manifest.partition_kind = "kdtree";
   EXPECT_FALSE(check_boxes(manifest, "out"));
 }
 

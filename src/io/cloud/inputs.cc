@@ -133,7 +133,7 @@ Result<bool> is_result_folder(const fs::path& folder) {
     if (there) return true;
   }
   // Others have files named manifest.json, too.
-  for (const auto& beside : {master_file(folder), master_file(folder, 1), tiles_folder(folder)}) {
+  for (const auto& beside : {master_file(folder), tiles_folder(folder)}) {
     BOOST_OUTCOME_TRY(there, is_there(beside));
     if (there) return is_there(manifest_file(folder));
   }
