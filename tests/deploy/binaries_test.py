@@ -30,6 +30,19 @@ class Binaries(unittest.TestCase):
             for folders in re.findall(r"\((?:RUNPATH|RPATH)\)[^\[]*\[([^\]]*)\]", readelf("--dynamic", binary)):
                 self.assertEqual(untrusted(folders), [], f"{binary}: {folders}")
 
+    def test_they_are_hardened(self):
+        for binary in BINARIES:
+            symbols = set(re.findall(r"\b(__\w+_(?:chk|fail))\b", readelf("--dyn-syms", binary)))
+            self.assertIn("__stack_chk_fail", symbols, binary)
+            if "SANITIZED" not in os.environ:
+                self.assertTrue([name for name in symbols if name.endswith("_chk")], binary)
+            self.assertIn("GNU_RELRO", readelf("--program-headers", binary), binary)
+            self.assertRegex(readelf("--dynamic", binary), r"BIND_NOW|Flags: .*NOW", binary)
+
+    def test_what_is_asserted_of_vectors_is_so_in_the_program(self):
+        for binary in BINARIES[:2]:
+            self.assertIn("__glibcxx_assert", readelf("--dyn-syms", binary) + readelf("--symbols", binary), binary)
+
 
 if __name__ == "__main__":
     unittest.main()
