@@ -96,7 +96,7 @@ class Faults(DaemonTest):
 
     @TEMPORARY_DISK
     def test_a_daemon_that_starts_on_a_full_disk_serves_and_removes_results(self):
-        disk = self.mount(64)
+        disk = self.mount(256)
         daemon = self.start()
         for name in ("first", "second"):
             self.successful(daemon, self.submit(daemon, "small", name))
