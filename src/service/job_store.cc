@@ -65,13 +65,13 @@ Result<JobStore::Loaded> JobStore::load() {
     }
     if (!JobIds::is_id(name)) continue;
     loaded.last_id = std::max(loaded.last_id, name);
-    // A record tells that the job is there, whatever the list of forgotten ones says: that may be an older daemon's.
-    loaded.forgotten.erase(name);
     BOOST_OUTCOME_TRY(accepted, is_there(job_record_file(folder(name))));
     if (!accepted) {
       if (const auto removed = remove_files(folder(name)); !removed) loaded.warnings.push_back(removed.error().where);
       continue;
     }
+    // A record tells that the job is there, whatever the list of forgotten ones says: that may be an older daemon's.
+    loaded.forgotten.erase(name);
     auto job = read_record(name);
     if (job) {
       loaded.jobs.push_back(std::move(job).value());
@@ -130,7 +130,10 @@ Status JobStore::forget(const std::string& id) {
 
 Status JobStore::finish_forgetting(const std::string& id) const {
   BOOST_OUTCOME_TRYV(append_line(forgotten_jobs_file(data_), id + "\n", true));
-  return remove_files(removed_folder(jobs_folder(data_), id));
+  const auto gone = removed_folder(jobs_folder(data_), id);
+  BOOST_OUTCOME_TRYV(remove_files(gone));
+  BOOST_OUTCOME_TRY(foreign, is_there(gone, FollowLinks::no));
+  return foreign ? desk_.move(gone, folder(id)) : success();  // somebody else's files stay where they were
 }
 
 // Of the folder of a job.

@@ -3,6 +3,7 @@ other. However they stand still, are taken over and go on, there is one truth. R
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -53,10 +54,15 @@ class TwoMachines(DaemonTest):
                           env={"TESSERAD_LIMITS_DATA_LEASE": f"{LEASE_S}s"}, **more)
 
     def submit(self, daemon, name, output, **more):
-        status, _, body = daemon.request("POST", "/v1/processes/triangulate/execution", {
-            "inputs": {"inputs": [f"{name}.npy"], "output": output, "overwrite": True, **more}})
-        self.assertEqual(status, 201, body)
-        return body["jobID"]
+        """Once no other job works on that output."""
+        while True:
+            status, _, body = daemon.request("POST", "/v1/processes/triangulate/execution", {
+                "inputs": {"inputs": [f"{name}.npy"], "output": output, "overwrite": True, **more}})
+            other = re.search(r"job (\S+) works on it", body.get("detail", ""))
+            if not other:
+                self.assertEqual(status, 201, body)
+                return body["jobID"]
+            daemon.wait(other[1])
 
     def digest(self, daemon, output):
         return daemon.request("GET", f"/v1/triangulations/{output}")[2].get("digest")

@@ -135,8 +135,8 @@ TEST_F(Takeover, RecordsTellWhichDaemonHasWrittenThem) {
   ASSERT_EQ(ended(second).status(), "successful");
   service.reset();
   const auto records = all();
-  EXPECT_NE(records.at("jobs/" + first + "/job.json").find("\"term\":\"1\""), std::string::npos);
-  EXPECT_NE(records.at("jobs/" + second + "/job.json").find("\"term\":\"2\""), std::string::npos);
+  EXPECT_NE(records.at("jobs/" + first + "/job.json").find("\"term\":1"), std::string::npos);
+  EXPECT_NE(records.at("jobs/" + second + "/job.json").find("\"term\":2"), std::string::npos);
   EXPECT_TRUE(fs::is_directory(terms_folder(data()) / "2"));
   for (const auto& [name, content] : records) EXPECT_EQ(name.find(".desk-"), std::string::npos) << name;
 }
