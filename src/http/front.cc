@@ -28,15 +28,16 @@ bool is_page(const Headers& headers) {
 // Of who may not.
 bool is_refusal(int status) { return status == 401 || status == 403 || status == 429; }
 
+std::string name_of(const Request& request) { return request.caller.name.empty() ? "nobody" : request.caller.name; }
+
 // Who did what, and what came of it: the job of a submission, or why it was refused.
 std::string audit_line(const Request& request, const Answer& answer, const std::string& why) {
   std::string outcome = std::to_string(answer.status);
   for (const auto& [name, value] : answer.headers)
     if (name == "Location") outcome += ", " + value;
   if (!why.empty()) outcome += ", " + why;
-  return "audit: " + (request.caller.name.empty() ? "nobody" : request.caller.name) + " (" +
-         std::string(word_of(request.caller.role)) + ") from " + request.remote + ": " + request.method + " " +
-         request.target.path + ": " + outcome;
+  return "audit: " + name_of(request) + " (" + std::string(word_of(request.caller.role)) + ") from " + request.remote +
+         ": " + request.method + " " + request.target.path + ": " + outcome;
 }
 
 void warn(const std::string& line) { spdlog::warn("{}", line); }
@@ -168,7 +169,8 @@ void Front::complete(const Request& request, const Admitted& admitted, Answer& a
   metrics().count(place, answer.status, seconds.count());
   if (!admitted.route) return;
   if (is_refusal(answer.status)) {
-    refusals_.refused(request.remote, audit_line(request, answer, why), RefusalLog::Clock::now());
+    refusals_.refused(name_of(request) + " from " + request.remote, audit_line(request, answer, why),
+                      RefusalLog::Clock::now());
   } else if (request.method != "GET" && request.method != "HEAD") {
     spdlog::info("{}", audit_line(request, answer, why));
   }

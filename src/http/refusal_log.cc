@@ -14,16 +14,16 @@ std::string refusals(std::uint64_t count) {
 
 }  // namespace
 
-void RefusalLog::refused(const std::string& address, const std::string& line, Clock::time_point now) {
+void RefusalLog::refused(const std::string& caller, const std::string& line, Clock::time_point now) {
   std::string text = line;
   {
     const std::scoped_lock lock(mutex_);
-    const auto known = told_.find(address);
-    if (known == told_.end() && told_.size() >= addresses_max) {
+    const auto known = told_.find(caller);
+    if (known == told_.end() && told_.size() >= callers_max) {
       ++elsewhere_;
       return;
     }
-    Told& told = known == told_.end() ? told_[address] : known->second;
+    Told& told = known == told_.end() ? told_[caller] : known->second;
     if (known != told_.end() && now - told.at < between) {
       ++told.more;
       return;
@@ -43,10 +43,10 @@ void RefusalLog::tell(Clock::time_point now) {
         ++at;
         continue;
       }
-      if (at->second.more > 0) lines.push_back("audit: from " + at->first + ": " + refusals(at->second.more));
+      if (at->second.more > 0) lines.push_back("audit: " + at->first + ": " + refusals(at->second.more));
       at = told_.erase(at);
     }
-    if (elsewhere_ > 0) lines.push_back("audit: from other addresses: " + refusals(std::exchange(elsewhere_, 0)));
+    if (elsewhere_ > 0) lines.push_back("audit: others: " + refusals(std::exchange(elsewhere_, 0)));
   }
   for (const std::string& line : lines) write_(line);
 }

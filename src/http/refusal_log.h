@@ -11,16 +11,16 @@
 
 namespace tessera::http {
 
-// Of each address a line a second and then how many more there were; of many addresses no more than `addresses_max`.
-// Safe from any thread.
+// Of each caller, "who from where", a line a second and then how many more there were; of many callers no more than
+// `callers_max`. Safe from any thread.
 class RefusalLog {
  public:
   using Clock = std::chrono::steady_clock;
   using Write = std::function<void(const std::string& line)>;
-  static constexpr std::size_t addresses_max = 64;
+  static constexpr std::size_t callers_max = 64;
 
   explicit RefusalLog(Write write) : write_(std::move(write)) {}
-  void refused(const std::string& address, const std::string& line, Clock::time_point now);
+  void refused(const std::string& caller, const std::string& line, Clock::time_point now);
   // To be called every second or so: tells what has not been told of those whose second is over.
   void tell(Clock::time_point now);
 
@@ -32,7 +32,7 @@ class RefusalLog {
   const Write write_;
   std::mutex mutex_;
   std::unordered_map<std::string, Told> told_;
-  std::uint64_t elsewhere_ = 0;  // of addresses for which there was no room
+  std::uint64_t elsewhere_ = 0;  // of callers for whom there was no room
 };
 
 }  // namespace tessera::http

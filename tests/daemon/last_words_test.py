@@ -76,7 +76,7 @@ class LastWords(DaemonTest):
         except OSError as problem:
             self.skipTest(f"no control group can be made: {problem}")
         self.addCleanup(lambda: subprocess.run(["rmdir", group], check=False))
-        self.tessera("generate", "uniform", "-n", "1M", "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", "1M", "-o", "inputs/cloud.npy", "--quiet", "--overwrite")
         node = self.join("b", group=group)
         taken = int((group / "memory.usage_in_bytes").read_text())
         (group / "memory.limit_in_bytes").write_text(str(taken + (8 << 20)))

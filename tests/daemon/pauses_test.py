@@ -16,10 +16,11 @@ PAUSES_S = [float(pause) for pause in os.environ.get("PAUSES_S", "15").split(","
 class Pauses(DaemonTest):
     def setUp(self):
         super().setUp()
+        (self.folder / "inputs").mkdir()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", *"abcd")
         self.port, self.http = free_port(), free_port()
-        self.tessera("generate", "uniform", "-n", rolling_test.POINTS, "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", rolling_test.POINTS, "-o", "inputs/cloud.npy", "--quiet")
         self.coordinator = self.start_coordinator()
         self.nodes = {name: self.join(name) for name in "bcd"}
         self.wait_for_members(set("abcd"))

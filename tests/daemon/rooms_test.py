@@ -18,8 +18,9 @@ class Rooms(DaemonTest):
         super().setUp()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", *"abc")
+        (self.folder / "inputs").mkdir()
         self.port, self.http = free_port(), free_port()
-        self.tessera("generate", "uniform", "-n", POINTS, "-o", "cloud.npy", "--quiet")
+        self.tessera("generate", "uniform", "-n", POINTS, "-o", "inputs/cloud.npy", "--quiet")
 
     wait_until = losses_test.Cluster.wait_until
     status = losses_test.Cluster.status
@@ -28,7 +29,7 @@ class Rooms(DaemonTest):
     def start_cluster(self, roles, **memory):
         self.coordinator = self.start(
             "--cluster", f"127.0.0.1:{self.port}", "--certs", str(self.folder / "certs"), "--node-name", "a", "--roles", roles,
-            "--memory", memory.pop("a"), listen=f"127.0.0.1:{self.http}", inputs=self.folder)
+            "--memory", memory.pop("a"), listen=f"127.0.0.1:{self.http}", inputs=self.folder / "inputs")
         self.nodes = {name: Node(self, name, self.port, "certs", "--memory", bytes) for name, bytes in memory.items()}
         names = {*memory, *("a" if "node" in roles else "")}
         self.wait_until(lambda: {node["name"] for node in self.coordinator.request("GET", "/v1/nodes")[2]["nodes"]
@@ -37,7 +38,7 @@ class Rooms(DaemonTest):
     def submit(self, output, tiles):
         return self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": output, **({"tiles": tiles} if tiles else {})}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": output, **({"tiles": tiles} if tiles else {})}})
 
     def peak_mib(self, name):
         status = pathlib.Path(f"/proc/{self.nodes[name].process.pid}/status").read_text()
@@ -45,7 +46,7 @@ class Rooms(DaemonTest):
 
     def test_a_small_node_gets_no_tile_that_is_too_large(self):
         self.start_cluster("coordinator,node", a="1G", b="100M", c="1G")
-        alone = json.loads(self.tessera("triangulate", "cloud.npy", "-o", "alone", "--tiles", 4, "--json").splitlines()[-1])
+        alone = json.loads(self.tessera("triangulate", "inputs/cloud.npy", "-o", "alone", "--tiles", 4, "--json").splitlines()[-1])
         status, _, job = self.submit("large-tiles", 4)
         self.assertEqual(status, 201, job)
         self.assertEqual(self.result(job["jobID"]), alone["digest"])

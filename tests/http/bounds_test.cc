@@ -64,17 +64,17 @@ TEST_F(Refusals, AreALineASecondOfAnAddressAndACount) {
   log_.tell(at(1500));
   EXPECT_EQ(lines_.size(), 3U);
   log_.tell(at(2000));
-  EXPECT_EQ(lines_.back(), "audit: from a: and 1 more refusal");
+  EXPECT_EQ(lines_.back(), "audit: a: and 1 more refusal");
   log_.tell(at(9000));
   EXPECT_EQ(lines_.size(), 4U) << "of each it is told once";
 }
 
 TEST_F(Refusals, OfManyAddressesAreBoundedToo) {
   for (int number = 0; number < 1000; ++number) refused("a" + std::to_string(number), 0);
-  EXPECT_EQ(lines_.size(), RefusalLog::addresses_max);
+  EXPECT_EQ(lines_.size(), RefusalLog::callers_max);
   log_.tell(at(1000));
-  EXPECT_EQ(lines_.size(), RefusalLog::addresses_max + 1);
-  EXPECT_EQ(lines_.back(), "audit: from other addresses: and 936 more refusals");
+  EXPECT_EQ(lines_.size(), RefusalLog::callers_max + 1);
+  EXPECT_EQ(lines_.back(), "audit: others: and 936 more refusals");
   refused("b", 1001);
   EXPECT_EQ(lines_.back(), "no");
 }
