@@ -60,6 +60,7 @@ class Query(CliTest):
         self.assertIn("unbounded", self.ok("query", self.out, "star", "0"))
 
     def test_one_answer_has_the_format_that_is_asked_for_or_is_refused(self):
+        self.ground()
         for question, about in (("star", "44"), ("locate", "4.25,5.5")):
             as_json = self.ok("query", self.out, question, about, "--json")
             self.assertEqual(self.ok("query", self.out, question, about, "--format", "json"), as_json)

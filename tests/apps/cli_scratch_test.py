@@ -29,7 +29,7 @@ class Scratch(CliTest):
         numpy.save(self.folder / name, points)
 
     def args(self, cloud):
-        return ["triangulate", cloud, "-o", str(self.out), "--tiles", str(TILES), "--memory", "40M", "--threads", "1", "--quiet"]
+        return ["triangulate", cloud, "-o", str(self.out), "--tiles", str(TILES), "--memory", "30M", "--threads", "1", "--quiet"]
 
     def killed(self, cloud, snapshot, enough):
         """A run that was killed when `enough` of its folder was there, as a folder of that name."""
