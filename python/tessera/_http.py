@@ -31,7 +31,8 @@ class Transport:
         except ValueError:
             raise UsageError("url has no port from 1 to 65535") from None
         self._host, self._base = parts.hostname, parts.path.rstrip("/")
-        given = urllib.parse.parse_qs(parts.query).get("token", [None])[0]  # as the daemon prints its address
+        # As the daemon prints its address; earlier versions had the token in the query.
+        given = urllib.parse.parse_qs(parts.fragment or parts.query).get("token", [None])[0]
         self._token = token if token is not None else given
         if self._token is not None and not (self._token.isascii() and self._token.isprintable() and " " not in self._token):
             raise UsageError("token holds characters that a token cannot hold")

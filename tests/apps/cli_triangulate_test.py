@@ -138,7 +138,7 @@ class Output(CliTest):
         self.refused(USAGE, "info", cloud, "--resolution", "1", says="no levels for --resolution to choose from")
 
     def test_no_name_of_a_file_is_taken_for_an_option(self):
-        self.refused(IO, "info", "--", "a --memory \x01memory\x02.las", says="a --memory  memory .las: cannot be opened")
+        self.refused(IO, "info", "--", "a --memory \x01memory\x02.las", says="a --memory ?memory?.las: cannot be opened")
 
     def test_progress_and_logs_stay_off_standard_output(self):
         done = self.run_tessera("triangulate", self.xyz(), "-o", self.out, "-v")
