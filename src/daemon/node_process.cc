@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -135,7 +136,8 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
     });
   });
   const Health health(*engine, options);
-  const ProcessWatch watch([&] { return health.unready(); }, cluster.certificate, cluster.certificate_end_s);
+  std::optional<ProcessWatch> watch(
+      std::in_place, [&] { return health.unready(); }, cluster.certificate, cluster.certificate_end_s);
   std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
   std::unique_ptr<http::Server> server;
   if (!http.listeners.empty()) {
@@ -165,6 +167,7 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   if (most) beat();
   const auto work = boost::asio::make_work_guard(context);
   context.run();
+  watch.reset();   // it asks the engine
   server.reset();  // before it begins anew: an open socket would stay with the process
   if (again) begin_anew();
   supervisor::stopping();

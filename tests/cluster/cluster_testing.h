@@ -45,7 +45,8 @@ class ClusterTest : public ::testing::Test {
  protected:
   ClusterTest() {
     // Older than all certificates of nodes, those that have ended too.
-    EXPECT_TRUE(make_authority(certs_, {.now = std::chrono::system_clock::now() - std::chrono::hours(96)}));
+    EXPECT_TRUE(make_authority(
+        certs_, {.days = std::nullopt, .now = std::chrono::system_clock::now() - std::chrono::hours(96)}));
     EXPECT_TRUE(make_node(certs_, "all"));
   }
 
