@@ -81,12 +81,12 @@ TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
     const bool damaged = damage != "none";
     const RoutedRun cloud = routed(damage);
     const auto tiles = tiles_folder(cloud.folder.parent_path());
-    const auto in_the_way = tile_file(cloud.folder.parent_path(), TileId{0});
-    std::filesystem::create_directories(in_the_way / "somebody's");
+    for (std::uint32_t t = 0; t < cloud.tile_points.size(); ++t)  // in the way of each
+      std::filesystem::create_directories(tile_file(cloud.folder.parent_path(), TileId{t}) / "somebody's");
     Engine engine(2, memory);
     EXPECT_NE(run(engine, cloud, {.memory_bytes = memory}).find(tiles.string()), std::string::npos);
     EXPECT_TRUE(std::filesystem::exists(settled_marker(cloud.folder)));
-    std::filesystem::remove_all(in_the_way);
+    std::filesystem::remove_all(tiles);
     const auto foreign = settled_file(cloud.folder, NodeId{0});
     if (damage == "cut") std::filesystem::resize_file(foreign, std::filesystem::file_size(foreign) - 1);
     if (damage == "flipped") {

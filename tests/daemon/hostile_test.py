@@ -41,7 +41,8 @@ class Hostile(DaemonTest):
         super().setUp()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", "a", "b", "c", "e")
-        self.tessera("generate", "uniform", "-n", "60k", "-o", "cloud.npy", "--quiet")
+        (self.folder / "inputs").mkdir()
+        self.tessera("generate", "uniform", "-n", "60k", "-o", "inputs/cloud.npy", "--quiet")
         for name in ("evil", "outside"):
             (self.folder / name).mkdir()
         self.ports = {name: free_port() for name in "abc"}
@@ -52,7 +53,7 @@ class Hostile(DaemonTest):
         for name in "abc":
             proxy = Proxy(self.doors[name], self.ports[name], self.folder / "certs", "e", self.mutator, self.figures)
             self.addCleanup(proxy.end)
-        self.coordinator = self.start(*self.of("a"), listen=f"127.0.0.1:{self.http}", inputs=self.folder)
+        self.coordinator = self.start(*self.of("a"), listen=f"127.0.0.1:{self.http}", inputs=self.folder / "inputs")
         self.nodes = {name: self.begin(name) for name in "bc"}
         self.wait_for_members()
 
@@ -81,7 +82,7 @@ class Hostile(DaemonTest):
     def submit(self, output):
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "cloud.npy")], "output": output, "tiles": 12, "overwrite": True}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": output, "tiles": 12, "overwrite": True}})
         self.assertEqual(status, 201, job)
         return job["jobID"]
 

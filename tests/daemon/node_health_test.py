@@ -15,7 +15,8 @@ class Health(DaemonTest):
         super().setUp()
         self.tessera("certs", "init", "certs")
         self.tessera("certs", "node", "certs", "a", "b", "c")
-        self.tessera("generate", "uniform", "-n", "100k", "-o", "cloud.npy", "--quiet")
+        (self.folder / "inputs").mkdir(exist_ok=True)
+        self.tessera("generate", "uniform", "-n", "100k", "-o", "inputs/cloud.npy", "--quiet")
         self.port, self.http = free_port(), free_port()
         self.operations = {name: free_port() for name in "bc"}
 
