@@ -64,6 +64,7 @@ class Api(serving.ServerTest):
             ("GET", "/v1/triangulations/{triangulation}/shapes/cells"): ["/v1/triangulations/block/shapes/cells?bbox=0,0,0,1,1,1&shrink=0.5"],
             ("PUT", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("HEAD", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
+            ("DELETE", "/v1/uploads/{upload}/{file}"): ["/v1/uploads/mine/a.las"],
             ("GET", "/v1/jobs/{job}/tiles"): [f"/v1/jobs/{job}/tiles", f"/v1/jobs/{job}/tiles?layout=true",
                                               f"/v1/jobs/{job}/tiles?layout=2", "/v1/jobs/none/tiles"],
             ("POST", "/v1/session"): ["/v1/session"], ("DELETE", "/v1/session"): ["/v1/session"],
