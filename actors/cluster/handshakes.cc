@@ -80,21 +80,24 @@ std::string name_of(const X509_NAME* whole) {
   return std::string("'") + name.data() + "'";
 }
 
-std::string wrong_with(int reason, const X509* certificate) {
+// `own`: of the other side. `certificate`: the one of its chain with which something is wrong.
+std::string wrong_with(int reason, const X509* own, const X509* certificate) {
+  const std::string name = "its certificate " + name_of(X509_get_subject_name(certificate)) + " ";
   switch (reason) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      return "has expired on " + date_of(X509_get0_notAfter(certificate));
+      return name + "has expired on " + date_of(X509_get0_notAfter(certificate));
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      return "is valid from " + date_of(X509_get0_notBefore(certificate)) + " on: a clock may be wrong";
+      return name + "is valid from " + date_of(X509_get0_notBefore(certificate)) + " on: a clock may be wrong";
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT:
     case X509_V_ERR_UNABLE_TO_GET_ISSUER_CERT_LOCALLY:
     case X509_V_ERR_UNABLE_TO_VERIFY_LEAF_SIGNATURE:
     case X509_V_ERR_CERT_SIGNATURE_FAILURE:
     case X509_V_ERR_DEPTH_ZERO_SELF_SIGNED_CERT:
     case X509_V_ERR_SELF_SIGNED_CERT_IN_CHAIN:
-      return "is of another authority, " + name_of(X509_get_issuer_name(certificate));
+      return "its certificate " + name_of(X509_get_subject_name(own)) + " is of another authority, " +
+             name_of(X509_get_issuer_name(own));
     default:
-      return std::string("cannot be believed: ") + X509_verify_cert_error_string(reason);
+      return name + "cannot be believed: " + X509_verify_cert_error_string(reason);
   }
 }
 
@@ -108,10 +111,9 @@ int look(int fits, X509_STORE_CTX* verification) {
   const auto* const ssl =
       static_cast<const SSL*>(X509_STORE_CTX_get_ex_data(verification, SSL_get_ex_data_X509_STORE_CTX_idx()));
   const X509* const certificate = X509_STORE_CTX_get_current_cert(verification);
-  if (ssl && certificate) {
-    troubles().add(refused(ssl) + "its certificate " + name_of(X509_get_subject_name(certificate)) + " " +
-                   wrong_with(X509_STORE_CTX_get_error(verification), certificate));
-  }
+  const X509* const own = X509_STORE_CTX_get0_cert(verification);
+  if (ssl && own && certificate)
+    troubles().add(refused(ssl) + wrong_with(X509_STORE_CTX_get_error(verification), own, certificate));
   return fits;
 }
 

@@ -109,7 +109,7 @@ class Options(unittest.TestCase):
                                     (dict(tiles=2, max_points_per_tile=9), "^tiles and max_points_per_tile contradict"),
                                     (dict(tiles=0), "^tiles is 0"),
                                     (dict(partition="hexagons"), "^partition: "),
-                                    (dict(crs="nonsense"), "^crs: 'nonsense' is neither"),
+                                    (dict(crs="nonsense"), "^crs: 'nonsense' is no file: the coordinate system is neither"),
                                     (dict(resolution=-1), "^resolution is -1"),
                                     (dict(resume=True), "^resume: ")):
             with self.subTest(**arguments), self.assertRaisesRegex(tessera.UsageError, sentence):
