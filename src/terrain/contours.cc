@@ -31,6 +31,7 @@ namespace {
 
 // Of the whole, reading tiles; the rest is writing lines.
 constexpr double reading_part = 0.7;
+constexpr std::uint64_t ends_bytes_min = std::uint64_t{8} << 20;
 // A piece, and the point of a line that it makes.
 constexpr std::uint64_t piece_bytes = sizeof(Piece) + 2 * sizeof(std::size_t) + sizeof(LinePoint);
 // At once: so many are sorted in some tenths of a second, between two looks at whether to stop.
@@ -184,7 +185,8 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   const bool heights = options.value == "z";
 
-  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles.
+  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles. What ends at borders has no other
+  // place, so that a few megabytes are its own however little there is.
   const std::uint64_t quarter = options.memory_bytes / 4, tile_bytes = options.memory_bytes - 2 * quarter;
   BOOST_OUTCOME_TRY(entries,
                     terrain::tiles_meeting(out, manifest, options.box, {.memory_bytes = tile_bytes, .stop = stop}));
@@ -192,7 +194,8 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
     if (options.progress) options.progress(done);
   };
   terrain::TileQueue tiles(std::move(entries), stop, [&](double done) { tell(terrain::reading_part * done); });
-  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target), {quarter, quarter}, stop));
+  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target),
+                                                         {quarter, std::max(quarter, terrain::ends_bytes_min)}, stop));
   terrain::Tracing tracing(out, manifest, column, options, lines, stop);
   BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
 

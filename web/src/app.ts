@@ -21,7 +21,7 @@ class App {
   private readonly main = h("main", {id: "main"});
   private readonly connection = h("span", {class: "connection", role: "status"}, h("span", {class: "dot", "aria-hidden": "true"}), h("span"));
   private readonly who = h("span", {class: "who muted"});
-  private readonly leave = h("button", {type: "button", class: "quiet", onclick: () => void this.endSession()}, "Sign out");
+  private readonly leave = h("button", {type: "button", class: "quiet leave", onclick: () => void this.endSession()}, "Sign out");
   private readonly lost = h("div", {class: "lost", role: "alert"});
   private readonly heard = h("p", {class: "unseen", "aria-live": "polite"});
   private readonly nav: HTMLElement;
