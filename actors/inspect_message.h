@@ -8,3 +8,7 @@
   typename Inspector::result_type inspect(Inspector& f, [[maybe_unused]] Type& x) { \
     return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
   }
+
+// A message that never leaves its process: CAF has no name for it and does not read it, so no peer can send one. For the
+// global namespace.
+#define TESSERA_STAYS_HERE(Type) CAF_ALLOW_UNSAFE_MESSAGE_TYPE(Type)

@@ -228,7 +228,7 @@ void PartActor::stop(Failure failure) {
                       schedule_.stage() < Schedule::Stage::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
-  early_.clear();
+  std::vector<Delivery>().swap(early_);
   end_gates();
   schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
 }

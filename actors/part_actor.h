@@ -88,6 +88,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   // part_gates.cc
   void deliver(Parcel& parcel);
   void deliver(NodeId from, Update update);
+  void keep_early(NodeId from, Update update);
   void deliver_early();
   void post(Update update);
   void send_parcels(NodeId to);
@@ -135,6 +136,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::shared_ptr<const Table> table_;
   bool gate_failed_ = false;                  // its scratch could not be used
   std::vector<Delivery> early_;               // of epochs whose table is still to come
+  std::uint64_t early_bytes_ = 0;             // of them, as Gate counts
   std::uint32_t rejoining_ = 0;               // tiles that do not yet go by the table
   std::shared_ptr<const Rebirths> rebirths_;  // since the oldest table that a tile goes by
   Totals totals_;                             // sums over tiles

@@ -6,6 +6,11 @@
 #include "actors/part_actor.h"
 
 namespace tessera {
+namespace {
+
+constexpr std::uint32_t nodes_max = 1 << 16;
+
+}  // namespace
 
 // What waits for other nodes is on the scratch of its own.
 void PartActor::stop_for_gate(Error error) {
@@ -50,11 +55,27 @@ void PartActor::send_parcels(NodeId to) {
 }
 
 void PartActor::deliver(Parcel& parcel) {
+  if (parcel.from.value >= nodes_max) {  // something is kept for each
+    stop(failure_of(error(Errc::internal, name_of(self_) + " got mail of node " + std::to_string(parcel.from.value) +
+                                              ", which no job has")));
+    return dispatch();
+  }
   if (parcel.from != self_) owed_[parcel.from].held_back = Gate::held_back(parcel.window_bytes);
   for (Update& update : parcel.updates) deliver(parcel.from, std::move(update));
 }
 
+// Twice as many nodes may send as the newest table has: others join. Whoever keeps to no window could fill the memory.
+void PartActor::keep_early(NodeId from, Update update) {
+  early_bytes_ += Gate::bytes_of(update);
+  early_.push_back({from, std::move(update)});
+  if (early_bytes_ <= 2 * std::max<std::size_t>(nodes_, 8) * in_flight_max) return;
+  stop(failure_of(error(Errc::internal, name_of(self_) + " got " + std::to_string(early_bytes_) +
+                                            " bytes of mail by tables that did not come, more than nodes send")));
+  dispatch();
+}
+
 void PartActor::deliver_early() {
+  early_bytes_ = 0;
   for (Delivery& early : std::exchange(early_, {})) deliver(early.from, std::move(early.update));
 }
 
@@ -62,7 +83,7 @@ void PartActor::deliver_early() {
 void PartActor::deliver(NodeId from, Update update) {
   if (failure_) return;  // mail of a job that is over
   const auto routes = office_->routes();
-  if (!routes || update.epoch > table_->epoch) return early_.push_back({from, std::move(update)});
+  if (!routes || update.epoch > table_->epoch) return keep_early(from, std::move(update));
   const TileId to = update.to.tile;
   const std::size_t tiles = tile_points().size();
   const bool sound = to.value < tiles && update.from.tile.value < tiles;

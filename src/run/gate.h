@@ -28,6 +28,9 @@ struct GateOptions {
 // sent, each in half of `bytes`.
 GateOptions gates_within(std::uint64_t bytes, std::uint64_t peers);
 
+// More than a node that keeps to the largest window ever has under way to another one.
+inline constexpr std::uint64_t in_flight_max = GateOptions{}.window_bytes + 4 * GateOptions{}.parcel_bytes;
+
 struct GateCounts {
   std::uint64_t parcels = 0, bytes = 0;  // sent
   std::uint64_t waits = 0;               // times that something had to wait for the window

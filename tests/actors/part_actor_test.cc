@@ -63,6 +63,7 @@ class OnePart : public ::testing::Test {
     std::vector<PartTally> tallies;
     std::vector<PartReleased> released;
     std::vector<PartFound> found;
+    std::vector<std::string> ended;  // why
     int idle = 0;
   };
 
@@ -121,6 +122,7 @@ class OnePart : public ::testing::Test {
                                              [&](const PartReleased& released) { heard.released.push_back(released); },
                                              [&](const PartFound& found) { heard.found.push_back(found); },
                                              [&](const PartIdle&) { ++heard.idle; }, [](const PartBegun&) {},
+                                             [&](const PartEnded& end) { heard.ended.push_back(end.failure.text); },
                                              [](const PartProgress&) {}, [](const Parcel&) {}, [](const Credit&) {},
                                              caf::after(std::chrono::seconds(0)) >> [&] { more = false; });
     return heard;
@@ -222,12 +224,37 @@ TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
   EXPECT_EQ(listen().idle, 1);
 }
 
+// By whoever keeps to no window.
+TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
+  begin();
+  run();
+  const Update update{{foreign, 1}, {TileId{0}, 0}, 1, 1, std::vector<SharedPoint>(update_points_max)};
+  const std::uint64_t most = 16 * in_flight_max;
+  for (std::uint64_t sent = 0; sent <= most; sent += Gate::bytes_of(update)) {
+    EXPECT_TRUE(sent + Gate::bytes_of(update) > most || listen().ended.empty());
+    tell(Parcel{there, std::uint64_t{1} << 20, {update}});
+    run();
+  }
+  const auto ended = listen().ended;
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_NE(ended[0].find("bytes of mail by tables that did not come"), std::string::npos) << ended[0];
+}
+
+TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
+  begin();
+  tell(Parcel{NodeId{1 << 16}, std::uint64_t{1} << 20, {}});
+  run();
+  const auto ended = listen().ended;
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_NE(ended[0].find("got mail of node 65536, which no job has"), std::string::npos) << ended[0];
+}
+
 TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
   tell(BeginPart{parts(), Table{0, {NodeId{0}}, {0}}, false});
   run();
-  std::string why;
-  self_->receive([&](const PartEnded& ended) { why = ended.failure.text; });
-  EXPECT_NE(why.find("got a table that is not of its job"), std::string::npos) << why;
+  const auto ended = listen().ended;
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_NE(ended[0].find("got a table that is not of its job"), std::string::npos) << ended[0];
 }
 
 }  // namespace

@@ -35,11 +35,15 @@ class Part final : public CellStream {
 
 // Its first half is more than a piece of a checksum.
 const TileMesh& sample(int dimension) {
-  static const auto make = [](int d, std::size_t n) {
-    return sample_tiles(sample_points(Shape::uniform, d, n), d, 2)[0];
+  const auto make = [&](std::size_t n) {
+    return sample_tiles(sample_points(Shape::uniform, dimension, n), dimension, 2)[0];
   };
-  static const TileMesh in_2d = make(2, 400'000), in_3d = make(3, 60'000);
-  return dimension == 2 ? in_2d : in_3d;
+  if (dimension == 2) {
+    static const TileMesh in_2d = make(200'000);
+    return in_2d;
+  }
+  static const TileMesh in_3d = make(45'000);
+  return in_3d;
 }
 
 class EarlyCellsTest : public testing::TestWithParam<int> {

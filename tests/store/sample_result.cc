@@ -9,7 +9,6 @@
 #include <cmath>
 #include <iomanip>
 #include <limits>
-#include <map>
 #include <random>
 #include <set>
 #include <sstream>
@@ -66,36 +65,40 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     TileMesh& mesh = meshes[tile];
     mesh.dimension = dimension;
-    std::map<std::size_t, std::int32_t> own, foreign;  // by point
-    std::map<std::size_t, std::int32_t> cell_index;    // by place in `all`
-    for (std::size_t c = 0; c < all.vertices.size() / corners; ++c) {
+    // By point and by place in `all`: the number in the mesh. Clouds of some tests are large.
+    constexpr std::int32_t not_here = -1;
+    std::vector<std::int32_t> number(points.size(), not_here), cell_number(all.vertices.size() / corners, not_here);
+    std::vector<std::size_t> cells;
+    std::vector<bool> seen(points.size(), false);
+    for (std::size_t c = 0; c < cell_number.size(); ++c) {
       const Vertex* cell = all.vertices.data() + c * corners;
       if (std::find(cell, cell + corners, infinite_vertex) != cell + corners) continue;
       if (std::none_of(cell, cell + corners, [&](Vertex v) { return tile_of(v - 1) == tile; })) continue;
-      cell_index.emplace(c, static_cast<std::int32_t>(cell_index.size()));
-      for (std::size_t k = 0; k < corners; ++k) (tile_of(cell[k] - 1) == tile ? own : foreign)[cell[k] - 1] = 0;
+      cell_number[c] = static_cast<std::int32_t>(cells.size());
+      cells.push_back(c);
+      for (std::size_t k = 0; k < corners; ++k) seen[cell[k] - 1] = true;
     }
-    for (std::size_t p = 0; p < points.size(); ++p)
-      if (tile_of(p) == tile) own[p] = 0;  // also of a point that no cell has: tests rely on what they put in
-    for (auto* part : {&own, &foreign})
-      for (auto& [point, index] : *part) {
-        index = static_cast<std::int32_t>(mesh.points.size());
+    for (const bool foreign : {false, true})
+      for (std::size_t point = 0; point < points.size(); ++point) {
+        // Own points that no cell has are there, too: tests rely on what they put in.
+        if ((tile_of(point) == tile) == foreign || (foreign && !seen[point])) continue;
+        number[point] = static_cast<std::int32_t>(mesh.points.size());
         mesh.points.push_back(points[point]);
         mesh.ids.push_back({point});
         mesh.owners.push_back({tile_of(point)});
-        mesh.point_ghost.push_back(part == &foreign ? 1 : 0);
+        mesh.point_ghost.push_back(foreign ? 1 : 0);
       }
-    for (const auto& [c, index] : cell_index) {
+    for (const std::size_t c : cells) {
       std::uint32_t lowest = tiles;
       for (std::size_t k = 0; k < corners; ++k) {
         const std::size_t point = all.vertices[c * corners + k] - 1;
         lowest = std::min(lowest, tile_of(point));
-        mesh.cells.push_back(own.contains(point) ? own.at(point) : foreign.at(point));
+        mesh.cells.push_back(number[point]);
         const std::size_t beyond = all.neighbors[c * corners + k];
         const Vertex* other = all.vertices.data() + beyond * corners;
         mesh.neighbors.push_back(std::find(other, other + corners, infinite_vertex) != other + corners ? -1
-                                 : cell_index.contains(beyond) ? cell_index.at(beyond)
-                                                               : -2);
+                                 : cell_number[beyond] != not_here ? cell_number[beyond]
+                                                                   : -2);
       }
       mesh.cell_ghost.push_back(lowest == tile ? 0 : 1);
     }
