@@ -10,7 +10,7 @@
 set -uo pipefail
 source=$(cd "$(dirname "$0")/.." && pwd)
 build=$(realpath "${1:-$source/build/release}") fuzz=${2:-$source/build/fuzz}
-parts=${PARTS:-kills machines pauses hostile network slow seeds models fuzz large}
+parts=${PARTS:-kills jobs machines pauses hostile network slow seeds models fuzz large}
 seeds=${SEEDS:-300000} fuzz_seconds=${FUZZ_SECONDS:-600} points=${POINTS_LARGE:-10M}
 export KILLS=${KILLS:-100} COORDINATOR_KILLS=${COORDINATOR_KILLS:-30} SEED=${SEED:-$(date +%Y%m%d)}
 export TESSERA=$build/src/apps/tessera TESSERAD=$build/src/daemon/tesserad IGN=$source/data/ign PYTHONDONTWRITEBYTECODE=1
@@ -72,6 +72,7 @@ for name in $parts; do
       POINTS=$points TILES=64 MEMORY=3G A_JOB=4 part kills-of-nodes daemon_test kills_test.Kills.test_nodes
       POINTS=$points TILES=64 MEMORY=3G A_JOB=3 part kills-of-the-coordinator daemon_test kills_test.Kills.test_the_coordinator
       ;;
+    jobs) JOBS=200 KILLS=20 part jobs-and-kills-of-the-daemon daemon_test storm_test ;;
     machines) ROUNDS=50 ONE_MACHINE=$build/tests/daemon/libone_machine.so part machines daemon_test two_machines_test ;;
     pauses) ROLLING_POINTS=$points PAUSES_S=12,15,25 part pauses-of-the-coordinator daemon_test pauses_test ;;
     hostile) HOSTILE_S=${HOSTILE_S:-1800} part hostile-peer daemon_test hostile_test ;;
