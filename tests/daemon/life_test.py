@@ -87,9 +87,10 @@ class Life(DaemonTest):
         self.assertEqual(daemon.end(), 0)
 
     def test_two_daemons_do_not_share_a_folder(self):
-        self.start()
-        with self.assertRaisesRegex(AssertionError, "data"):
-            self.start()
+        lease = {"TESSERAD_LIMITS_DATA_LEASE": "3s"}  # the second one waits that long
+        self.start(env=lease)
+        with self.assertRaisesRegex(AssertionError, "status 4 .*data"):
+            self.start(env=lease)
 
     def test_beyond_the_loopback_it_does_not_start_without_tls(self):
         with self.assertRaisesRegex(AssertionError, "certificate"):
