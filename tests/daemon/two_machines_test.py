@@ -192,16 +192,24 @@ class TwoMachines(DaemonTest):
                 wakes = asleep.pop(chance.randrange(len(asleep)))
                 self.go_on(wakes)
                 self.assert_lost(wakes)
+        order = [name for _, name in accepted]
         for job, name in accepted:
-            self.assertEqual(awake.wait(job)["status"], "successful", f"{job} of {accepted}")
+            ended = awake.wait(job)
+            if ended["status"] == "failed" and "the daemon died 3 times" in ended["problem"]["detail"]:
+                # It ran at three replacements, so it might be the reason. Whoever asks for it again gets it.
+                self.assertEqual(awake.request("POST", f"/v1/jobs/{job}/resume")[0], 200)
+                ended = awake.wait(job)
+                order.append(name)
+            self.assertEqual(ended["status"], "successful", ended)
         for each in asleep:
             self.go_on(each)
             self.assert_lost(each)
         for job, _ in accepted:
             self.assertEqual(awake.request("GET", f"/v1/jobs/{job}")[2]["status"], "successful")
-        latest = [name for _, name in accepted if name != "large"][-1]
+        latest = [name for name in order if name != "large"][-1]
         self.assertEqual(self.digest(awake, "latest"), self.expected(latest), f"seed {SEED}, {stops} stops")
         self.assertEqual(awake.end(), 0)
+        print(f"figures: {stops} stops, {len(accepted)} jobs, {len(order) - len(accepted)} of them given up and resumed, seed {SEED}")
 
 
 if __name__ == "__main__":
