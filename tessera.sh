@@ -8,7 +8,8 @@ jobs=$(nproc)
 
 usage() {
   cat <<'TEXT'
-./tessera.sh build            build/release/src/apps/tessera
+./tessera.sh build            the programs, some 8 minutes on two cores: build/release/src/apps/tessera, .../src/daemon/tesserad
+./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
 ./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay); the last line says what was skipped, and why
@@ -67,7 +68,8 @@ run_tests() {
 }
 
 case "${1:-help}" in
-  build) build all ;;
+  build) build tessera_command tesserad ;;
+  all) build all ;;
   demo) demo ;;
   serve) shift; serve "$@" ;;
   test) shift; run_tests "$@" ;;
