@@ -8,10 +8,11 @@ jobs=$(nproc)
 
 usage() {
   cat <<'TEXT'
-./tessera.sh build            build/release/src/apps/tessera
+./tessera.sh build            the programs, some 8 minutes on two cores: build/release/src/apps/tessera, .../src/daemon/tesserad
+./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
-./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay)
+./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay); the last line says what was skipped, and why
 ./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
 ./tessera.sh tidy             clang-tidy over the sources
 ./tessera.sh format           clang-format over the sources
@@ -56,11 +57,22 @@ tidy() {
     xargs -P "$jobs" -n 4 clang-tidy -p $build_folder --quiet --warnings-as-errors='*' --extra-arg=-Wno-unknown-warning-option
 }
 
+# Its last line tells what was skipped.
+run_tests() {
+  deploy/install-deps.sh
+  build all
+  local status=0
+  ctest --test-dir $build_folder --output-on-failure -j2 "$@" || status=$?
+  scripts/skipped_tests.py $build_folder/Testing/Temporary/LastTest.log
+  return $status
+}
+
 case "${1:-help}" in
-  build) build all ;;
+  build) build tessera_command tesserad ;;
+  all) build all ;;
   demo) demo ;;
   serve) shift; serve "$@" ;;
-  test) shift; deploy/install-deps.sh; build all; ctest --test-dir $build_folder --output-on-failure -j2 "$@" ;;
+  test) shift; run_tests "$@" ;;
   nightly) build engine_product; cmake --build $build_folder --target nightly ;;
   tidy) tidy ;;
   format) deploy/install-deps.sh clang; git ls-files '*.cc' '*.h' | xargs clang-format -i ;;

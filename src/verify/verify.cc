@@ -132,11 +132,12 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
       manifest.neighbors ? "every facet is shared by two cells that name each other, or is on the hull"
                          : "every facet is shared by two cells, or is on the hull",
       "every facet inside is locally Delaunay, exactly, with the perturbation's tie rule",
-      "the hull is closed, convex and winds around its inside once",
+      "the hull is closed, convex and encloses its interior exactly once",
   };
   report.passed.emplace_back(
-      "the tiles' boxes part space, and each vertex is of the tile that the partition gives it to; the bounds are the "
-      "vertices'");
+      "the tiles' boxes cover space without overlap, and each vertex is of the tile that the partition gives it to; "
+      "the "
+      "bounds are the vertices'");
   if (manifest.digest) report.passed.push_back("the digest " + digest_text(*manifest.digest));
   if (cgal) {
     BOOST_OUTCOME_TRYV(cgal->compare(out));

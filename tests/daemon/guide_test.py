@@ -1,8 +1,9 @@
-"""The lines of docs/service.md, typed along: curl, the command, Python."""
+"""The lines of docs/service.md, and of the tutorial where it asks a daemon, typed along: curl, the command, Python."""
 import json
 import os
 import pathlib
 import re
+import shlex
 import subprocess
 import unittest
 
@@ -75,6 +76,25 @@ class Guide(DaemonTest):
             type_in(line.replace("ID", job))
         self.assertEqual((self.folder / "mesh.ply").read_bytes()[:4], b"ply\n")
         self.tessera("verify", "out")
+        self.assertEqual(daemon.end(), 0, daemon.messages())
+
+    def test_the_maps_of_the_tutorial_are_there(self):
+        page = pathlib.Path(os.environ["SERVICE_GUIDE"]).with_name("tutorial.md").read_text()
+        section = re.search(r"^## \d+\. Maps from a daemon\n(.*?)^## ", page, re.S | re.M)[1]
+        daemon = self.start()
+        (self.folder / "dem.tif").touch()  # as the steps before have made here
+        commands = re.findall(r"^    tessera (.*)$", section, re.M)
+        self.assertGreater(len(commands), 2)
+        for command in commands:
+            self.tessera(*shlex.split(command), "--server", f"{daemon.url}#token={daemon.token}")
+        for job in daemon.request("GET", "/v1/jobs")[2]["jobs"]:
+            self.assertEqual(daemon.wait(job["jobID"])["status"], "successful")
+        found = [one["id"] for one in daemon.request("GET", "/v1/collections")[2]["collections"]]
+        self.assertEqual(found, ["ground.tiles", "ground.hull", "ground.contours"])
+        (tiles,) = re.findall(r"http://127.0.0.1:7070(/v1\S*/\{z\}/\{y\}/\{x\}\S*)`", section)
+        for place in "zyx":
+            tiles = tiles.replace(f"{{{place}}}", "0")
+        self.assertEqual(daemon.request("GET", tiles)[0], 200)
         self.assertEqual(daemon.end(), 0, daemon.messages())
 
     @unittest.skipIf(tessera is None, "the Python package is not built")

@@ -1,5 +1,5 @@
 """Processes of a cluster are killed at random moments of its jobs, and each result is the one of the command. KILLS, COORDINATOR_KILLS,
-A_JOB (how many while one job runs), POINTS or CLOUD (a file), TILES, MEMORY, SEED make it longer. Needs root."""
+A_JOB (how many while one job runs), POINTS or CLOUD (a file), TILES, MEMORY, SEED make it longer."""
 import os
 import pathlib
 import random

@@ -1,4 +1,4 @@
-"""A cluster of daemons in network namespaces of their own, joined by a bridge. Needs root. POINTS, SEED as in kills_test."""
+"""A cluster of daemons in network namespaces of their own, joined by a bridge, for root or in a user namespace. POINTS, SEED as in kills_test."""
 import json
 import os
 import pathlib
@@ -24,36 +24,62 @@ def run(*command, check=True, **more):
     return done
 
 
+NEW = ["unshare", "--net", "--propagation", "unchanged"]  # where / is no mount, its propagation cannot be changed
+
+
+def become_able():
+    """Why no networks can be made here, or nothing. Who may not is root of a user namespace of its own, in which the program begins again."""
+    if (refused := run(*NEW, "true", check=False)).returncode == 0:
+        return None
+    as_root = ["unshare", "--map-root-user", "--mount", "--propagation", "unchanged"]
+    if "IN_USER_NAMESPACE" in os.environ or run(*as_root, *NEW, "true", check=False).returncode != 0:
+        return f"no network namespaces can be made here: {refused.stderr.strip()}"
+    os.environ["IN_USER_NAMESPACE"] = "1"
+    os.execvp("unshare", [*as_root, *sys.orig_argv])
+
+
+REFUSED = become_able()
+
+
+class Namespace:
+    """A network that lasts as long as its process. It has a number instead of a name, which would be a mount."""
+
+    def __init__(self):
+        self.process = subprocess.Popen([*NEW, "sh", "-c", "echo; exec cat"], text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.process.stdout.readline()
+        self.number = self.process.pid
+        self.entered = ["nsenter", f"--net=/proc/{self.number}/ns/net"]
+
+    def __call__(self, *command, **more):
+        return run(*self.entered, *command, **more)
+
+    def remove(self):
+        self.process.communicate()  # its input ends, and so does it
+
+
 class Network:
     """Namespaces on one bridge, which is in one of its own: nothing of the machine's network is touched."""
 
     def __init__(self, test):
-        self.prefix = f"tessera-{os.getpid()}-{id(self) % 9973}"
-        self.hub = f"{self.prefix}-hub"
-        self.names = []
-        run("ip", "netns", "add", self.hub)
+        self.spaces = {}
+        self.hub = Namespace()
         test.addCleanup(self.remove)
-        self.at_hub("ip", "link", "add", "bridge", "type", "bridge")
-        self.at_hub("ip", "link", "set", "bridge", "up")
+        done = self.hub("ip", "link", "add", "bridge", "type", "bridge", check=False)
+        if done.returncode != 0:
+            raise unittest.SkipTest(f"no bridge can be made here: {done.stderr.strip()}")
+        self.hub("ip", "link", "set", "bridge", "up")
 
     def remove(self):
-        for name in [*self.names, self.hub]:
-            run("ip", "netns", "del", name if name == self.hub else self.space(name))
-
-    def space(self, name):
-        return f"{self.prefix}-{name}"
-
-    def at_hub(self, *command):
-        return run("ip", "netns", "exec", self.hub, *command)
+        for space in [*self.spaces.values(), self.hub]:
+            space.remove()
 
     def at(self, name, *command, **more):
-        return run("ip", "netns", "exec", self.space(name), *command, **more)
+        return self.spaces[name](*command, **more)
 
     def add(self, name):
         """A namespace with an address on the bridge, which it returns."""
-        self.names.append(name)
-        address = f"10.77.0.{len(self.names)}"
-        run("ip", "netns", "add", self.space(name))
+        self.spaces[name] = Namespace()
+        address = f"10.77.0.{len(self.spaces)}"
         self.connect(name)
         self.at(name, "ip", "link", "set", "lo", "up")
         self.at(name, "ip", "address", "add", f"{address}/24", "dev", "eth0")
@@ -61,16 +87,21 @@ class Network:
         return address
 
     def connect(self, name):
-        self.at_hub("ip", "link", "add", f"to-{name}", "type", "veth", "peer", "name", "eth0", "netns", self.space(name))
-        self.at_hub("ip", "link", "set", f"to-{name}", "master", "bridge", "up")
+        self.hub("ip", "link", "add", f"to-{name}", "type", "veth", "peer", "name", "eth0", "netns", self.spaces[name].number)
+        self.hub("ip", "link", "set", f"to-{name}", "master", "bridge", "up")
 
     def link(self, name, state):
-        self.at_hub("ip", "link", "set", f"to-{name}", state)
+        self.hub("ip", "link", "set", f"to-{name}", state)
+
+    def drop(self, name, *packets):
+        """All such packets that come in there."""
+        done = self.at(name, "iptables", "-A", "INPUT", *packets, "-j", "DROP", check=False)
+        if done.returncode != 0:
+            raise unittest.SkipTest(f"no packets can be dropped here: {done.stderr.strip()}")
 
     def lose(self, name, share):
         """That share of all packets that come in there."""
-        self.at(name, "iptables", "-A", "INPUT", "-i", "eth0", "-m", "statistic", "--mode", "random", "--probability",
-                share, "-j", "DROP")
+        self.drop(name, "-i", "eth0", "-m", "statistic", "--mode", "random", "--probability", share)
 
 
 class SlowNetwork(Network):
@@ -85,9 +116,10 @@ class SlowNetwork(Network):
         test.addCleanup(self.switch.communicate)  # its input ends, and so does it
 
     def connect(self, name):
-        self.switch.stdin.write(self.space(name) + "\n")
+        number = str(self.spaces[name].number)
+        self.switch.stdin.write(number + "\n")
         self.switch.stdin.flush()
-        if self.switch.stdout.readline().strip() != self.space(name):
+        if self.switch.stdout.readline().strip() != number:
             raise AssertionError("the switch has ended")
 
 
@@ -97,7 +129,7 @@ class Process:
         self.log = tempfile.TemporaryFile()
         test.addCleanup(self.log.close)
         self.process = subprocess.Popen(
-            ["ip", "netns", "exec", network.space(name), *wrap, TESSERAD, "--data", str(folder), "--certs", str(certs),
+            [*network.spaces[name].entered, *wrap, TESSERAD, "--data", str(folder), "--certs", str(certs),
              "--node-name", name, "--lease", f"{LEASE_S}s", "--threads", "1",
              *(() if "--memory" in options else ("--memory", "512M")), *map(str, options)], env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
@@ -112,6 +144,7 @@ class Process:
         return self.process.wait()
 
 
+@unittest.skipIf(REFUSED, REFUSED)
 class ClusterTest(unittest.TestCase):
     points, tiles = POINTS, "16"
     network_of = Network

@@ -1,5 +1,5 @@
 """A switch for network namespaces, which holds every frame and loses some: what `tc netem` does, where the kernel has it.
-slow_switch.py DELAY_MS SHARE_LOST: to each namespace named on its input it gives a device eth0, and says so by a line."""
+slow_switch.py DELAY_MS SHARE_LOST: to the namespace of each process whose number is on its input it gives a device eth0, and says so by a line."""
 import collections
 import ctypes
 import fcntl
@@ -21,9 +21,9 @@ def enter(namespace):
         raise OSError(ctypes.get_errno(), "setns")
 
 
-def port(namespace):
+def port(process):
     """Where the frames are that go out of its eth0, and into it. The device ends with this process."""
-    own, there = os.open("/proc/self/ns/net", os.O_RDONLY), os.open(f"/run/netns/{namespace}", os.O_RDONLY)
+    own, there = os.open("/proc/self/ns/net", os.O_RDONLY), os.open(f"/proc/{process}/ns/net", os.O_RDONLY)
     enter(there)
     try:
         tap = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
@@ -76,12 +76,12 @@ def main():
                 if key.fileobj is not sys.stdin:
                     switch.take(key.fileobj)
                     continue
-                namespace = sys.stdin.readline().strip()
-                if not namespace:
+                process = sys.stdin.readline().strip()
+                if not process:
                     return
-                switch.ports.append(port(namespace))
+                switch.ports.append(port(process))
                 ready.register(switch.ports[-1], selectors.EVENT_READ)
-                print(namespace, flush=True)
+                print(process, flush=True)
 
 
 if __name__ == "__main__":

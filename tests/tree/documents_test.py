@@ -44,6 +44,13 @@ class Documents(unittest.TestCase):
         large = [path for path in pictures if "/pictures/" in path and (SOURCE / path).stat().st_size > PICTURE_BYTES_MAX]
         self.assertEqual(large, [])
 
+    def test_every_name_of_a_column_that_text_may_have_is_told(self):
+        source = (SOURCE / "src/io/text/text_columns.cc").read_text()
+        names = re.findall(r'"([a-z]+)"', re.search(r"families\{.*?heights\{.*?\}", source, re.DOTALL)[0])
+        self.assertGreater(len(names), 20)
+        told = re.search(r"^### Text: .*?^### ", self.pages["docs/formats.md"], re.MULTILINE | re.DOTALL)[0]
+        self.assertEqual([name for name in names if f"`{name}`" not in told], [])
+
     def test_the_readme_stays_short(self):
         self.assertLessEqual(len(self.pages["README.md"].splitlines()), README_LINES_MAX)
 
