@@ -62,7 +62,7 @@ run_tests() {
   deploy/install-deps.sh
   build all
   local status=0
-  ctest --test-dir $build_folder --output-on-failure -j2 "$@" || status=$?
+  ctest --test-dir $build_folder --output-on-failure -j $((jobs + 1)) "$@" || status=$?
   scripts/skipped_tests.py $build_folder/Testing/Temporary/LastTest.log
   return $status
 }
