@@ -108,7 +108,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     """
     columns = dict(attributes.items()) if hasattr(attributes, "items") else None
     options = job_options(dim, max_points_per_tile=max_points_per_tile, folder=folder, overwrite=overwrite,
-                          threads=threads, memory=memory, attributes=attributes, neighbors=neighbors,
+                          threads=threads, memory=memory, attributes=() if columns is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume)
@@ -127,11 +127,12 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     options.dimension(dim or points.shape[1])
     if classes:
         raise UsageError("classes are of files: choose rows of your array")
-    if attributes and columns is None:
+    if columns is None and attributes:
         raise UsageError('attributes of an array are columns, as {"mass": values}: names are of files')
     if not columns and dim in (None, points.shape[1]):
         return Triangulation(_tessera.triangulate_points(points, options, report, warn))
     rows = point_records(points, columns or {})
+    options.attributes([name for name in columns or {} if name != "z"])
     return Triangulation(_tessera.triangulate_records(rows, columns_of(rows), options, report, warn))
 
 

@@ -149,6 +149,8 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
 }
 
 Triangulation triangulate(const Records& records, const TriangulationOptions& options) {
+  const int dimension = OptionsInside::of(options).job.cloud.dimension;
+  require(dimension == 2 || dimension == 3, option("dim") + ": of an array it must be 2 or 3");
   refuse_options_of_files(options);
   return make(options, [&](JobOptions& job, const std::stop_token&) {
     return Cloud::open_source(record_source("the array", records.bytes, records.columns, records.rows), job.cloud);
