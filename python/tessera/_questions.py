@@ -2,9 +2,7 @@
 from __future__ import annotations
 
 import json
-import os
 import typing
-import warnings
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +10,7 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
-from ._options import Path, positive
+from ._options import positive
 from ._tile import Tile, cell_word
 
 
@@ -52,17 +50,6 @@ class Weights(typing.NamedTuple):
     vertices: npt.NDArray[np.int64]
     weights: npt.NDArray[np.float64]
     """They add up to 1 for each point inside the hull."""
-
-
-class Raster(typing.NamedTuple):
-    """A surface, drawn."""
-
-    values: npt.NDArray[np.float64]
-    """height x width, from the top; NaN where there is no value."""
-    left: float
-    top: float
-    """Of its corner, in the coordinates of the result."""
-    res: float
 
 
 class Part(Tile):
@@ -159,42 +146,3 @@ class Answers:
             raise UsageError(f"method is {method!r}: it must be 'linear' or 'natural'")
         values, *rest = self._asked().interpolate(self._points(points), value, method == "natural", bool(weights))
         return (values, Weights(*rest)) if weights else values
-
-    @typing.overload
-    def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
-            value: str = ..., doubles: bool = ..., overwrite: bool = ...) -> Raster: ...
-
-    @typing.overload
-    def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
-            value: str = ..., doubles: bool = ..., overwrite: bool = ...) -> None: ...
-
-    def dem(self, path=None, *, res, bbox=None, max_edge=None, value="z", doubles=False, overwrite=False):
-        """The surface of a 2D result as a raster: written to `path`, a Cloud Optimized GeoTIFF, or, without one, returned.
-
-        Parameters
-        ----------
-        res
-            The width and height of a pixel, in units of the coordinates.
-        bbox
-            (xmin, ymin, xmax, ymax): what the raster covers. None: the bounds of the result.
-        max_edge
-            No pixels in cells with a longer edge in the plane.
-        value
-            An attribute of the vertices; "z" are the heights.
-        doubles
-            Pixels of 64 bits; otherwise they are rounded to 32.
-        overwrite
-            Replace a file of the same name. Otherwise that is an error.
-
-        Warns with a UserWarning when the coordinates have no system. The GIL is released; Ctrl-C leaves nothing half-written.
-        """
-        box = None if bbox is None else exact_float64(bbox, "bbox").ravel().tolist()
-        if box is not None and len(box) != 4:
-            raise UsageError("bbox must be (xmin, ymin, xmax, ymax)")
-        request = _tessera.RasterRequest(float(res), box, None if max_edge is None else float(max_edge), value, bool(doubles))
-        if path is None:
-            return Raster(*_tessera.draw_raster(self._triangulation, request), float(res))
-        note = _tessera.write_raster(self._triangulation, os.fspath(path), request, bool(overwrite))
-        if note:
-            warnings.warn(note, stacklevel=2)
-        return None
