@@ -10,7 +10,7 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
-from ._options import positive
+from ._options import index, positive
 from ._tile import Tile, cell_word
 
 
@@ -89,9 +89,10 @@ class Answers:
         """The cells and neighbours of a vertex, told by its rank in the input, and the volume of its Voronoi cell.
 
         `tile`: the one that owns it, if it is known; else tiles are read until it is found. UsageError for no such point.
+        It is of one vertex; docs/python.md shows densities of all points at once.
         """
-        rank = positive(vertex + 1, "vertex + 1", 2**63) - 1
-        owner = None if tile is None else positive(tile + 1, "tile + 1", 10**6 + 1) - 1
+        rank = index(vertex, "vertex", 2**63 - 1)
+        owner = None if tile is None else index(tile, "tile", 10**6)
         return Star(*self._asked().star(rank, owner, self._triangulation.dimension))
 
     def cells(self, bbox: npt.ArrayLike | None = None, polygon: typing.Any = None, limit: int | None = None) -> Part:

@@ -227,7 +227,7 @@ class Triangulation(Answers, Surfaces):
         if self._held is None:
             return "<tessera.Triangulation, closed>"
         return (f"<tessera.Triangulation of {self.n_points} points: {self.n_cells} {cell_word(self.dim)} "
-                f"in {len(self)} tiles, {self.folder}>")
+                f"in {len(self)} {'tile' if len(self) == 1 else 'tiles'}, {self.folder}>")
 
 
 def open(folder: Path) -> Triangulation:
