@@ -30,6 +30,9 @@ class TESSERA_PUBLIC RasterRequest {
   RasterRequest& max_edge(double length);
   // An attribute of the vertices; "z", the heights, by default.
   RasterRequest& value(const std::string& name);
+  // A hillshade of the heights, as gdaldem hillshade -compute_edges makes it of the raster, with light from `azimuth`
+  // (degrees from north, clockwise), `altitude` degrees above the horizon. Of write_raster() alone.
+  RasterRequest& hillshade(double azimuth = 315, double altitude = 45);
   // Pixels of 64 bits; of 32 by default.
   RasterRequest& doubles(bool doubles);
   // Replace a file of the same name.

@@ -107,6 +107,19 @@ class TESSERA_PUBLIC Triangulation {
 
 // `coordinates`: n x dimension, row after row, read while this runs. Failure: any cause.
 TESSERA_PUBLIC Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options = {});
+// Rows of named columns in a program's memory, as NumPy has them in a structured array.
+//
+// Programs have its size compiled in: it stays as it is.
+struct Records {
+  std::span<const std::byte> bytes;
+  std::uint64_t rows = 0;
+  // "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('intensity', '<u2')]": names and types, in the order in memory. x, y
+  // and z are the coordinates, the others attributes: TriangulationOptions::attributes() says which are kept.
+  std::string columns;
+};
+
+// As a .npy file of these rows, read while this runs; TriangulationOptions::dimension() 2 takes z for heights.
+TESSERA_PUBLIC Triangulation triangulate(const Records& records, const TriangulationOptions& options = {});
 // `inputs`: files, folders and patterns, as the command takes them.
 TESSERA_PUBLIC Triangulation triangulate(const std::vector<std::string>& inputs,
                                          const TriangulationOptions& options = {});

@@ -8,6 +8,7 @@
 #include "python/bindings/bindings.h"
 #include "python/bindings/interruptible.h"
 #include "python/bindings/views.h"
+#include "tessera/lines.h"
 #include "tessera/raster.h"
 #include "tessera/region.h"
 
@@ -15,10 +16,12 @@ namespace tessera::python {
 namespace {
 
 RasterRequest raster_request(double res, const std::optional<std::array<double, 4>>& bbox,
-                             std::optional<double> max_edge, const std::string& value, bool doubles) {
+                             std::optional<double> max_edge, const std::string& value, bool doubles,
+                             const std::optional<std::pair<double, double>>& light) {
   RasterRequest request(res);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
+  if (light) request.hillshade(light->first, light->second);
   request.value(value).doubles(doubles);
   return request;
 }
@@ -40,6 +43,56 @@ std::string write(const Triangulation& self, const std::filesystem::path& target
       [&](std::stop_token stop) { return write_raster(self, target, request.stop(std::move(stop))); });
 }
 
+ContourRequest contour_request(double interval, double base, const std::optional<std::array<double, 4>>& bbox,
+                               std::optional<double> max_edge, const std::string& value) {
+  ContourRequest request(interval);
+  if (bbox) request.bbox(*bbox);
+  if (max_edge) request.max_edge(*max_edge);
+  request.value(value).base(base);
+  return request;
+}
+
+// (values, offsets, n x 2 points)
+py::tuple contours(const Triangulation& self, ContourRequest request) {
+  auto lines =
+      run_interruptible([&](std::stop_token stop) { return draw_contours(self, request.stop(std::move(stop))); });
+  return py::make_tuple(given<double>(std::move(lines.values)), given<std::int64_t>(std::move(lines.offsets)),
+                        rows<double>(std::move(lines.points), 2));
+}
+
+std::string write_lines(const Triangulation& self, const std::filesystem::path& target, ContourRequest request,
+                        bool overwrite) {
+  request.overwrite(overwrite);
+  return run_interruptible(
+      [&](std::stop_token stop) { return write_contours(self, target, request.stop(std::move(stop))); });
+}
+
+ProfileRequest profile_request(std::optional<double> max_edge, const std::string& value) {
+  ProfileRequest request;
+  if (max_edge) request.max_edge(*max_edge);
+  request.value(value);
+  return request;
+}
+
+// (distances, n x 2 points, values, parts)
+py::tuple profile(const Triangulation& self, const Coordinates& line, ProfileRequest request) {
+  const auto span = span_of(line);
+  auto table =
+      run_interruptible([&](std::stop_token stop) { return draw_profile(self, span, request.stop(std::move(stop))); });
+  return py::make_tuple(given<double>(std::move(table.distances)), rows<double>(std::move(table.points), 2),
+                        given<double>(std::move(table.values)), given<std::int64_t>(std::move(table.parts)));
+}
+
+void write_table(const Triangulation& self, const Coordinates& line, const std::filesystem::path& target,
+                 ProfileRequest request, bool overwrite) {
+  request.overwrite(overwrite);
+  const auto span = span_of(line);
+  run_interruptible([&](std::stop_token stop) {
+    write_profile(self, span, target, request.stop(std::move(stop)));
+    return true;
+  });
+}
+
 Triangulation region(const std::vector<std::string>& inputs, const std::vector<double>& box,
                      TriangulationOptions options, const RegionRequest& request, const py::object& warn) {
   std::vector<std::string> warnings;
@@ -56,6 +109,12 @@ void bind_surfaces(py::module_& module) {
   py::class_<RasterRequest>(module, "RasterRequest").def(py::init(&raster_request));
   module.def("draw_raster", &draw);
   module.def("write_raster", &write);
+  py::class_<ContourRequest>(module, "ContourRequest").def(py::init(&contour_request));
+  module.def("draw_contours", &contours);
+  module.def("write_contours", &write_lines);
+  py::class_<ProfileRequest>(module, "ProfileRequest").def(py::init(&profile_request));
+  module.def("draw_profile", &profile);
+  module.def("write_profile", &write_table);
   py::class_<RegionRequest>(module, "RegionRequest")
       .def(py::init<>())
       .def("scan", [](RegionRequest& self, bool scan) { self.scan(scan); })

@@ -132,6 +132,14 @@ void bind_triangulation(py::module_& module) {
       [](const Coordinates& points, const TriangulationOptions& options, const py::object& report,
          const py::object& warn) { return run(span_of(points), options, report, warn); },
       py::arg("points").noconvert(), py::arg("options"), py::arg("report"), py::arg("warn"));
+  module.def(
+      "triangulate_records", [](const py::array& rows, const std::string& columns, const TriangulationOptions& options,
+                                const py::object& report, const py::object& warn) {
+        const Records records{{static_cast<const std::byte*>(rows.data()), static_cast<std::size_t>(rows.nbytes())},
+                              static_cast<std::uint64_t>(rows.size()),
+                              columns};
+        return run(records, options, report, warn);
+      });
   module.def("file_checksum", &file_checksum, without_gil);
   module.def("triangulate_files", &run<std::vector<std::string>>);
   module.def("describe", [](const std::vector<std::string>& inputs, const TriangulationOptions& options) {

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace tessera::python {
@@ -42,6 +43,22 @@ template <class T>
 py::array column_view(std::span<const T> values, const py::object& owner, const py::dtype& type = py::dtype::of<T>()) {
   return view(type, values.data(), {static_cast<py::ssize_t>(values.size_bytes()) / type.itemsize()}, {type.itemsize()},
               owner);
+}
+
+// An array that has the vector's memory. `To`: the same bytes by NumPy's usual name; ranks are under 2^63.
+template <class To, class T>
+py::array given(std::vector<T> values, std::vector<py::ssize_t> shape = {}) {
+  static_assert(sizeof(To) == sizeof(T));
+  auto* kept = new std::vector<T>(std::move(values));
+  const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<T>*>(memory); });
+  if (shape.empty()) shape = {static_cast<py::ssize_t>(kept->size())};
+  return py::array(py::dtype::of<To>(), std::move(shape), kept->data(), owner);
+}
+
+template <class To, class T>
+py::array rows(std::vector<T> values, int columns) {
+  const auto n = static_cast<py::ssize_t>(values.size()) / columns;
+  return given<To>(std::move(values), {n, columns});
 }
 
 }  // namespace tessera::python

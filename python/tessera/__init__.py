@@ -17,7 +17,8 @@ from ._errors import (BadInputError, CorruptError, Error, InternalError, Interru
                       NotDelaunayError, UsageError)
 from ._interpolate import LinearNDInterpolator
 from ._progress import Progress
-from ._questions import Located, Part, Raster, Star, Weights
+from ._questions import Located, Part, Star, Weights
+from ._surfaces import Contour, Profile, Raster
 from ._tile import Tile
 from ._region import region
 from ._triangulate import info, triangulate
@@ -27,7 +28,7 @@ from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Weights", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # What help() and messages call them.
 for _public in __all__:

@@ -48,7 +48,8 @@ def exact_numbers(given: np.ndarray, name: str) -> np.ndarray:
     rounded = np.zeros(given.shape, bool)
     for at, number in np.ndenumerate(given):
         if not isinstance(number, (numbers.Real, decimal.Decimal, np.bool_)):
-            raise UsageError(f"{name}{list(at)} is {number!r}: it must be a number")
+            what = f"{name}{list(at)} is {number!r}: it must be a number"
+            raise UsageError(what if at else f"{name} is {number!r}: it must be an array of numbers")
         try:
             exact[at] = number
         except OverflowError:

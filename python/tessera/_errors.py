@@ -63,7 +63,7 @@ class InternalError(Error, RuntimeError):
 
 
 # What options are called here, where the command calls them otherwise but for dashes.
-NAMES = {"class": "classes", "z": "heights"}
+NAMES = {"class": "classes", "z": "heights", "type": "doubles"}
 
 
 def argument(key: str, value: str) -> str:

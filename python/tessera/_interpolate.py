@@ -64,6 +64,9 @@ class LinearNDInterpolator:
         """Those that were triangulated."""
         return self.tri.points
 
+    def __repr__(self) -> str:
+        return f"<tessera.LinearNDInterpolator of {self.tri.npoints} points in {self.tri.ndim}D>"
+
     def __call__(self, *xi: npt.ArrayLike) -> np.ndarray:
         """The values at `xi`: (..., ndim), or ndim arrays of coordinates that broadcast. The shape is (...) and that of a value."""
         queries = self._queries(xi)

@@ -88,6 +88,13 @@ def positive(value: int | None, name: str, end: int) -> int:
     return int(value)
 
 
+def index(value: int, name: str, end: int) -> int:
+    """`value`, from 0 to under `end`."""
+    if not isinstance(value, (int, np.integer)) or not 0 <= value < end:
+        raise UsageError(f"{name} is {value!r}: it must be one integer from 0 to {end - 1}")
+    return int(value)
+
+
 def memory_bytes(memory: int | str | None) -> int:
     """Bytes, from what triangulate() takes as `memory`."""
     if not isinstance(memory, str):

@@ -2,9 +2,7 @@
 from __future__ import annotations
 
 import json
-import os
 import typing
-import warnings
 
 import numpy as np
 import numpy.typing as npt
@@ -12,7 +10,7 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
-from ._options import Path, positive
+from ._options import index, positive
 from ._tile import Tile, cell_word
 
 
@@ -54,17 +52,6 @@ class Weights(typing.NamedTuple):
     """They add up to 1 for each point inside the hull."""
 
 
-class Raster(typing.NamedTuple):
-    """A surface, drawn."""
-
-    values: npt.NDArray[np.float64]
-    """height x width, from the top; NaN where there is no value."""
-    left: float
-    top: float
-    """Of its corner, in the coordinates of the result."""
-    res: float
-
-
 class Part(Tile):
     """Some cells of a triangulation as one tile: all vertices are its own, all cells main."""
 
@@ -102,9 +89,10 @@ class Answers:
         """The cells and neighbours of a vertex, told by its rank in the input, and the volume of its Voronoi cell.
 
         `tile`: the one that owns it, if it is known; else tiles are read until it is found. UsageError for no such point.
+        It is of one vertex; docs/python.md shows densities of all points at once.
         """
-        rank = positive(vertex + 1, "vertex + 1", 2**63) - 1
-        owner = None if tile is None else positive(tile + 1, "tile + 1", 10**6 + 1) - 1
+        rank = index(vertex, "vertex", 2**63 - 1)
+        owner = None if tile is None else index(tile, "tile", 10**6)
         return Star(*self._asked().star(rank, owner, self._triangulation.dimension))
 
     def cells(self, bbox: npt.ArrayLike | None = None, polygon: typing.Any = None, limit: int | None = None) -> Part:
@@ -159,42 +147,3 @@ class Answers:
             raise UsageError(f"method is {method!r}: it must be 'linear' or 'natural'")
         values, *rest = self._asked().interpolate(self._points(points), value, method == "natural", bool(weights))
         return (values, Weights(*rest)) if weights else values
-
-    @typing.overload
-    def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
-            value: str = ..., doubles: bool = ..., overwrite: bool = ...) -> Raster: ...
-
-    @typing.overload
-    def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
-            value: str = ..., doubles: bool = ..., overwrite: bool = ...) -> None: ...
-
-    def dem(self, path=None, *, res, bbox=None, max_edge=None, value="z", doubles=False, overwrite=False):
-        """The surface of a 2D result as a raster: written to `path`, a Cloud Optimized GeoTIFF, or, without one, returned.
-
-        Parameters
-        ----------
-        res
-            The width and height of a pixel, in units of the coordinates.
-        bbox
-            (xmin, ymin, xmax, ymax): what the raster covers. None: the bounds of the result.
-        max_edge
-            No pixels in cells with a longer edge in the plane.
-        value
-            An attribute of the vertices; "z" are the heights.
-        doubles
-            Pixels of 64 bits; otherwise they are rounded to 32.
-        overwrite
-            Replace a file of the same name. Otherwise that is an error.
-
-        Warns with a UserWarning when the coordinates have no system. The GIL is released; Ctrl-C leaves nothing half-written.
-        """
-        box = None if bbox is None else exact_float64(bbox, "bbox").ravel().tolist()
-        if box is not None and len(box) != 4:
-            raise UsageError("bbox must be (xmin, ymin, xmax, ymax)")
-        request = _tessera.RasterRequest(float(res), box, None if max_edge is None else float(max_edge), value, bool(doubles))
-        if path is None:
-            return Raster(*_tessera.draw_raster(self._triangulation, request), float(res))
-        note = _tessera.write_raster(self._triangulation, os.fspath(path), request, bool(overwrite))
-        if note:
-            warnings.warn(note, stacklevel=2)
-        return None

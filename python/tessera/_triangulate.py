@@ -11,12 +11,14 @@ from . import _tessera
 from ._errors import UsageError
 from ._options import file_names, job_options, point_array
 from ._progress import Progress
+from ._records import columns_of, point_records
 from ._triangulation import Path, Triangulation
 
 
 def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: int | None = None,
                 max_points_per_tile: int | None = None, folder: Path | None = None, overwrite: bool = False,
-                threads: int | None = None, memory: int | str | None = None, attributes: typing.Iterable[str] = (),
+                threads: int | None = None, memory: int | str | None = None,
+                attributes: typing.Iterable[str] | typing.Mapping[str, npt.ArrayLike] = (),
                 neighbors: bool = True, skip_invalid: bool = False,
                 progress: typing.Callable[[Progress], object] | None = None, recursive: bool = False, *,
                 tiles: int | None = None, partition: str = "kdtree", crop: typing.Sequence[float] | None = None,
@@ -33,8 +35,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         would round (int64 beyond 2^53, longdouble) are refused: the result is exact for the points given.
         Or files: a path, a folder, a pattern ("block/*.laz"), or a list of them, which together make one cloud.
     dim
-        2 or 3. None: the number of columns; for files 3, or 2 when they hold x and y alone. Files with z are
-        triangulated by x and y with dim=2.
+        2 or 3. None: the number of columns; for files 3, or 2 when they hold x and y alone. Arrays and files with z are
+        triangulated by x and y with dim=2; see `heights`.
     max_points_per_tile
         A tile is worked on in memory, at about 700 bytes a point. None: chosen from memory and threads.
     tiles
@@ -66,9 +68,11 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     resolution
         Of COPC files: the octree levels down to the first whose points are at most so far apart. None: all.
     heights
-        Of files in 2D: keep z as the attribute "z".
+        In 2D, of points with z: keep it as the attribute "z".
     attributes
-        Of the points, from files: ["intensity", "classification"], or "all". See Tile.attributes.
+        Of the points. From files: ["intensity", "classification"], or "all". Of an array: a dict or DataFrame of
+        columns, {"mass": m}, with a value for each row, bool (kept as uint8), integers, float32 or float64; "z" of an
+        n x 2 array are heights. They are copied. See Tile.attributes.
     neighbors
         Keep the neighbours of cells: 33 bytes a tetrahedron on disk instead of 17.
     skip_invalid
@@ -102,8 +106,9 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     >>> sum(len(tile.cells[~tile.ghost]) for tile in t) == t.n_cells
     True
     """
+    columns = dict(attributes.items()) if hasattr(attributes, "items") else None
     options = job_options(dim, max_points_per_tile=max_points_per_tile, folder=folder, overwrite=overwrite,
-                          threads=threads, memory=memory, attributes=attributes, neighbors=neighbors,
+                          threads=threads, memory=memory, attributes=() if columns is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
                           heights=heights, input_list=input_list, resume=resume)
@@ -113,14 +118,22 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
 
     files = file_names(source, input_list)
     if files is not None:
+        if columns is not None:
+            raise UsageError('attributes of files are names, as ["intensity"]: columns are of arrays')
         return Triangulation(_tessera.triangulate_files(files, options, report, warn))
     points = point_array(source)
-    if dim not in (None, points.shape[1]):
-        raise UsageError(f"dim is {dim}, but points have {points.shape[1]} columns: pass points[:, :{dim}]")
-    options.dimension(points.shape[1])
-    if attributes or classes:
-        raise UsageError("attributes and classes are of files: index your own arrays with Tile.ids")
-    return Triangulation(_tessera.triangulate_points(points, options, report, warn))
+    if dim == 3 and points.shape[1] == 2:
+        raise UsageError("dim is 3, but points have 2 columns: x and y alone are triangulated in 2D")
+    options.dimension(dim or points.shape[1])
+    if classes:
+        raise UsageError("classes are of files: choose rows of your array")
+    if columns is None and attributes:
+        raise UsageError('attributes of an array are columns, as {"mass": values}: names are of files')
+    if not columns and dim in (None, points.shape[1]):
+        return Triangulation(_tessera.triangulate_points(points, options, report, warn))
+    rows = point_records(points, columns or {})
+    options.attributes([name for name in columns or {} if name != "z"])
+    return Triangulation(_tessera.triangulate_records(rows, columns_of(rows), options, report, warn))
 
 
 def info(source: Path | typing.Sequence[Path] = (), dim: int | None = None, **options: typing.Any) -> dict[str, typing.Any]:

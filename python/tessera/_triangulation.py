@@ -16,6 +16,7 @@ from . import _tessera
 from ._errors import UsageError
 from ._options import Path, memory_bytes
 from ._questions import Answers
+from ._surfaces import Surfaces
 from ._tile import Tile, cell_word
 
 
@@ -52,7 +53,7 @@ class Tiles(collections.abc.Sequence):
         return f"<tessera.Tiles: {len(self)} of {self._of!r}>"
 
 
-class Triangulation(Answers):
+class Triangulation(Answers, Surfaces):
     """A finished triangulation on disk: a sequence of tiles, each read when it is asked for.
 
     `len(t)` is the number of tiles with points, `t[i]` reads one, `for tile in t` one after the other: no more than one
@@ -226,7 +227,7 @@ class Triangulation(Answers):
         if self._held is None:
             return "<tessera.Triangulation, closed>"
         return (f"<tessera.Triangulation of {self.n_points} points: {self.n_cells} {cell_word(self.dim)} "
-                f"in {len(self)} tiles, {self.folder}>")
+                f"in {len(self)} {'tile' if len(self) == 1 else 'tiles'}, {self.folder}>")
 
 
 def open(folder: Path) -> Triangulation:

@@ -22,10 +22,10 @@ FIELDS = {"max_points_per_tile": "tile_points", "classes": "class", "index": "sp
 BESIDE = {".csv": (".vrt",), ".vrt": (".csv",)}
 
 class Client:
-    """A daemon, from connect(). All may be called from any thread."""
+    """A daemon, from connect(), whose arguments these are. All may be called from any thread."""
 
-    def __init__(self, transport: Transport):
-        self._http = transport
+    def __init__(self, url: str, token: str | None = None, ca: Path | None = None):
+        self._http = Transport(url, token, None if ca is None else os.fspath(ca))
 
     def submit(self, inputs: Path | typing.Iterable[Path], output: str = "", *, key: str | None = None,
                **options: typing.Any) -> Job:
@@ -286,4 +286,4 @@ def connect(url: str, token: str | None = None, ca: Path | None = None) -> Clien
     """
     if token is None and "#token=" not in url and "?token=" not in url:
         token = os.environ.get("TESSERA_TOKEN") or None
-    return Client(Transport(url, token, None if ca is None else os.fspath(ca)))
+    return Client(url, token, ca)

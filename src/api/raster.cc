@@ -4,6 +4,7 @@
 
 #include "src/api/errors.h"
 #include "src/api/options_inside.h"
+#include "src/base/option.h"
 #include "src/job/machine.h"
 #include "src/terrain/dem.h"
 
@@ -34,6 +35,10 @@ RasterRequest& RasterRequest::max_edge(double length) {
 }
 RasterRequest& RasterRequest::value(const std::string& name) {
   impl_->options.value = name;
+  return *this;
+}
+RasterRequest& RasterRequest::hillshade(double azimuth, double altitude) {
+  impl_->options.light = Light{azimuth, altitude};
   return *this;
 }
 RasterRequest& RasterRequest::doubles(bool doubles) {
@@ -71,6 +76,8 @@ Raster draw_raster(const Triangulation& triangulation, const RasterRequest& requ
   return guarded([&] {
     const auto& asked = OptionsInside::of(request);
     const DemOptions options = chosen(asked.options);
+    if (options.light)
+      throw_failure(error(Errc::usage, option("hillshade", "true") + ": is written to a file; give its name"));
     auto drawn = value_or_throw(
         draw_dem(triangulation.folder(), options, options.memory_bytes / 2 / sizeof(double), asked.stop));
     return Raster{drawn.width,    drawn.height,           drawn.left, drawn.top, drawn.pixels,

@@ -121,6 +121,12 @@ Triangulation make(const TriangulationOptions& given, const OpenCloud& open) {
   return TriangulationMaker::open(path, std::move(temporary));
 }
 
+void refuse_options_of_files(const TriangulationOptions& options) {
+  const auto& asked = OptionsInside::of(options);
+  require(asked.job.cloud.input_list.empty(), option("input-list") + ": there is an array already");
+  require(!asked.resume, option("resume") + ": whether an array is the same cannot be known; save it in a file");
+}
+
 }  // namespace
 
 Triangulation TriangulationMaker::open(const std::filesystem::path& path, std::optional<TemporaryFolder> temporary) {
@@ -136,10 +142,18 @@ Triangulation triangulate(std::span<const double> coordinates, const Triangulati
   require(coordinates.size() % static_cast<std::size_t>(dimension) == 0,
           "the array: its length, " + std::to_string(coordinates.size()) + ", is no multiple of the dimension, " +
               std::to_string(dimension));
-  require(asked.job.cloud.input_list.empty(), option("input-list") + ": there is an array already");
-  require(!asked.resume, option("resume") + ": whether an array is the same cannot be known; save it in a file");
+  refuse_options_of_files(options);
   return make(options, [&](JobOptions& job, const std::stop_token&) {
     return Cloud::open_source(array_source("the array", coordinates, dimension), job.cloud);
+  });
+}
+
+Triangulation triangulate(const Records& records, const TriangulationOptions& options) {
+  const int dimension = OptionsInside::of(options).job.cloud.dimension;
+  require(dimension == 2 || dimension == 3, option("dim") + ": of an array it must be 2 or 3");
+  refuse_options_of_files(options);
+  return make(options, [&](JobOptions& job, const std::stop_token&) {
+    return Cloud::open_source(record_source("the array", records.bytes, records.columns, records.rows), job.cloud);
   });
 }
 

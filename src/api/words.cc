@@ -8,8 +8,8 @@ namespace tessera {
 namespace {
 
 // The others are called as in the command, but for dashes.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> names{
-    {{"class", "classes"}, {"dim", "dimension"}, {"memory", "memory_bytes"}, {"z", "heights"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> names{
+    {{"class", "classes"}, {"dim", "dimension"}, {"memory", "memory_bytes"}, {"type", "doubles"}, {"z", "heights"}}};
 
 bool is_word(std::string_view value) {
   return value != "true" && value != "false" && value.find_first_not_of("0123456789.-") != std::string_view::npos;

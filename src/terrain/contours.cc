@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -136,6 +137,34 @@ Status check(const fs::path& out, const Manifest& manifest, const ContourOptions
   return success();
 }
 
+// Lines that were traced, and what they are of.
+struct Traced {
+  Manifest manifest;
+  ContourLines lines;
+  Levels levels;
+  std::uint64_t left_out = 0;
+};
+
+// `folder`: where lines wait.
+Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourOptions& options,
+                     const std::function<void(double)>& progress, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRYV(check(out, manifest, options));
+  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+
+  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles. What ends at borders has no other
+  // place, so that a few megabytes are its own however little there is.
+  const std::uint64_t quarter = options.memory_bytes / 4, tile_bytes = options.memory_bytes - 2 * quarter;
+  BOOST_OUTCOME_TRY(entries, tiles_meeting(out, manifest, options.box, {.memory_bytes = tile_bytes, .stop = stop}));
+  TileQueue tiles(std::move(entries), stop, progress);
+  BOOST_OUTCOME_TRY(lines, ContourLines::create(folder, {quarter, std::max(quarter, ends_bytes_min)}, stop));
+  Tracing tracing(out, manifest, column, options, lines, stop);
+  BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
+  const Levels levels = tracing.levels();
+  const std::uint64_t left_out = tracing.left_out();
+  return Traced{std::move(manifest), std::move(lines), levels, left_out};
+}
+
 }  // namespace
 }  // namespace terrain
 
@@ -180,44 +209,48 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
 Result<Contours> write_contours(const fs::path& out, const fs::path& target, const ContourOptions& options,
                                 std::stop_token stop) {
   BOOST_OUTCOME_TRYV(terrain::LineFile::check_target(target, options.overwrite));
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
-  BOOST_OUTCOME_TRYV(terrain::check(out, manifest, options));
-  BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   const bool heights = options.value == "z";
-
-  // A quarter for sorting, a quarter for what ends at borders, the rest for tiles. What ends at borders has no other
-  // place, so that a few megabytes are its own however little there is.
-  const std::uint64_t quarter = options.memory_bytes / 4, tile_bytes = options.memory_bytes - 2 * quarter;
-  BOOST_OUTCOME_TRY(entries,
-                    terrain::tiles_meeting(out, manifest, options.box, {.memory_bytes = tile_bytes, .stop = stop}));
   const auto tell = [&](double done) {
     if (options.progress) options.progress(done);
   };
-  terrain::TileQueue tiles(std::move(entries), stop, [&](double done) { tell(terrain::reading_part * done); });
-  BOOST_OUTCOME_TRY(lines, terrain::ContourLines::create(exports::folder_of(target),
-                                                         {quarter, std::max(quarter, terrain::ends_bytes_min)}, stop));
-  terrain::Tracing tracing(out, manifest, column, options, lines, stop);
-  BOOST_OUTCOME_TRYV(tracing.run(tiles, tile_bytes));
+  BOOST_OUTCOME_TRY(traced, terrain::trace(
+                                out, exports::folder_of(target), options,
+                                [&](double done) { tell(terrain::reading_part * done); }, stop));
 
-  BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = crs_or_none(manifest.crs),
+  BOOST_OUTCOME_TRY(file, terrain::LineFile::create(target, {.crs = crs_or_none(traced.manifest.crs),
                                                              .layer = "contours",
                                                              .value = heights ? "elevation" : options.value,
                                                              .heights = heights}));
-  Contours contours{.path = target, .left_out = tracing.left_out(), .note = terrain::note_of(manifest, options.box)};
+  Contours contours{
+      .path = target, .left_out = traced.left_out, .note = terrain::note_of(traced.manifest, options.box)};
   std::optional<std::int64_t> last;
-  BOOST_OUTCOME_TRYV(lines.for_each([&](std::int64_t level, std::span<const Point> points) -> Status {
+  BOOST_OUTCOME_TRYV(traced.lines.for_each([&](std::int64_t level, std::span<const Point> points) -> Status {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while writing lines");
     ++contours.lines;
     contours.closed += points.front() == points.back() ? 1 : 0;
     contours.vertices += points.size();
     contours.levels += last != level ? 1 : 0;
     last = level;
-    return file->add(tracing.levels().height(level), points);
+    return file->add(traced.levels.height(level), points);
   }));
   BOOST_OUTCOME_TRY(bytes, file->finish());
   contours.bytes = bytes;
   tell(1);
   return contours;
+}
+
+Status trace_contours(const fs::path& out, const ContourOptions& options,
+                      const std::function<void(double, std::span<const Point>)>& take, const std::stop_token& stop) {
+  std::error_code failed;
+  const fs::path folder = fs::temp_directory_path(failed);
+  if (failed) return error(Errc::io, "the system's temporary folder: " + failed.message());
+  BOOST_OUTCOME_TRY(traced, terrain::trace(
+                                out, folder, options, [](double) {}, stop));
+  return traced.lines.for_each([&](std::int64_t level, std::span<const Point> points) -> Status {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while reading lines");
+    take(traced.levels.height(level), points);
+    return success();
+  });
 }
 
 }  // namespace tessera

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <span>
 #include <stop_token>
 #include <string>
 
@@ -57,5 +58,11 @@ Result<ContourCost> estimate_contours(const std::filesystem::path& out, const Co
 // for a damaged tile; io; interrupted.
 Result<Contours> write_contours(const std::filesystem::path& out, const std::filesystem::path& target,
                                 const ContourOptions& options, std::stop_token stop);
+
+// The same lines, in the same order, for `take`; they wait in the system's temporary folder. `options.overwrite` does
+// not count.
+Status trace_contours(const std::filesystem::path& out, const ContourOptions& options,
+                      const std::function<void(double value, std::span<const Point> points)>& take,
+                      const std::stop_token& stop);
 
 }  // namespace tessera

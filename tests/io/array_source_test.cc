@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "src/io/cloud/cloud.h"
@@ -35,6 +38,23 @@ TEST(ArraySource, IsReadAsTheNumPyFileThatItWouldBe) {
     EXPECT_EQ(batch.points[1].z, dimension == 3 ? coordinates.back() : 0);
     EXPECT_EQ(reader->place(1), "row 99999");
   }
+}
+
+TEST(ArraySource, RowsOfNamedColumnsAreCoordinatesAndAttributes) {
+  struct Row {
+    double x, y, z;
+    std::uint64_t mass;
+  };
+  const std::vector<Row> rows{{1, 2, 3, 7}, {4, 5, 6, 8}};
+  const auto reader = open_reader(record_source("the array", std::as_bytes(std::span(rows)),
+                                                "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('mass', '<u8')]", 2),
+                                  {{"mass", AttributeType::u64}})
+                          .value();
+  PointBatch batch;
+  ASSERT_TRUE(reader->next(batch));
+  EXPECT_EQ(batch.points, (std::vector<Point>{{1, 2, 3}, {4, 5, 6}}));
+  const std::vector<std::uint64_t> masses{7, 8};
+  EXPECT_TRUE(std::ranges::equal(batch.rows, std::as_bytes(std::span(masses))));
 }
 
 TEST(ArraySource, EveryPartOfItCanBeRead) {

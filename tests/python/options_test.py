@@ -105,7 +105,7 @@ class Options(unittest.TestCase):
         points = clouds.random(50, 3)
         for arguments, sentence in ((dict(crop=[1, 0, 0, 1]), "^crop: is an empty box"),
                                     (dict(crop=[1, 0]), "^crop: is not xmin"),
-                                    (dict(classes=[2]), "attributes and classes are of files"),
+                                    (dict(classes=[2]), "^classes are of files: choose rows"),
                                     (dict(tiles=2, max_points_per_tile=9), "^tiles and max_points_per_tile contradict"),
                                     (dict(tiles=0), "^tiles is 0"),
                                     (dict(partition="hexagons"), "^partition: "),

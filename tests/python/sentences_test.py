@@ -48,6 +48,27 @@ class Sentences(unittest.TestCase):
         self.refused(tessera.UsageError, "give a name without an ending, and format='npy'",
                      lambda: t.export(self.folder / "tiles.ply", format="npy"))
 
+    def test_what_is_no_array_is_told_so(self):
+        self.refused(tessera.UsageError, "^points is None: it must be an array of numbers", lambda: tessera.Delaunay(None))
+        self.refused(tessera.UsageError, r"^points\[1, 0\] is None: it must be a number", lambda: tessera.Delaunay([[0, 0], [None, 1]]))
+        self.refused(tessera.UsageError, "^dim is 3, but points have 2 columns: x and y alone are triangulated in 2D",
+                     lambda: tessera.triangulate(clouds.random(50, 2), dim=3))
+
+    def test_a_star_is_of_one_vertex(self):
+        t = tessera.triangulate(clouds.random(50, 2))
+        for wrong in ([1, 2], np.array([1, 2]), 1.5, None, -1, "3"):
+            self.refused(tessera.UsageError, "^vertex is .*: it must be one integer from 0 to [0-9]+", lambda: t.star(wrong))
+        self.refused(tessera.UsageError, r"^tile is \[0\]: it must be one integer from 0 to 999999", lambda: t.star(1, tile=[0]))
+        self.assertEqual(t.star(np.int64(7)).vertex, 7)
+
+    def test_what_is_shown_is_in_plain_words(self):
+        t = tessera.triangulate(clouds.random(50, 2))
+        self.assertRegex(repr(t), "triangles in 1 tile, ")
+        self.assertEqual(repr(tessera.LinearNDInterpolator(clouds.random(50, 3), np.arange(50))),
+                         "<tessera.LinearNDInterpolator of 50 points in 3D>")
+        self.assertEqual(inspect.signature(tessera.Client), inspect.signature(tessera.connect).replace(
+            return_annotation=inspect.Signature.empty))
+
     def test_subfolders_are_read_when_asked_for(self):
         (self.folder / "block" / "sub").mkdir(parents=True)
         np.savetxt(self.folder / "block" / "sub" / "a.xyz", clouds.random(50, 3))
@@ -66,7 +87,7 @@ class Sentences(unittest.TestCase):
 
     def test_every_option_that_a_sentence_can_name_is_an_argument(self):
         elsewhere = {ROOT / "src" / "job" / "region_job.cc", ROOT / "src" / "io" / "cloud" / "cloud_units.cc"}  # which Python does not ask for
-        for folder in ("region", "service", "terrain"):
+        for folder in ("region", "service"):
             elsewhere |= {*(ROOT / "src" / folder).glob("*.cc")}
         keys = {key for folder in ("src", "actors") for path in {*(ROOT / folder).rglob("*.cc")} - elsewhere
                 for key in re.findall(r'\boption\("([^"]*)"', path.read_text())}
@@ -74,6 +95,8 @@ class Sentences(unittest.TestCase):
         arguments = {*inspect.signature(tessera.triangulate).parameters,
                      *inspect.signature(tessera.Triangulation.export).parameters,
                      *inspect.signature(tessera.Triangulation.verify).parameters,
+                     *(name for drawn in (tessera.Triangulation.dem, tessera.Triangulation.contours, tessera.Triangulation.profile)
+                       for name in inspect.signature(drawn).parameters),
                      *inspect.signature(tessera.region).parameters}
         for key in keys:
             self.assertIn(argument(key, ""), arguments)

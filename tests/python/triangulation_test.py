@@ -219,7 +219,7 @@ class Folders(FolderTest):
 
     def test_arguments_that_make_no_sense_are_refused(self):
         points = clouds.random(10, 3)
-        for wrong in ({"dim": 4}, {"dim": 2}, {"max_points_per_tile": 0}, {"max_points_per_tile": 1.5}, {"threads": -1},
+        for wrong in ({"dim": 4}, {"max_points_per_tile": 0}, {"max_points_per_tile": 1.5}, {"threads": -1},
                       {"threads": 100000}, {"memory": "4X"}, {"memory": 0}, {"attributes": ["intensity"]}, {"folder": ""},
                       {"progress": 3}):
             with self.subTest(wrong), self.assertRaises(tessera.UsageError):

@@ -89,6 +89,18 @@ Status check_units(const FileInfo& file) {
                                     option("dim", "2"));
 }
 
+// The schema: of what there is what is asked for, and in 2D the heights.
+Result<std::vector<Attribute>> choose_with_heights(const CloudOptions& options, std::vector<Attribute> available,
+                                                   bool has_z) {
+  const Attribute height{"z", AttributeType::f64};
+  const bool liftable = options.dimension == 2 && has_z;
+  if (liftable) available.push_back(height);
+  BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
+  if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
+    schema.push_back(height);
+  return std::move(schema);
+}
+
 }  // namespace
 
 Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop) {
@@ -126,12 +138,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
     if (status.has_error()) return inputs[i].explained(status.error());
     add_available(cloud.files_[i], available);
   }
-  const Attribute height{"z", AttributeType::f64};
-  const bool liftable = options.dimension == 2 && has_z;
-  if (liftable) available.push_back(height);
-  BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
-  if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
-    schema.push_back(height);
+  BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
   cloud.schema_ = std::move(schema);
   BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
   cloud.crs_ = std::move(settled.crs);
@@ -144,7 +151,7 @@ Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, Cloud
   Cloud cloud;
   BOOST_OUTCOME_TRY(reader, open_reader(share(source)));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
-  BOOST_OUTCOME_TRY(schema, choose(options.attributes, reader->info().attributes));
+  BOOST_OUTCOME_TRY(schema, choose_with_heights(options, reader->info().attributes, reader->info().dimension == 3));
   cloud.files_.push_back(reader->info());
   cloud.spooled_.push_back(std::move(source));
   cloud.schema_ = std::move(schema);

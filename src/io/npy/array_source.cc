@@ -12,14 +12,13 @@ static_assert(std::endian::native == std::endian::little, "the header says so");
 
 class ArraySource : public ByteSource {
  public:
-  ArraySource(std::filesystem::path name, std::span<const double> coordinates, int dimension)
-      : name_(std::move(name)), body_(std::as_bytes(coordinates)) {
-    const std::size_t rows = coordinates.size() / static_cast<std::size_t>(dimension);
-    const std::string text = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", " +
-                             std::to_string(dimension) + "), }\n";
-    head_ = std::string("\x93NUMPY\x01\x00", 8);
-    head_ += static_cast<char>(text.size());
-    head_ += '\0';
+  // `type` and `shape` as they stand in the header.
+  ArraySource(std::filesystem::path name, std::span<const std::byte> body, const std::string& type,
+              const std::string& shape)
+      : name_(std::move(name)), body_(body) {
+    const std::string text = "{'descr': " + type + ", 'fortran_order': False, 'shape': " + shape + ", }\n";
+    head_ = std::string("\x93NUMPY\x02\x00", 8);
+    for (unsigned shift = 0; shift < 32; shift += 8) head_ += static_cast<char>(text.size() >> shift & 0xff);
     head_ += text;
   }
 
@@ -50,7 +49,14 @@ class ArraySource : public ByteSource {
 }  // namespace
 
 std::unique_ptr<ByteSource> array_source(const std::string& name, std::span<const double> coordinates, int dimension) {
-  return std::make_unique<ArraySource>(name, coordinates, dimension);
+  const std::size_t rows = coordinates.size() / static_cast<std::size_t>(dimension);
+  return std::make_unique<ArraySource>(name, std::as_bytes(coordinates), "'<f8'",
+                                       "(" + std::to_string(rows) + ", " + std::to_string(dimension) + ")");
+}
+
+std::unique_ptr<ByteSource> record_source(const std::string& name, std::span<const std::byte> bytes,
+                                          const std::string& columns, std::uint64_t rows) {
+  return std::make_unique<ArraySource>(name, bytes, columns, "(" + std::to_string(rows) + ",)");
 }
 
 }  // namespace tessera
