@@ -23,7 +23,7 @@ build=(
 test=(
   python3-scipy python3-pip                 # what the Python package is compared with, what installs it
   python3-pandas python3-joblib             # what its users bring along
-  gdal-bin python3-gdal python3-gmsh        # read exports back
+  gdal-bin python3-gdal python3-gmsh python3-meshio  # read exports back
   python3-jsonschema openssl wrk curl       # checks what the service answers; its certificates; its load
   systemd python3-yaml                      # judge the unit, read the manifest
   iproute2 iptables                         # networks of a test's own, that lose packets

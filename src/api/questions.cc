@@ -111,6 +111,8 @@ Tile Questions::cells_of_box(std::span<const double> box, std::uint64_t cells_ma
 Tile Questions::cells_of_polygons(const std::string& geojson, std::uint64_t cells_max, std::stop_token stop) const {
   return guarded([&] {
     auto polygon = value_or_throw(query::Polygon::of_geojson(geojson, "polygon"));
+    const auto& manifest = impl_->stored.manifest();
+    or_throw(polygon.place().check_in(manifest.crs, manifest.bounds));
     constexpr double inf = std::numeric_limits<double>::infinity();
     query::Area area{.box = polygon.bounds(), .polygon = std::nullopt};
     area.box.lo.z = -inf;

@@ -24,16 +24,16 @@ namespace tessera {
 namespace {
 
 // "x,y x,y ...", or a GeoJSON file with one line.
-Result<std::vector<Point>> read_line(const std::string& text) {
+Result<query::GeoJsonShapes> read_line(const std::string& text) {
   if (text.ends_with(".geojson") || text.ends_with(".json")) {
     BOOST_OUTCOME_TRY(lines, query::read_geojson(text, query::GeoJson::lines));
-    if (lines.size() > 1)
-      return error(Errc::bad_input, text + ": has " + std::to_string(lines.size()) + " lines, not one");
-    return std::move(lines[0]);
+    if (lines.lists.size() > 1)
+      return error(Errc::bad_input, text + ": has " + std::to_string(lines.lists.size()) + " lines, not one");
+    return std::move(lines);
   }
   auto line = parse_line(text);
   if (!line) return error(Errc::usage, "--line: " + line.error().where);
-  return line;
+  return query::GeoJsonShapes{.lists = {std::move(line).value()}, .place = {}};
 }
 
 Status write(const std::string& csv, const std::string& target, bool overwrite) {
@@ -52,7 +52,7 @@ Status run_profile(Settings& settings, const std::string& folder) {
   if (!text) return error(Errc::usage, "no line is given; add --line '0,0 50,20' or --line FILE.geojson");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
-  BOOST_OUTCOME_TRY(line, read_line(*text));
+  BOOST_OUTCOME_TRY(given, read_line(*text));
   ProfileOptions options;
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& given) { return parse_distance(given); }));
   options.max_edge = max_edge;
@@ -66,7 +66,10 @@ Status run_profile(Settings& settings, const std::string& folder) {
   const Interrupt interrupt;
   options.stop = interrupt.token();
   BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(folder, {.memory_bytes = options.memory_bytes}));
-  BOOST_OUTCOME_TRY(points, profile(result, folder, line, options));
+  if (!given.place.name.empty()) {
+    BOOST_OUTCOME_TRYV(given.place.check_in(result.manifest().crs, result.manifest().bounds));
+  }
+  BOOST_OUTCOME_TRY(points, profile(result, folder, given.lists[0], options));
   return write(to_csv(points, options.value), settings.text("output").value_or(""), overwrite);
 }
 

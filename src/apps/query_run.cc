@@ -101,6 +101,7 @@ Status query_cells(const QueryRequest& request) {
   query::Area area;
   if (!request.polygon.empty()) {
     BOOST_OUTCOME_TRY(polygon, query::Polygon::read_geojson(request.polygon));
+    BOOST_OUTCOME_TRYV(polygon.place().check_in(result.manifest().crs, result.manifest().bounds));
     constexpr double inf = std::numeric_limits<double>::infinity();
     area.box = polygon.bounds();
     area.box.lo.z = -inf;

@@ -57,6 +57,9 @@ Result<RegionJobOptions> read_job(Settings& settings) {
     const Bounds& around = read.bounds();
     constexpr double inf = std::numeric_limits<double>::infinity();
     job.box = Box{{around.lo.x, around.lo.y, -inf}, {around.hi.x, around.hi.y, inf}};
+    job.check_place = [place = read.place()](const std::string& crs, const Bounds& points) {
+      return place.check_in(crs, points);
+    };
     job.shape = [area = std::move(read)](std::span<const Point> cell) { return area.meets(cell); };
   } else if (box) {
     job.box = *box;

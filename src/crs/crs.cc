@@ -153,6 +153,23 @@ bool same_crs(const std::string& a, const std::string& b) {
   return !code.empty() && code == surely_code(gdal, other);
 }
 
+bool surely_other_crs(const std::string& a, const std::string& b) {
+  return a != b && understand(a) && understand(b) && !same_crs(a, b);
+}
+
+std::string crs_of_name(const std::string& name) {
+  if (name.find("CRS84") != std::string::npos && name.find("OGC") != std::string::npos) return "EPSG:4326";
+  if (name.find("EPSG") == std::string::npos || looks_like_crs(name)) return name;
+  const std::string code = "EPSG:" + name.substr(name.find_last_of(":/") + 1);
+  return code_in(code) ? code : name;
+}
+
+std::string crs_code(const std::string& crs) {
+  const auto name = crs.empty() ? error(Errc::bad_input, "") : crs_name_or_wkt(crs);
+  const std::string code = crs_of_name(name ? name.value() : crs);
+  return code_in(code) ? code : "";
+}
+
 Status check_crs(const std::string& crs) {
   if (const auto checked = check_crs_text(crs); !checked)
     return error(Errc::bad_input, "the coordinate system " + checked.error().where);

@@ -38,6 +38,16 @@ std::string crs_title(const std::string& crs);
 // if both have one. Texts are compared when one of them is not understood, or there is no GDAL.
 bool same_crs(const std::string& a, const std::string& b);
 
+// Whether both are understood, and are not the same (same_crs()): then points of the one have no place in the other.
+bool surely_other_crs(const std::string& a, const std::string& b);
+
+// "EPSG:n" of what GeoJSON and OGC call systems: URNs, addresses, "EPSG:n". CRS84 counts as EPSG:4326, as coordinates
+// are x, y whatever order an authority gives the axes. Other texts as they are.
+std::string crs_of_name(const std::string& name);
+
+// "EPSG:n" when the horizontal system, or one that is surely the same, has a code; else empty.
+std::string crs_code(const std::string& crs);
+
 // Whether it says what the heights mean.
 bool has_heights(const std::string& crs);
 

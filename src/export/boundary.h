@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "src/export/cell_filter.h"
 #include "src/export/mesh_writer.h"
 #include "src/store/external_sort.h"
 
@@ -29,8 +30,13 @@ class Boundary {
     for (std::size_t k = 0; k < corners_; ++k) {
       if (cell.neighbors[k] >= 0) continue;
       Facet facet;
-      for (std::size_t i = 0, at = 0; i < corners_; ++i)
-        if (i != k) facet.vertices[at++] = static_cast<std::uint32_t>(cell.numbers[i]);
+      std::array<Point, 3> places;
+      for (std::size_t i = 0, at = 0; i < corners_; ++i) {
+        if (i == k) continue;
+        places[at] = cell.at[i];
+        facet.vertices[at++] = static_cast<std::uint32_t>(cell.numbers[i]);
+      }
+      facet.longest_edge = exports::longest_edge(std::span(places).first(corners_ - 1), corners_ == 3);
       // Without vertex k the rest, as it stands, is seen from outside when k is even in 3D and in 2D.
       facet.turned = k % 2;
       facet.sort(corners_ - 1);
@@ -39,9 +45,9 @@ class Boundary {
     return success();
   }
 
-  // `visit(numbers)` for each facet of one cell only, in an order that the set of facets determines: dimension
-  // vertices, which turn counterclockwise seen from outside, or in 2D have the cell on their left. Ends its life.
-  // Error corrupt: a facet of more than two cells.
+  // `visit(numbers, longest_edge)` for each facet of one cell only, in an order that the set of facets determines:
+  // dimension vertices, which turn counterclockwise seen from outside, or in 2D have the cell on their left. Ends its
+  // life. Error corrupt: a facet of more than two cells.
   template <class Visit>
   Status for_each(Visit visit) {
     const auto same = [](const Facet& a, const Facet& b) { return a.vertices == b.vertices; };
@@ -50,7 +56,7 @@ class Boundary {
       if (cells.size() == 2) return success();
       auto vertices = cells[0].vertices;
       if (cells[0].turned != 0) std::swap(vertices[corners_ - 3], vertices[corners_ - 2]);
-      visit(std::span<const std::uint32_t>(vertices).first(corners_ - 1));
+      visit(std::span<const std::uint32_t>(vertices).first(corners_ - 1), cells[0].longest_edge);
       return success();
     });
   }
@@ -59,6 +65,7 @@ class Boundary {
   struct Facet {
     std::array<std::uint32_t, 3> vertices{};  // ascending
     std::uint32_t turned = 0;                 // 1: an odd permutation of the outward order
+    double longest_edge = 0;                  // in the plane in 2D
     void sort(std::size_t size) {
       for (std::size_t i = 1; i < size; ++i)
         for (std::size_t j = i; j > 0 && vertices[j] < vertices[j - 1]; --j) {

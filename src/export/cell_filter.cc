@@ -1,21 +1,25 @@
 #include "src/export/cell_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tessera::exports {
 
 double longest_edge(const TileMesh& mesh, std::size_t cell) {
-  const bool flat = mesh.dimension == 2;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
-  const auto corner = [&](std::size_t k) -> const Point& {
-    return mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
-  };
+  std::array<Point, 4> at;
+  for (std::size_t k = 0; k < corners; ++k)
+    at[k] = mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
+  return longest_edge(std::span(at).first(corners), mesh.dimension == 2);
+}
+
+double longest_edge(std::span<const Point> corners, bool flat) {
   const auto longest = [&](auto length) {
     double most = 0;
-    for (std::size_t i = 0; i < corners; ++i) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        const Point &a = corner(i), &b = corner(j);
+        const Point &a = corners[i], &b = corners[j];
         most = std::max(most, length(a.x - b.x, a.y - b.y, flat ? 0.0 : a.z - b.z));
       }
     }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "src/mesh/tile_mesh.h"
 
@@ -12,6 +13,8 @@ namespace tessera::exports {
 // The length of a cell's longest edge, in units of the coordinates, right to the last bit but two; infinite when it is
 // more than a double holds. In 2D it is that in the plane: heights do not count.
 double longest_edge(const TileMesh& mesh, std::size_t cell);
+// The same of any points: in the plane if `flat`.
+double longest_edge(std::span<const Point> corners, bool flat);
 
 class CellFilter {
  public:

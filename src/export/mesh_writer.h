@@ -55,8 +55,8 @@ struct CellView {
   int own = 0;                             // how many of its vertices its tile owns
   std::array<PointId, 4> ids{};            // source indices
   std::array<std::uint64_t, 4> numbers{};  // of the vertices, in the order they were given; formats with a vertex list
-  std::array<Point, 4> at{};               // formats without one
-  std::array<const std::byte*, 4> rows{};  // the same: as VertexView::row
+  std::array<Point, 4> at{};               // formats without one, with their heights; and those that want edges
+  std::array<const std::byte*, 4> rows{};  // formats without one: as VertexView::row
   // Numbers of cells, `outside`, or `elsewhere`: perhaps a cell of another tile. Formats that want them.
   std::array<std::int64_t, 4> neighbors{};
   bool final = true;        // for sure a cell of the whole triangulation

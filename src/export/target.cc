@@ -103,7 +103,9 @@ Status check_fits(const fs::path& out, const Manifest& manifest, const Format& f
     return error(Errc::usage, out.string() + ": " + why + "; " + format.instead + " can");
   };
   if (manifest.dimension == 3 && !format.in_3d)
-    return advise(std::string("is a 3D result, and ") + format.name + " has no tetrahedra");
+    // PLY and OFF hold them, too, but most programs find the points alone there.
+    return error(Errc::usage, out.string() + ": is a 3D result, whose cells are tetrahedra, and " + format.name +
+                                  " has no tetrahedra; vtu, msh, mesh and npy have them");
   if (manifest.region && !manifest.region->complete && !format.final)
     return error(Errc::usage, out.string() + ": is a part whose cells are not all final, and " + format.name +
                                   " cannot tell which are; vtu, npy and geojson can");

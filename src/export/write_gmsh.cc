@@ -1,7 +1,8 @@
 // Gmsh's MSH 4.1, in text or in binary. A tile is an entity and a physical group "tile N" with the tag N + 1; the
 // facets of one cell alone are those of the group "boundary", turned outwards. Vertices belong to the tile that owns
 // them, cells to theirs, as parts of MeshHead. The boundary, the box and the number of elements are known at the end:
-// the places of the latter are filled then.
+// the places of the latter are filled then. Elements of the boundary have data, too: meshio wants some of every
+// element.
 #include <algorithm>
 #include <array>
 #include <deque>
@@ -106,16 +107,17 @@ class GmshWriter : public MeshWriter {
     const std::uint64_t boundary_head = stream_.offset();
     std::uint64_t facets = 0;
     if (head_.cells > 0) begin_boundary(stream_, facets);
-    BOOST_OUTCOME_TRYV(boundary_.for_each([&](std::span<const std::uint32_t> vertices) {
+    BOOST_OUTCOME_TRYV(boundary_.for_each([&](std::span<const std::uint32_t> vertices, double longest_edge) {
       Line line(stream_, binary_);
       line.count(cells_ + ++facets);
       for (const auto number : vertices) line.count(number + std::uint64_t{1});
+      aside_.back().add(longest_edge);
     }));
     end_section("Elements");
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       BOOST_OUTCOME_TRYV(data("NodeData", head_.columns[i].name, head_.vertices, aside_[i]));
     }
-    BOOST_OUTCOME_TRYV(data("ElementData", "longest_edge", head_.cells, aside_.back()));
+    BOOST_OUTCOME_TRYV(data("ElementData", "longest_edge", cells_ + facets, aside_.back()));
     BOOST_OUTCOME_TRYV(stream_.flush());
 
     BOOST_OUTCOME_TRYV(fill(entities_, [&](Stream& to) { entities(to); }));

@@ -98,6 +98,9 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
 
 Result<RegionSummary> write_region(RegionCloud& cloud, const RegionJobOptions& options, ResultFolder& folder,
                                    const std::stop_token& stop) {
+  if (options.check_place) {
+    BOOST_OUTCOME_TRYV(options.check_place(cloud.crs, cloud.regions->bounds()));
+  }
   BOOST_OUTCOME_TRYV(folder.claim());
   BOOST_OUTCOME_TRY(cells, cloud.regions->ask(options.box, options.limits, stop, options.shape));
   if (cells.mesh.cell_ghost.empty())

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -23,6 +24,8 @@ struct RegionJobOptions {
   bool scan = false;       // read all files once, instead of relying on the boxes that they state
   Box box;                 // closed; in 2D without bounds on z
   RegionShape shape = {};  // of the region in the box, if it is not all of it
+  // Whether the region can be one of points that lie there; null: nobody knows more of it.
+  std::function<Status(const std::string& crs, const Bounds& points)> check_place = {};
   RegionLimits limits;
   bool neighbors = true;
   std::vector<std::string> command = {};  // for the manifest

@@ -83,13 +83,12 @@ bool inside_triangle(const Point& p, const Point& a, const Point& b, const Point
 // How many strips an edge of a polygon meets, at most on average.
 constexpr std::uint64_t met_of_edge = 8;
 
-Result<Polygon> polygon_of(std::vector<std::vector<Point>> rings) {
+Status check_edges(const std::vector<std::vector<Point>>& rings) {
   std::uint64_t edges = 0;
   for (const auto& ring : rings) edges += ring.size();
   constexpr std::uint64_t edges_max = std::uint64_t{1} << 28;
   if (edges >= edges_max) return error(Errc::memory, "the polygon has " + std::to_string(edges) + " edges: too many");
-  BOOST_OUTCOME_TRYV(Ledger::draw_memory(edges * Polygon::bytes_of_edge));
-  return Polygon(std::move(rings));
+  return Ledger::draw_memory(edges * Polygon::bytes_of_edge);
 }
 
 }  // namespace
@@ -116,14 +115,21 @@ bool meets(std::span<const Point> cell, const Bounds& box) {
   return !facet_separates(cell, box) && (cell.size() == 3 || !edges_separate(cell, box));
 }
 
+Result<Polygon> Polygon::of_shapes(GeoJsonShapes shapes) {
+  BOOST_OUTCOME_TRYV(check_edges(shapes.lists));
+  Polygon polygon(std::move(shapes.lists));
+  polygon.place_ = std::move(shapes.place);
+  return polygon;
+}
+
 Result<Polygon> Polygon::read_geojson(const std::filesystem::path& path) {
-  BOOST_OUTCOME_TRY(rings, query::read_geojson(path, GeoJson::polygons));
-  return polygon_of(std::move(rings));
+  BOOST_OUTCOME_TRY(shapes, query::read_geojson(path, GeoJson::polygons));
+  return of_shapes(std::move(shapes));
 }
 
 Result<Polygon> Polygon::of_geojson(std::string_view text, const std::string& name) {
-  BOOST_OUTCOME_TRY(rings, query::of_geojson(text, name, GeoJson::polygons));
-  return polygon_of(std::move(rings));
+  BOOST_OUTCOME_TRY(shapes, query::of_geojson(text, name, GeoJson::polygons));
+  return of_shapes(std::move(shapes));
 }
 
 Polygon::Polygon(std::vector<std::vector<Point>> rings) {

@@ -13,6 +13,7 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/query/geojson.h"
 
 namespace tessera::query {
 
@@ -42,6 +43,7 @@ class Polygon {
   static Result<Polygon> of_geojson(std::string_view text, const std::string& name);
 
   const Bounds& bounds() const { return bounds_; }
+  const GeoJsonPlace& place() const { return place_; }  // of a file
   // Exact. Of a cell of space it is the projection that counts.
   bool meets(std::span<const Point> cell) const;
 
@@ -49,6 +51,7 @@ class Polygon {
   struct Edge {
     Point a, b;  // a.y <= b.y
   };
+  static Result<Polygon> of_shapes(GeoJsonShapes shapes);
   bool meets_triangle(const Point& a, const Point& b, const Point& c) const;
   bool contains(const Point& p) const;
   std::size_t strip(double y) const;  // clamped
@@ -59,6 +62,7 @@ class Polygon {
   }
   std::uint64_t index_strips(std::size_t strips);
 
+  GeoJsonPlace place_;
   Bounds bounds_;
   std::vector<Edge> edges_;
   // Strips of y, and the edges that meet each of them: those of strip s are met_[begin_[s]] up to met_[begin_[s + 1]].

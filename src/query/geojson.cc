@@ -1,9 +1,12 @@
 #include "src/query/geojson.h"
 
+#include <array>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
+#include "src/crs/crs.h"
 #include "src/files/whole_file.h"
 
 namespace tessera::query {
@@ -93,21 +96,55 @@ class Collection {
   std::vector<std::vector<Point>> found_;
 };
 
+// The member `crs` of the specification of 2008, which GDAL and QGIS write, too. Empty when it is none of a name.
+std::string named_crs(const json& document) {
+  const auto crs = document.find("crs");
+  if (crs == document.end() || !crs->is_object()) return {};
+  const auto properties = crs->find("properties");
+  if (properties == crs->end() || !properties->is_object()) return {};
+  const auto name = properties->find("name");
+  return name != properties->end() && name->is_string() ? crs_of_name(name->get<std::string>()) : "";
+}
+
 }  // namespace
 
-Result<std::vector<std::vector<Point>>> read_geojson(const std::filesystem::path& path, GeoJson kind) {
+Status GeoJsonPlace::check_in(const std::string& there, const Bounds& points) const {
+  const auto refuse = [&](const std::string& why) {
+    const std::string code = crs_code(there);
+    return error(Errc::bad_input, name + ": " + why + "; transform it first, as ogr2ogr -t_srs" +
+                                      (code.empty() ? "" : " " + code) + " does");
+  };
+  if (surely_other_crs(crs, there))
+    return refuse("its coordinates are those of " + crs_title(crs) + ", and the points have those of " +
+                  crs_title(there));
+  constexpr double near = 1000;  // farther from 0 there are no degrees, nor a place that was measured from a corner
+  const bool degrees = bounds.lo.x >= -180 && bounds.hi.x <= 180 && bounds.lo.y >= -90 && bounds.hi.y <= 90;
+  if (!degrees || (points.lo.x <= near && points.hi.x >= -near && points.lo.y <= near && points.hi.y >= -near))
+    return success();
+  const auto side = [](const char* axis, double a, double b) {
+    std::array<char, 80> text{};
+    std::snprintf(text.data(), text.size(), "%s from %.10g to %.10g", axis, a, b);
+    return std::string(text.data());
+  };
+  return refuse("its coordinates look like degrees, and the points lie at " + side("x", points.lo.x, points.hi.x) +
+                ", " + side("y", points.lo.y, points.hi.y));
+}
+
+Result<GeoJsonShapes> read_geojson(const std::filesystem::path& path, GeoJson kind) {
   BOOST_OUTCOME_TRY(text, read_whole(path));
   return of_geojson(as_text(text), path.string(), kind);
 }
 
-Result<std::vector<std::vector<Point>>> of_geojson(std::string_view text, const std::string& name, GeoJson kind) {
+Result<GeoJsonShapes> of_geojson(std::string_view text, const std::string& name, GeoJson kind) {
   const json document = json::parse(text, nullptr, false);
   const auto bad = [&](const std::string& reason) { return error(Errc::bad_input, name + ": " + reason); };
   if (document.is_discarded()) return bad("is not JSON");
   Collection collection(kind);
   if (auto added = collection.add(document, ""); !added) return bad(added.error().where);
-  auto found = collection.take();
-  if (found.empty()) return bad(kind == GeoJson::polygons ? "has no polygon" : "has no line");
+  GeoJsonShapes found{.lists = collection.take(), .place = {.name = name, .crs = named_crs(document)}};
+  if (found.lists.empty()) return bad(kind == GeoJson::polygons ? "has no polygon" : "has no line");
+  for (const auto& list : found.lists)
+    for (const Point& p : list) found.place.bounds.add(p);
   return found;
 }
 

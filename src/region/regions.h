@@ -72,6 +72,7 @@ class Regions {
                           const RegionShape& shape = {});
 
   const PointUnits& units() const { return *units_; }
+  const Bounds& bounds() const { return bounds_; }  // of all units
   // Bytes of what was read, and is there for the next question.
   std::uint64_t loaded_bytes() const;
   // Gives back the memory of what was read: of that which was used longest ago, until no more is left than that.

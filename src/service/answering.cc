@@ -135,6 +135,7 @@ Result<query::Area> Answering::area() const {
   if (question_.body) {
     if (nested_too_deep(*question_.body)) return error(Errc::usage, "the body: lists are nested too deep for GeoJSON");
     BOOST_OUTCOME_TRY(polygon, query::Polygon::of_geojson(*question_.body, "the body"));
+    BOOST_OUTCOME_TRYV(polygon.place().check_in(reader_.stored.manifest().crs, reader_.stored.manifest().bounds));
     constexpr double inf = std::numeric_limits<double>::infinity();
     area.box = polygon.bounds();
     area.box.lo.z = -inf;

@@ -119,9 +119,10 @@ Result<QuestionAnswer> Answering::profile() const {
   if (question_.body) {
     if (nested_too_deep(*question_.body)) return error(Errc::usage, "the body: lists are nested too deep for GeoJSON");
     BOOST_OUTCOME_TRY(lines, query::of_geojson(*question_.body, "the body", query::GeoJson::lines));
-    if (lines.size() > 1)
-      return error(Errc::bad_input, "the body: has " + std::to_string(lines.size()) + " lines, not one");
-    line = std::move(lines[0]);
+    if (lines.lists.size() > 1)
+      return error(Errc::bad_input, "the body: has " + std::to_string(lines.lists.size()) + " lines, not one");
+    BOOST_OUTCOME_TRYV(lines.place.check_in(reader_.stored.manifest().crs, reader_.stored.manifest().bounds));
+    line = std::move(lines.lists[0]);
   } else {
     BOOST_OUTCOME_TRY(points, read("line", parse_line));
     line = std::move(points);

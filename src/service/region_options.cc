@@ -26,6 +26,9 @@ Status read_place(const proto::RegionInputs& inputs, RegionJobOptions& options) 
     const Bounds& around = read.value().bounds();
     constexpr double inf = std::numeric_limits<double>::infinity();
     options.box = Box{{around.lo.x, around.lo.y, -inf}, {around.hi.x, around.hi.y, inf}};
+    options.check_place = [place = read.value().place()](const std::string& crs, const Bounds& points) {
+      return place.check_in(crs, points);
+    };
     options.shape = [area = std::move(read).value()](std::span<const Point> cell) { return area.meets(cell); };
     return success();
   }

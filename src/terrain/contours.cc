@@ -151,6 +151,7 @@ Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourO
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(check(out, manifest, options));
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+  BOOST_OUTCOME_TRYV(check_meets(manifest, options.box));
 
   // A quarter for sorting, a quarter for what ends at borders, the rest for tiles. What ends at borders has no other
   // place, so that a few megabytes are its own however little there is.
@@ -181,6 +182,7 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(terrain::check(out, manifest, options));
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
+  BOOST_OUTCOME_TRYV(terrain::check_meets(manifest, options.box));
   const terrain::Levels levels(options.interval, options.base);
   std::uint64_t seen = 0, pieces = 0, all = 0;
   for (const auto& entry : manifest.tiles) all += entry.cells;

@@ -178,6 +178,7 @@ Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOpti
   }
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   BOOST_OUTCOME_TRY(grid, grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
+  BOOST_OUTCOME_TRYV(check_meets(manifest, options.box));
   return Asked{std::move(manifest), column, grid};
 }
 

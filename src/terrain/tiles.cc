@@ -1,13 +1,38 @@
 #include "src/terrain/tiles.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
+#include "src/base/option.h"
 #include "src/crs/crs.h"
 #include "src/query/part.h"
 #include "src/query/stored_triangulation.h"
 
 namespace tessera::terrain {
+
+namespace {
+
+// Where its points are, for whoever asked for a place without any.
+Error nothing_there(const Bounds& all) {
+  const auto side = [](const char* name, double a, double b) {
+    std::array<char, 80> text{};
+    std::snprintf(text.data(), text.size(), "%s from %.10g to %.10g", name, a, b);
+    return std::string(text.data());
+  };
+  return error(Errc::usage, option("bbox") + ": no cell meets it; the points of the result lie at " +
+                                side("x", all.lo.x, all.hi.x) + ", " + side("y", all.lo.y, all.hi.y));
+}
+
+}  // namespace
+
+Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box) {
+  const Bounds& all = manifest.bounds;
+  if (box && (box->lo.x > all.hi.x || box->hi.x < all.lo.x || box->lo.y > all.hi.y || box->hi.y < all.lo.y))
+    return nothing_there(all);
+  return success();
+}
 
 Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, const Manifest& manifest,
                                              const std::optional<Bounds>& box, const Looking& looking) {
@@ -22,6 +47,7 @@ Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, c
   std::vector<TileEntry> tiles;
   for (const auto& entry : manifest.tiles)
     if (std::binary_search(ids.begin(), ids.end(), entry.tile)) tiles.push_back(entry);
+  if (tiles.empty()) return nothing_there(all);
   return tiles;
 }
 

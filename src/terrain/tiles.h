@@ -17,6 +17,9 @@
 
 namespace tessera::terrain {
 
+// Error usage, which says where the points are, when the box is outside of all of them.
+Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box);
+
 // Memory that tiles may take while they are looked for; and when to end.
 struct Looking {
   std::uint64_t memory_bytes = 0;
@@ -25,7 +28,7 @@ struct Looking {
 
 // Of a 2D result: the tiles that own a vertex of a cell that meets the closed box. Without a box all of them, as when
 // it covers half of the result or more: to find those that are not needed would take as long as to read them. Errors:
-// of reading.
+// usage when there is none; of reading.
 Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, const Manifest& manifest,
                                              const std::optional<Bounds>& box, const Looking& looking);
 

@@ -83,6 +83,20 @@ class RegionTest(CliTest):
         self.refused(USAGE, "region", *BLOCK, "--polygon", "2-0.geojson", "--bbox", "0,0,1,1", "-o", "b", says="either --bbox or --polygon")
         self.refused(BAD_INPUT, "region", *BLOCK, "--polygon", self.write("line.geojson", '{"type":"LineString","coordinates":[[0,0],[1,1]]}'), "-o", "b", says="Polygon")
 
+    def test_of_a_polygon_of_another_system_is_refused(self):
+        x0, y0 = BOX[:2]
+        whole = self.folder / "whole"
+        self.ok("triangulate", BLOCK[0], "--dim", "2", "--class", "2", "-o", whole, "--quiet")
+        before = self.files()
+        for name, ring, says in (("EPSG:2056", [[x0, y0], [x0 + 9, y0 + 1], [x0 + 2, y0 + 7]], "EPSG:2056"),
+                                 (None, [[3.8, 43.5], [3.9, 43.5], [3.9, 43.6]], "degrees")):
+            crs = {"crs": {"type": "name", "properties": {"name": name}}} if name else {}
+            area = self.write("area.geojson", json.dumps({"type": "Polygon", "coordinates": [ring], **crs}))
+            self.refused(BAD_INPUT, "region", BLOCK[0], "--dim", "2", "--polygon", area, "-o", "b", says=["area.geojson: its coordinates", says, "ogr2ogr -t_srs EPSG:2154"])
+            self.refused(BAD_INPUT, "query", whole, "cells", "--polygon", area, "-o", "b.ply", says=["area.geojson: its coordinates", says, "ogr2ogr -t_srs"])
+            area.unlink()
+        self.assertEqual(self.files(), before)
+
     def test_of_everything_is_the_whole(self):
         """With its indices, whatever is left out, and points that two files have."""
         more = self.write("more.xyz", b"770540 6277560 30\n770545 6277561 31\n")

@@ -15,6 +15,25 @@ TEST(Crs, OnlyWktAndCodesReachGdalWhichWouldOpenFilesAndAddresses) {
   EXPECT_EQ(crs_or_none("/etc/passwd"), "");
 }
 
+TEST(Crs, NamesOfGeoJsonBecomeCodes) {
+  for (const char* name : {"EPSG:2154", "urn:ogc:def:crs:EPSG::2154", "urn:ogc:def:crs:EPSG:9.8.6:2154",
+                           "http://www.opengis.net/def/crs/EPSG/0/2154"})
+    EXPECT_EQ(crs_of_name(name), "EPSG:2154") << name;
+  for (const char* name : {"urn:ogc:def:crs:OGC:1.3:CRS84", "http://www.opengis.net/def/crs/OGC/1.3/CRS84"})
+    EXPECT_EQ(crs_of_name(name), "EPSG:4326") << name;
+  for (const char* name : {"", "mine", "urn:ogc:def:crs:EPSG::", "/etc/EPSG"}) EXPECT_EQ(crs_of_name(name), name);
+  EXPECT_EQ(crs_code("EPSG:2154"), "EPSG:2154");
+  EXPECT_EQ(crs_code("EPSG:5698"), "EPSG:2154") << "without its heights";
+  EXPECT_EQ(crs_code(""), "");
+}
+
+TEST(Crs, OtherSystemsAreThoseThatAreUnderstood) {
+  EXPECT_TRUE(surely_other_crs("EPSG:2154", "EPSG:4326"));
+  EXPECT_FALSE(surely_other_crs("EPSG:2154", "EPSG:5698")) << "one has heights";
+  for (const char* unknown : {"", "EPSG:99999999", "PROJCS[\"x\"]", "mine"})
+    EXPECT_FALSE(surely_other_crs("EPSG:2154", unknown)) << unknown;
+}
+
 TEST(Crs, TheHorizontalSystemIsNamedByItsCodeOrElseWrittenOut) {
   EXPECT_EQ(crs_name_or_wkt("EPSG:2154").value(), "urn:ogc:def:crs:EPSG::2154");
   EXPECT_EQ(crs_name_or_wkt("EPSG:5698").value(), "urn:ogc:def:crs:EPSG::2154") << "Lambert-93 with heights";

@@ -82,6 +82,21 @@ class Questions(DaemonTest):
         array = np.load(io.BytesIO(self.ask("POST", "solid", "locate?f=npy", {"points": self.points["solid"].tolist()})[2]))
         self.assertEqual((array.shape, array.dtype), ((400, 6), np.int64))
 
+    def test_places_of_another_system_are_refused(self):
+        line = {"type": "LineString", "coordinates": [[3.87, 43.59], [3.88, 43.6]]}
+        polygon = {"type": "Polygon", "coordinates": [[[3.8, 43.5], [3.9, 43.5], [3.9, 43.6]]]}
+        crs = {"crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}}
+        for question, shape in (("profile", line), ("cells", polygon)):
+            for more, says in (({}, "look like degrees"), (crs, "those of WGS 84 (EPSG:4326)")):
+                status, _, problem = self.ask("POST", "flat", question, json.dumps(shape | more).encode(), "application/geo+json")
+                self.assertEqual(status, 422, problem)
+                self.assertIn("the body: its coordinates", problem["detail"])
+                self.assertIn(says, problem["detail"])
+        for question in ("dem?res=1", "contours?interval=1"):
+            status, _, problem = self.ask("GET", "flat", question + "&bbox=0,0,9,9")
+            self.assertEqual(status, 400, problem)
+            self.assertIn("bbox: no cell meets it; the points of the result lie at x from", problem["detail"])
+
     def test_cells_and_rasters_are_the_files_of_the_command(self):
         x, y, _ = self.middle
         box = f"{x - 9},{y - 9},{x + 9},{y + 9}"
@@ -109,7 +124,7 @@ class Questions(DaemonTest):
     def test_wrong_questions_are_refused_with_a_sentence(self):
         csv, npy = "text/csv", "application/x-npy"
         near = ",".join(str(at + side) for side in (-1, 1) for at in self.middle)
-        far = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1]]]}
+        far = {"type": "Polygon", "coordinates": [[[999, 0], [1000, 0], [999, 1]]]}
         for name, method, question, body, kind, status, says in (
                 ("none", "GET", "locate?point=1,2", None, None, 404, "there is no triangulation 'none'"),
                 ("flat", "GET", "locate", None, None, 400, "point: '' is not a point"),

@@ -37,8 +37,8 @@ class Mesh:
                     self.boundary = rows
                 else:
                     self.cells[name] = rows
-                    for number, cell in zip(numbers[0].tolist() if len(numbers) else [], rows):
-                        self.nodes.setdefault("elements", {})[number] = cell
+                for number, cell in zip(numbers[0].tolist() if len(numbers) else [], rows):
+                    self.nodes.setdefault("elements", {})[number] = cell
             self.box = gmsh.model.getBoundingBox(-1, -1)
             self.data = {}
             for view in gmsh.view.getTags():

@@ -160,7 +160,8 @@ class Surveyors(ExportTest):
         self.stored(self.xyz(n=50), "--dim", "3")
         before = self.files()
         for target, name in (("a.dxf", "dxf"), ("a.xml", "landxml"), ("a.landxml", "landxml")):
-            self.refused(USAGE, "export", self.out, "-o", target, says=["is a 3D result", name + " has no tetrahedra"])
+            self.refused(USAGE, "export", self.out, "-o", target, says=["is a 3D result", name + " has no tetrahedra",
+                                                                            "vtu, msh, mesh and npy have them"])
         self.assertEqual(self.files(), before)
 
 

@@ -169,6 +169,20 @@ TEST(LasReader, FindsTheCoordinateSystem) {
   EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "PRO?CS[\"x\"]");
 }
 
+// As some files have: two quotation marks where the text should be.
+TEST(LasReader, TextThatIsNoSystemCountsAsNoneWithANote) {
+  auto file = small_file(4, 6, 0);
+  file.records.push_back({"LASF_Projection", 2112, bytes_of(std::string("''\0", 3))});
+  const auto info = read_bytes(file.bytes(), "a.las").value().info;
+  EXPECT_EQ(info.crs, "");
+  EXPECT_EQ(info.crs_note, "its well-known text is not understood: '' is no coordinate system");
+  Bytes keys;
+  for (const int v : {1, 1, 0, 3, 1024, 0, 1, 1, 2048, 0, 1, 4171, 3072, 0, 1, 2154})
+    push(keys, static_cast<std::uint16_t>(v));
+  file.records.push_back({"LASF_Projection", 34735, keys});
+  EXPECT_EQ(read_bytes(file.bytes(), "a.las").value().info.crs, "EPSG:2154");
+}
+
 TEST(LasReader, TakesThe64BitCountOfLas14) {
   auto bytes = small_file(4, 6, 0).bytes();
   put<std::uint32_t>(bytes, 107, 3);

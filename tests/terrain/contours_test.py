@@ -196,6 +196,15 @@ class Contours(CliTest):
             tile.write_bytes(kept)
         self.assertGreater(needless, 30)
 
+    def test_a_box_outside_of_the_surface_is_refused(self):
+        out = self.triangulate(self.write("p.csv", "x,y,z\n1,1,0\n9,1,1\n1,9.5,2\n3,2,5\n"), "2")
+        before = sorted(os.listdir(self.folder))
+        for box in ("100,100,103,103", "2,10,3,11", "8,8,8.5,8.5"):  # the last one only of the hull
+            for name in ("a.gpkg", "a.geojson"):
+                self.refused(USAGE, "contours", out, "--interval", "1", "--bbox", box, "-o", name,
+                             says="--bbox: no cell meets it; the points of the result lie at x from 1 to 9, y from 1 to 9.5")
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
     def test_files_have_system_and_elevation(self):
         dice = random.Random(1)
         cloud = self.write("p.csv", "x,y,z,intensity\n" + "".join(

@@ -148,7 +148,15 @@ class Dem(CliTest):
         array = part.ReadAsArray()
         np.testing.assert_array_equal(whole.ReadAsArray()[y:y + array.shape[0], x:x + array.shape[1]].view("u4"), array.view("u4"))
         self.assertAlmostEqual(part_left, -2.1)
-        self.assertTrue(np.isnan(self.dem(out, "far.tif", "--bbox", "100,100,103,103").ReadAsArray()).all())
+
+    def test_a_box_outside_of_the_surface_is_refused(self):
+        out = self.triangulate(self.write("p.csv", "x,y,z\n1,1,0\n9,1,1\n1,9.5,2\n3,2,5\n"), "2")
+        before = sorted(os.listdir(self.folder))
+        for box in ("100,100,103,103", "2,10,3,11", "8,8,8.5,8.5"):  # the last one only of the hull
+            self.refused(USAGE, "dem", out, "--res", "0.25", "--bbox", box, "-o", "a.tif",
+                         says="--bbox: no cell meets it; the points of the result lie at x from 1 to 9, y from 1 to 9.5")
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+        self.assertFalse(np.isnan(self.dem(out, "a.tif", "--bbox", "1,1,2,2", res="0.25").ReadAsArray()).any())
 
     def test_a_box_needs_no_other_tiles(self):
         out = self.triangulate(self.cloud("uniform"), "64")

@@ -138,6 +138,32 @@ class Profile(CliTest):
         self.write("c.geojson", json.dumps({"type": "Polygon", "coordinates": [[[1, 1], [9, 7], [3, 3]]]}))
         self.refused(BAD_INPUT, "profile", out, "--line", "c.geojson", says="LineString")
 
+    def test_a_line_of_another_system_is_refused(self):
+        rows = "".join(f"{770500 + x},{6277500 + y},{x * y}\n" for x in range(9) for y in range(9))
+        cloud = self.write("p.csv", "x,y,z\n" + rows)
+        placed, bare = self.folder / "placed", self.folder / "bare"
+        self.ok("triangulate", cloud, "--dim", "2", "--crs", "EPSG:2154", "-o", placed, "--quiet")
+        self.ok("triangulate", cloud, "--dim", "2", "-o", bare, "--quiet")
+
+        def line(name, coordinates):
+            crs = {"crs": {"type": "name", "properties": {"name": name}}} if name else {}
+            return self.write("a.geojson", json.dumps({"type": "LineString", "coordinates": coordinates, **crs}))
+        here, degrees = [[770501, 6277501], [770507, 6277505]], [[3.87, 43.59], [3.88, 43.6]]
+        crs84 = "urn:ogc:def:crs:OGC:1.3:CRS84"
+        right = self.ok("profile", placed, "--line", "770501,6277501 770507,6277505")
+        same = ("urn:ogc:def:crs:EPSG::2154", "EPSG:2154", "http://www.opengis.net/def/crs/EPSG/0/2154", "what nobody knows", None)
+        for result, names in ((placed, same), (bare, (*same, crs84, "EPSG:2056"))):
+            for name in names:
+                self.assertEqual(self.ok("profile", result, "--line", line(name, here)), right)
+        for name in ("EPSG:2056", crs84):
+            self.refused(BAD_INPUT, "profile", placed, "--line", line(name, here),
+                         says=["a.geojson: its coordinates are those of", "Lambert-93 (EPSG:2154)", "ogr2ogr -t_srs EPSG:2154"])
+        self.refused(BAD_INPUT, "profile", placed, "--line", line(crs84, degrees), says=["those of WGS 84 (EPSG:4326)"])
+        self.refused(BAD_INPUT, "profile", placed, "--line", line(None, degrees),
+                     says=["a.geojson: its coordinates look like degrees", "x from 770500 to 770508", "-t_srs EPSG:2154"])
+        for name in (None, crs84):
+            self.refused(BAD_INPUT, "profile", bare, "--line", line(name, degrees), says=["look like degrees", "ogr2ogr -t_srs does"])
+
     def test_few_tiles_are_read(self):
         out = self.triangulate(self.cloud("uniform"), "64")
         text = self.ok("profile", out, "--line", "6,5 6.5,5.5")

@@ -1,6 +1,7 @@
 #include "src/io/las/las_header.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -170,7 +171,10 @@ class RecordWalk {
 
 // Well-known text is exact where GeoTIFF keys may be vague; a few writers gave it a name of their own.
 void settle_crs(const Projection& projection, LasHeader& header) {
-  header.crs = projection.wkt;
+  // A few fill the record with two quotation marks: whatever names a system has letters or digits.
+  const bool system = std::any_of(projection.wkt.begin(), projection.wkt.end(),
+                                  [](unsigned char c) { return std::isalnum(c) != 0 || c >= 0x80; });
+  if (system) header.crs = projection.wkt;
   if (header.crs.empty() && !projection.directory.empty()) {
     auto crs = crs_of({projection.directory, projection.doubles, projection.ascii});
     if (crs) {
@@ -180,6 +184,8 @@ void settle_crs(const Projection& projection, LasHeader& header) {
     }
   }
   if (header.crs.empty()) header.crs = projection.other_wkt;
+  if (header.crs.empty() && !projection.wkt.empty() && header.crs_note.empty())
+    header.crs_note = "its well-known text is not understood: " + projection.wkt + " is no coordinate system";
 }
 
 }  // namespace

@@ -35,7 +35,7 @@ struct LasHeader {
   std::array<double, 3> scale{}, offset{};
   Bounds bounds;         // as declared; empty if that is no box
   std::string crs;       // WKT or "EPSG:n", or empty
-  std::string crs_note;  // why there is none although the file has GeoTIFF keys
+  std::string crs_note;  // why there is none although the file has GeoTIFF keys or well-known text
   std::vector<LasField> fields;
   bool compressed = false;        // LAZ
   std::vector<std::byte> laszip;  // payload of the LASzip record; empty if there is none
