@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -143,6 +146,53 @@ TEST(Interpolate, GivesHeightsBackAndTellsOfWhatTheyAreMade) {
     EXPECT_NEAR(found.values[0], 2 * asked[0] - asked[1], 1e-3);
     EXPECT_TRUE(questions.interpolate(asked, "z", method).offsets.empty());
   }
+}
+
+// Rows in memory with heights and a mass: a slope, on which lines are where they have to be.
+struct Row {
+  double x, y, z;
+  float mass;
+  std::int32_t free;
+};
+
+Triangulation slope() {
+  std::vector<Row> rows;
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      rows.push_back({i + 0.01 * j, static_cast<double>(j), i + 0.01 * j, static_cast<float>(i), 0});
+  const Records records{std::as_bytes(std::span(rows)), rows.size(),
+                        "[('x', '<f8'), ('y', '<f8'), ('z', '<f8'), ('mass', '<f4'), ('', '|V4')]"};
+  return triangulate(records, TriangulationOptions().dimension(2).max_points_per_tile(60).attributes({"mass"}));
+}
+
+TEST(Lines, OfRowsWithHeightsAreArraysAndFiles) {
+  const TemporaryHome home;
+  const Triangulation t = slope();
+  ASSERT_EQ(t.tile(0).attributes().size(), 2u);
+  const LineSet lines = draw_contours(t, ContourRequest(5).base(2.5));
+  EXPECT_EQ(lines.values, (std::vector<double>{2.5, 7.5, 12.5, 17.5}));
+  ASSERT_EQ(lines.offsets.size(), 5u);
+  EXPECT_EQ(lines.offsets.back() * 2, lines.points.size());
+  for (std::size_t line = 0; line < 4; ++line)
+    for (std::size_t i = lines.offsets[line]; i < lines.offsets[line + 1]; ++i)
+      EXPECT_NEAR(lines.points[2 * i], lines.values[line], 1e-9);
+  const std::vector<double> across{1, 10, 15, 10};
+  const ProfileTable table = draw_profile(t, across);
+  ASSERT_GT(table.values.size(), 14u);
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    EXPECT_NEAR(table.values[i], table.points[2 * i], 1e-9);
+    EXPECT_NEAR(table.distances[i], table.points[2 * i] - 1, 1e-9);
+    EXPECT_EQ(table.parts[i], 0u);
+  }
+  const auto csv = home.path() / "profile.csv";
+  write_profile(t, across, csv);
+  EXPECT_GT(std::filesystem::file_size(csv), 100u);
+  EXPECT_EQ(failure_of([&] { write_profile(t, across, csv); }).what(),
+            csv.string() + ": exists already; overwrite(true) replaces it");
+  EXPECT_NE(write_contours(t, home.path() / "lines.geojson", ContourRequest(5)), "");
+  EXPECT_NE(write_raster(t, home.path() / "shade.tif", RasterRequest(1).hillshade(90, 30)), "");
+  EXPECT_STREQ(failure_of([&] { draw_raster(t, RasterRequest(1).hillshade()); }).what(),
+               "hillshade(true): is written to a file; give its name");
 }
 
 }  // namespace
