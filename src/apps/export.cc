@@ -47,10 +47,12 @@ Status run_export(Settings& settings, const std::string& folder) {
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
   BOOST_OUTCOME_TRY(index, settings.get("index", [](const std::string& text) { return parse_switch(text); }));
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  BOOST_OUTCOME_TRY(local, settings.on("local"));
   const ExportOptions options{.format = settings.text("format").value_or(""),
                               .heights = heights.value_or(true),
                               .spatial_index = index.value_or(true),
                               .max_edge = max_edge,
+                              .local = local,
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
@@ -84,6 +86,10 @@ Command add_export(CLI::App& root) {
       command, "max-edge", "LENGTH",
       "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices left alone");
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
+  add_switch(
+      command, "local",
+      "ply, obj, off: coordinates count from the corner of the result's box, rounded down to whole numbers, which is "
+      "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
   add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
              false, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);

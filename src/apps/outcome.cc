@@ -49,6 +49,8 @@ void print_exported(const Exported& exported, const std::optional<std::string>& 
     if (max_edge) {
       say("%s cells with longer edges than %s are left out\n", grouped(exported.left_out).c_str(), max_edge->c_str());
     }
+    if (const auto& corner = exported.corner)
+      say("coordinates count from %.0f %.0f %.0f\n", corner->x, corner->y, corner->z);
     if (!exported.note.empty()) say_beside("note: %s\n", exported.note.c_str());
   }
 }

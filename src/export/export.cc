@@ -177,6 +177,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   exported.vertices = selection.vertices;
   exported.cells = selection.cells;
   exported.left_out = manifest.cells - selection.cells;
+  exported.corner = exports::corner_of(source);
   if (target.format->crs) exported.note = crs_note(manifest.crs);
   return exported;
 }

@@ -11,6 +11,7 @@
 #include <stop_token>
 #include <string>
 
+#include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/store/tile_store.h"
 
@@ -23,6 +24,9 @@ struct ExportOptions {
   // In units of the coordinates, finite and above 0: cells with a longer edge are left out, and vertices that no cell
   // has then. In 2D edges are measured in the plane.
   std::optional<double> max_edge = {};
+  // Coordinates count from the corner of the result's box, rounded down to whole numbers, for readers that keep floats
+  // of 32 bits. Formats that nothing places on a map: ply, obj, off.
+  bool local = false;
   bool overwrite = false;                     // replace files
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1, now and then; or null
 };
@@ -32,8 +36,9 @@ struct Exported {
   std::uint64_t vertices = 0, cells = 0;
   std::uint64_t left_out = 0;  // cells, for their edges
   std::uint64_t files = 0;
-  std::uint64_t bytes = 0;  // written, all files together
-  std::string note = {};    // a sentence about what the format could not keep here; often empty
+  std::uint64_t bytes = 0;           // written, all files together
+  std::optional<Point> corner = {};  // that coordinates count from, if it is not 0, 0, 0
+  std::string note = {};             // a sentence about what the format could not keep here; often empty
 };
 
 // What the command prints and a job's outcome holds: one line of JSON without its end. `output`: what it is called

@@ -1,7 +1,9 @@
 #include "src/export/mesh_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <numeric>
 #include <optional>
@@ -25,7 +27,8 @@ class Rows {
  public:
   explicit Rows(const MeshSource& source)
       : attributes_(source.format.attributes && !source.manifest.schema.empty()),
-        stride_(row_bytes(source.manifest.schema)) {
+        stride_(row_bytes(source.manifest.schema)),
+        corner_(corner_of(source).value_or(Point{})) {
     if (source.manifest.dimension != 2 || !source.options.heights || source.format.heights_apart) return;
     std::size_t offset = 0;
     for (const auto& attribute : source.manifest.schema) {
@@ -58,12 +61,14 @@ class Rows {
     return wanted() ? tile.rows.data() + i * stride_ : nullptr;
   }
   VertexView vertex(const StoredTile& tile, std::size_t i) const {
-    return {.at = tile.mesh.points[i], .id = tile.mesh.ids[i], .row = row(tile, i)};
+    const Point& at = tile.mesh.points[i];
+    return {.at = {at.x - corner_.x, at.y - corner_.y, at.z - corner_.z}, .id = tile.mesh.ids[i], .row = row(tile, i)};
   }
 
  private:
   bool attributes_;
   std::size_t stride_;
+  Point corner_;
   std::optional<std::size_t> height_at_;
 };
 
@@ -191,6 +196,20 @@ Status give_vertices(const MeshSource& source, Selection& selection, const Rows&
 
 }  // namespace
 
+std::optional<Point> corner_of(const MeshSource& source) {
+  if (!source.options.local) return std::nullopt;
+  Point corner = source.manifest.bounds.lo;
+  for (int axis = 0; axis < 3; ++axis) corner[axis] = axis < source.manifest.dimension ? std::floor(corner[axis]) : 0;
+  return corner;
+}
+
+std::string MeshHead::corner_comment() const {
+  if (!corner) return {};
+  std::array<char, 120> text{};
+  std::snprintf(text.data(), text.size(), "coordinates count from %.0f %.0f %.0f", corner->x, corner->y, corner->z);
+  return text.data();
+}
+
 MeshHead head_of(const MeshSource& source, const Selection& selection) {
   const Manifest& manifest = source.manifest;
   MeshHead head;
@@ -201,6 +220,7 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.ids = manifest.points_read;
   head.neighbors = source.format.neighbors && manifest.neighbors;
   head.final = source.manifest.region && !source.manifest.region->complete;
+  head.corner = corner_of(source);
   head.spatial_index = source.options.spatial_index;
   head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;

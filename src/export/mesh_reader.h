@@ -11,6 +11,9 @@
 
 namespace tessera::exports {
 
+// That coordinates count from: options.local.
+std::optional<Point> corner_of(const MeshSource& source);
+
 // What a writer of the whole selection is told.
 MeshHead head_of(const MeshSource& source, const Selection& selection);
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,9 +37,12 @@ struct MeshHead {
   bool neighbors = false;
   bool final = false;  // of a part of a triangulation: CellView::final says something
   bool spatial_index = true;
+  std::optional<Point> corner = {};  // that coordinates count from, for a comment
   std::vector<Column> columns;
   std::string crs;
   std::string software_version;
+  // A sentence about the corner for a comment of one line; empty without one.
+  std::string corner_comment() const;
   std::size_t corners() const { return static_cast<std::size_t>(dimension) + 1; }
 };
 

@@ -95,6 +95,9 @@ Result<Target> find_free_target(const fs::path& path, const ExportOptions& optio
   BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
   if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
     return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  if (options.local && !target.format->local)
+    return error(Errc::usage, option("local", "true") + ": is for ply, obj and off; " + target.format->name +
+                                  " keeps coordinates as they are");
   return std::move(target);
 }
 

@@ -53,7 +53,8 @@ class PlyWriter : public StreamWriter {
         small_ids_(head.ids <= std::uint64_t{1} << 32) {
     std::set<std::string> taken;
     stream_.text("ply\nformat binary_little_endian 1.0\ncomment tessera " + ply_name(head.software_version, taken) +
-                 "\nelement vertex " + std::to_string(head.vertices) +
+                 (head.corner ? "\ncomment " + head.corner_comment() : "") + "\nelement vertex " +
+                 std::to_string(head.vertices) +
                  "\nproperty double x\nproperty double y\nproperty double z\nproperty " +
                  (small_ids_ ? "uint" : "double") + " id\n");
     taken = {"x", "y", "z", "id"};

@@ -57,6 +57,8 @@ class TextMeshWriter : public StreamWriter {
   bool any_cells_ = false;
 };
 
+std::string comment(const MeshHead& head) { return head.corner ? "# " + head.corner_comment() + "\n" : ""; }
+
 OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, Syntax syntax) {
   BOOST_OUTCOME_TRY(file, OutputFile::create(path));
   return std::make_unique<TextMeshWriter>(std::move(file), head, std::move(syntax));
@@ -65,21 +67,21 @@ OpenedWriter open_text(const std::filesystem::path& path, const MeshHead& head, 
 }  // namespace
 
 OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head) {
-  return open_text(
-      path, head,
-      {.before_vertices = "OFF\n" + std::to_string(head.vertices) + " " + std::to_string(head.cells) + " 0\n",
-       .vertex_start = "",
-       .vertex_end = "\n",
-       .before_cells = "",
-       .cell_start = head.dimension == 2 ? "3 " : "4 ",
-       .cell_end = "\n",
-       .first_number = 0,
-       .end = ""});
+  return open_text(path, head,
+                   {.before_vertices = "OFF\n" + comment(head) + std::to_string(head.vertices) + " " +
+                                       std::to_string(head.cells) + " 0\n",
+                    .vertex_start = "",
+                    .vertex_end = "\n",
+                    .before_cells = "",
+                    .cell_start = head.dimension == 2 ? "3 " : "4 ",
+                    .cell_end = "\n",
+                    .first_number = 0,
+                    .end = ""});
 }
 
 OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head) {
   return open_text(path, head,
-                   {.before_vertices = "# tessera " + head.software_version + "\n",
+                   {.before_vertices = "# tessera " + head.software_version + "\n" + comment(head),
                     .vertex_start = "v ",
                     .vertex_end = "\n",
                     .before_cells = "",
