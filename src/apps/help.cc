@@ -43,7 +43,48 @@ Error no_command(const std::string& word, const std::vector<std::string>& comman
   return error(Errc::usage, "'" + word + "' is no command; " + answer + "; see 'tessera --help'");
 }
 
+// "--res" for "--resolution", too.
+std::optional<std::string> nearest_option(std::string_view word, const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  if (const auto name = nearest(word, names)) return name;
+  std::sort(names.begin(), names.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  const auto begins = [&](const std::string& name) { return name.size() > 3 && word.starts_with(name); };
+  const auto begun = std::find_if(names.begin(), names.end(), begins);
+  return begun == names.end() ? std::nullopt : std::optional(*begun);
+}
+
+std::string not_expected(const CLI::App& app, const std::string& name) {
+  const std::vector<std::string> rest = app.remaining(true);
+  const auto option = std::find_if(rest.begin(), rest.end(), [](const auto& word) { return word.starts_with('-'); });
+  if (option == rest.end()) {
+    return "'" + (rest.empty() ? std::string() : rest.front()) + "' is one argument too many for '" + name + "'";
+  }
+  const std::string word = option->substr(0, option->find('='));
+  const auto meant = nearest_option(word, app);
+  return "'" + word + "' is no option of '" + name + "'" + (meant ? "; perhaps '" + *meant + "' is meant" : "");
+}
+
+// The parser says which option it is at the beginning of its message.
+std::string wrong_count(const CLI::App& app, const std::string& message) {
+  const std::string option = message.substr(0, message.find(':'));
+  const CLI::Option* known = app.get_option_no_throw(option);
+  if (known == nullptr) return message;
+  const std::string type = known->get_type_name();
+  if (message.find(": At Most ") == std::string::npos) return option + " needs a value: " + type;
+  const bool list = type == "LIST" || type.find(",...") != std::string::npos;
+  return option + " is given more than once" + (list ? ": give all values at once, with commas between them" : "");
+}
+
 }  // namespace
+
+std::string wrong_arguments(const CLI::App& app, const std::string& name, const CLI::ParseError& wrong) {
+  if (dynamic_cast<const CLI::ExtrasError*>(&wrong) != nullptr) return not_expected(app, name);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&wrong) != nullptr) return wrong_count(app, wrong.what());
+  return wrong.what();
+}
 
 std::shared_ptr<CLI::FormatterBase> help_formatter() {
   auto formatter = std::make_shared<HelpFormatter>();

@@ -10,8 +10,10 @@
 #include "src/base/result.h"
 
 namespace CLI {
+class App;
 class FormatterBase;
-}
+class ParseError;
+}  // namespace CLI
 
 namespace tessera {
 
@@ -26,5 +28,9 @@ std::optional<std::string> nearest(std::string_view word, const std::vector<std:
 // nearest, when the first is no option and none of `commands`.
 Result<std::vector<std::string>> resolve_command(std::vector<std::string> arguments,
                                                  const std::vector<std::string>& commands);
+
+// What is wrong with arguments that `app` could not take, in a sentence of ours that names the option, its value or the
+// nearest option. `name`: as the user calls it, "tessera dem".
+std::string wrong_arguments(const CLI::App& app, const std::string& name, const CLI::ParseError& wrong);
 
 }  // namespace tessera

@@ -89,9 +89,9 @@ int tessera_main(int argc, char** argv) {
     return std::cout ? status : fail(error(Errc::io, "standard output: cannot be written"), false);
   } catch (const CLI::ParseError& wrong) {
     const auto chosen = app.get_subcommands();
-    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tessera " +
-                                       (chosen.empty() ? "" : chosen.front()->get_name() + " ") + "--help'"),
-                false);
+    const CLI::App& of = chosen.empty() ? app : *chosen.front();
+    const std::string name = "tessera" + (chosen.empty() ? "" : " " + of.get_name());
+    return fail(error(Errc::usage, wrong_arguments(of, name, wrong) + "; see '" + name + " --help'"), false);
   }
   for (const auto& command : commands) {
     if (!command.app->parsed()) continue;

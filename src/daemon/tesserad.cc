@@ -22,6 +22,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "src/apps/help.h"
 #include "src/apps/words.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
@@ -243,7 +244,7 @@ int tesserad_main(int argc, char** argv) {
   } catch (const CLI::Success& help) {
     return app.exit(help);
   } catch (const CLI::ParseError& wrong) {
-    return fail(error(Errc::usage, std::string(wrong.what()) + "; see 'tesserad --help'"),
+    return fail(error(Errc::usage, wrong_arguments(app, "tesserad", wrong) + "; see 'tesserad --help'"),
                 settings.top.text("log") == "json");
   }
   if (health->parsed()) {
