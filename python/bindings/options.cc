@@ -48,6 +48,7 @@ void bind_options(py::module_& module) {
       .def("format", setter(&ExportRequest::format))
       .def("heights", setter(&ExportRequest::heights))
       .def("index", setter(&ExportRequest::index))
+      .def("local", setter(&ExportRequest::local))
       .def("max_edge", setter(&ExportRequest::max_edge))
       .def("overwrite", setter(&ExportRequest::overwrite));
   py::class_<VerifyRequest>(module, "VerifyRequest")

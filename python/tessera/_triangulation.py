@@ -165,7 +165,7 @@ class Triangulation(Answers, Surfaces):
         return points
 
     def export(self, target: Path, format: str | None = None, heights: bool = True, overwrite: bool = False,
-               index: bool = True, max_edge: float | None = None) -> None:
+               index: bool = True, max_edge: float | None = None, local: bool = False) -> None:
         """Writes the cells, each once, for other programs: t.export("mesh.ply").
 
         Parameters
@@ -184,6 +184,9 @@ class Triangulation(Answers, Surfaces):
         max_edge
             Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that
             no cell has then.
+        local
+            "ply", "obj" and "off": coordinates count from the whole-numbered corner of the box, for programs that keep
+            floats of 32 bits. The file says in a comment where the corner is.
 
         Warns with a UserWarning of what the format could not keep. The GIL is released; Ctrl-C leaves nothing half-written.
         """
@@ -192,6 +195,7 @@ class Triangulation(Answers, Surfaces):
         request.heights(heights)
         request.overwrite(overwrite)
         request.index(index)
+        request.local(local)
         if max_edge is not None:
             request.max_edge(max_edge)
         note = self._triangulation.export_to(os.fspath(target), request)

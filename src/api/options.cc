@@ -131,6 +131,10 @@ ExportRequest& ExportRequest::heights(bool heights) {
   impl_->options.heights = heights;
   return *this;
 }
+ExportRequest& ExportRequest::local(bool local) {
+  impl_->options.local = local;
+  return *this;
+}
 ExportRequest& ExportRequest::index(bool index) {
   impl_->options.spatial_index = index;
   return *this;

@@ -22,8 +22,9 @@ Status run_info(Settings& settings, const std::vector<std::string>& what) {
   if (what.empty() && options.cloud.input_list.empty())
     return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
 
-  if (names_server(settings)) return info_remotely(settings, what, json);
-  DescribeOptions how{.json = json, .names = flag_name};
+  BOOST_OUTCOME_TRY(counters, settings.on("verbose"));
+  if (names_server(settings)) return info_remotely(settings, what, {.json = json, .counters = counters});
+  DescribeOptions how{.json = json, .counters = counters, .names = flag_name};
   BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
   how.statistics = statistics;
   const auto described = describe(what, std::move(options), how);
@@ -45,6 +46,7 @@ Command add_info(CLI::App& root) {
   add_cloud_options(command);
   add_switch(command, "stats", "read all points: their classes, returns, flags, box and density");
   add_server_options(command);
+  add_switch(command, "verbose", "of a result, all counters of the run that made it", 'v');
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
   command.app

@@ -116,7 +116,7 @@ Status export_remotely(Settings& settings, const std::string& name, const fs::pa
   return success();
 }
 
-Status info_remotely(Settings& settings, const std::vector<std::string>& what, bool json) {
+Status info_remotely(Settings& settings, const std::vector<std::string>& what, const DescribeOptions& how) {
   if (std::find(what.begin(), what.end(), "-") != what.end())
     return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
   if (settings.text("input-list").has_value())
@@ -146,11 +146,11 @@ Status info_remotely(Settings& settings, const std::vector<std::string>& what, b
   }
   // The path of a result is the daemon's matter.
   if (result) described["result"] = name;
-  if (json) {
+  if (how.json) {
     print_json_line(described);
     return success();
   }
-  const auto text = description_text(described);
+  const auto text = description_text(described, how.counters);
   if (!text) return no_json(server);
   say_whole(*text, false);
   return success();

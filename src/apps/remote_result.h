@@ -9,6 +9,7 @@
 #include "src/base/result.h"
 #include "src/client/server.h"
 #include "src/export/export.h"
+#include "src/job/describe.h"
 
 namespace tessera {
 
@@ -25,6 +26,6 @@ Status fetch_export(Server& server, const proto::StatusInfo& job, const std::str
                     const std::stop_token& stop);
 
 // One result of the daemon, or inputs below its folders.
-Status info_remotely(Settings& settings, const std::vector<std::string>& what, bool json);
+Status info_remotely(Settings& settings, const std::vector<std::string>& what, const DescribeOptions& how);
 
 }  // namespace tessera

@@ -109,7 +109,7 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
   if (print_drawn(outcome, output)) return success();
   const auto verified = verified_of(outcome);
   const auto exported = exported_of(outcome);
-  const auto described = description_text(outcome);
+  const auto described = description_text(outcome, false);
   if (verified) {
     print_verified(job.triangulation(), *verified, output);
   } else if (exported) {

@@ -163,7 +163,8 @@ Described describe(const std::vector<std::string>& what, JobOptions options, con
   }
   if (folder && (what.size() > 1 || !options.cloud.input_list.empty()))
     return {.error = error(Errc::usage, "give one result folder, or input files, not both")};
-  auto described = folder ? describe_result(what.front(), how.json) : describe_together(what, options, how, stop);
+  auto described =
+      folder ? describe_result(what.front(), how.json, how.counters) : describe_together(what, options, how, stop);
   if (described) return {.text = std::move(described).value()};
   const auto code = described.error().code;
   if (folder || !how.names || (code != Errc::bad_input && code != Errc::io)) return {.error = described.error()};

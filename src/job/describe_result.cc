@@ -57,9 +57,9 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
 
 }  // namespace
 
-Result<std::string> describe_result(const std::string& folder, bool json) {
+Result<std::string> describe_result(const std::string& folder, bool json, bool counters) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
-  return written(to_json(folder, manifest), json);
+  return written(to_json(folder, manifest), json, counters);
 }
 
 }  // namespace tessera

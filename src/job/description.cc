@@ -189,7 +189,35 @@ std::string figure(const std::string& name, double value) {
   return count && value == std::floor(value) ? grouped(static_cast<std::uint64_t>(value)) : coordinate(value);
 }
 
-std::string result_text(const Json& result) {
+// By the box in x and y: of a terrain what its points a square metre are, where its coordinates are metres.
+std::string density_text(const Json& result) {
+  const auto& low = result.at("bounds").at("min");
+  const auto& high = result.at("bounds").at("max");
+  const double area =
+      (high.at(0).get<double>() - low.at(0).get<double>()) * (high.at(1).get<double>() - low.at(1).get<double>());
+  const double density = static_cast<double>(count_of(result, "vertices")) / area;
+  if (!std::isfinite(density)) return "";
+  return (density < 1 ? coordinate(density) : fixed(density, density < 100 ? 1 : 0)) +
+         " vertices a square unit of the box";
+}
+
+// What it took, in the words of the summary.
+void add_work(Lines& lines, const Json& result) {
+  std::string phases;
+  double all = 0;
+  const Json& seconds = result.at("seconds");
+  for (const char* name : {"routing", "triangulating", "splaying", "collecting", "finishing"}) {  // in this order
+    if (!seconds.contains(name)) continue;
+    all += seconds.at(name).get<double>();
+    phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds.at(name).get<double>());
+  }
+  if (!phases.empty()) lines.add("time", human_seconds(all) + " (" + phases + ")");
+  const auto& figures = result.at("figures");
+  if (figures.contains("peak_memory_bytes"))
+    lines.add("memory", figure("peak_memory_bytes", figures.at("peak_memory_bytes").get<double>()) + " at most");
+}
+
+std::string result_text(const Json& result, bool counters) {
   const auto& tiles = result.at("tiles");
   std::uint64_t bytes = 0, least = ~std::uint64_t{0}, most = 0;
   for (const auto& tile : tiles) {
@@ -208,6 +236,7 @@ std::string result_text(const Json& result) {
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
+  if (const std::string density = density_text(result); !density.empty()) lines.add("density", density);
   if (const auto region = result.find("region"); region != result.end() && !region->is_null())
     lines.add("a region", region_text(*region, dimension));
   lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
@@ -216,24 +245,25 @@ std::string result_text(const Json& result) {
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));
   if (!text_of(result, "crs").empty()) lines.add("CRS", text_of(result, "crs_name"));
-  for (const auto& [name, seconds] : result.at("seconds").items())
-    lines.add(name, human_seconds(seconds.get<double>()));
-  for (const auto& [name, value] : result.at("figures").items()) lines.add(name, figure(name, value.get<double>()));
+  add_work(lines, result);
+  if (counters) {
+    for (const auto& [name, value] : result.at("figures").items()) lines.add(name, figure(name, value.get<double>()));
+  }
   return printable(text_of(result, "result")) + "\n" + lines.text();
 }
 
 }  // namespace
 
-std::optional<std::string> description_text(const Json& described) {
+std::optional<std::string> description_text(const Json& described, bool counters) {
   try {
-    return described.contains("result") ? result_text(described) : inputs_text(described);
+    return described.contains("result") ? result_text(described, counters) : inputs_text(described);
   } catch (const std::exception&) {  // of JSON, or of a class that is no number
     return std::nullopt;
   }
 }
 
-std::string written(const Json& described, bool json) {
-  if (!json) return description_text(described).value();
+std::string written(const Json& described, bool json, bool counters) {
+  if (!json) return description_text(described, counters).value();
   return described.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -6,7 +6,8 @@
 
 namespace tessera {
 
-// With a line end. REQUIRES: `described` is one of those of describe().
-std::string written(const nlohmann::ordered_json& described, bool json);
+// With a line end. `counters`: of a result also what only whoever works on Tessera wants to know. REQUIRES: `described`
+// is one of those of describe().
+std::string written(const nlohmann::ordered_json& described, bool json, bool counters = false);
 
 }  // namespace tessera

@@ -71,6 +71,15 @@ class Descriptions(CloudTest):
         self.assertEqual(ground["classification"]["2"], info["classification"]["2"])
         self.assertIn("2 ground: ", self.ok("info", f"{IGN}/*.las", "--stats"))
 
+    def test_a_result_is_told_in_words_of_its_users(self):
+        self.ok("triangulate", f"{IGN}/*.las", "-o", self.out, "--dim", "2", "--quiet")
+        told = self.ok("info", self.out)
+        self.assertRegex(told, r"density +\d\d\.\d vertices a square unit of the box\n")
+        self.assertRegex(told, r"time +.* \(reading .*, triangulating .*, joining tiles .*, writing .*\)\n +memory +.* at most\n")
+        for counter in ("credit_waits", "splaying", "tiles_again"):
+            self.assertNotIn(counter, told)
+        self.assertIn("credit_waits", self.ok("info", self.out, "--verbose"))
+
     def test_an_odd_file_does_not_hide_the_others(self):
         folder = self.folder / "block"
         folder.mkdir()

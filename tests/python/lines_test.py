@@ -33,6 +33,9 @@ class Lines(unittest.TestCase):
         self.assertEqual(mine.read_bytes(), theirs.read_bytes())
         return mine
 
+    def test_local_exports_are_those_of_the_command(self):
+        self.same_as_of_the_command("ground.ply", lambda path: self.ground.export(path, local=True), "export", "--local")
+
     def test_contour_lines_are_those_of_the_command(self):
         box = ",".join(map(repr, self.box))
         path = self.same_as_of_the_command(
