@@ -9,6 +9,6 @@
     return f(caf::meta::type_name(#Type) __VA_OPT__(, ) __VA_ARGS__);               \
   }
 
-// A message that never leaves its process: CAF has no name for it and does not read it, so no peer can send one. For the
-// global namespace.
+// Declares a message that never leaves its process. CAF has no name for such a message and cannot read one, so no peer
+// can send it. Stands in the global namespace.
 #define TESSERA_STAYS_HERE(Type) CAF_ALLOW_UNSAFE_MESSAGE_TYPE(Type)

@@ -128,8 +128,6 @@ std::vector<ProfilePoint> profile_of(const Triangulation& triangulation, std::sp
   const std::vector<Point> points = line_of(line);
   // Half for tiles, half for what is found in them.
   options.memory_bytes = (options.memory_bytes > 0 ? options.memory_bytes : default_memory()) / 2;
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    throw_failure(error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0"));
   const auto stored =
       value_or_throw(query::StoredTriangulation::open(triangulation.folder(), {.memory_bytes = options.memory_bytes}));
   return value_or_throw(profile(stored, triangulation.folder(), points, options));

@@ -147,7 +147,7 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
       cell.ids[k] = mesh.ids[v];
       cell.own += is_own(v, cell.tile) ? 1 : 0;
-      cell.at[k] = mesh.points[v];
+      if (source.format.corners || source.format.edge_lengths) cell.at[k] = mesh.points[v];
       if (source.format.corners) {
         cell.rows[k] = of.rows.row(tile, v);
       } else {
