@@ -21,24 +21,23 @@ std::vector<std::string> split(std::string_view path) {
 bool is_argument(std::string_view segment) { return segment.starts_with('{'); }
 bool takes_the_rest(std::string_view segment) { return segment.ends_with("*}"); }
 
-bool fits(const std::vector<std::string>& wanted, const std::vector<std::string>& segments,
-          std::vector<std::string>& arguments) {
-  arguments.clear();
-  for (std::size_t at = 0; at < wanted.size(); ++at) {
-    if (at >= segments.size()) return false;
-    if (takes_the_rest(wanted[at])) {
-      std::string rest = segments[at];
-      for (std::size_t more = at + 1; more < segments.size(); ++more) rest += "/" + segments[more];
-      arguments.push_back(std::move(rest));
-      return true;
-    }
-    if (is_argument(wanted[at])) {
-      arguments.push_back(segments[at]);
-    } else if (wanted[at] != segments[at]) {
-      return false;
-    }
-  }
-  return wanted.size() == segments.size();
+bool fits(const std::vector<std::string>& wanted, const std::vector<std::string>& segments) {
+  const bool rest = !wanted.empty() && takes_the_rest(wanted.back());
+  // Most routes differ in their number of segments: that is seen first.
+  if (rest ? segments.size() < wanted.size() : segments.size() != wanted.size()) return false;
+  for (std::size_t at = 0; at < wanted.size(); ++at)
+    if (!is_argument(wanted[at]) && wanted[at] != segments[at]) return false;
+  return true;
+}
+
+std::vector<std::string> arguments_of(const std::vector<std::string>& wanted,
+                                      const std::vector<std::string>& segments) {
+  std::vector<std::string> arguments;
+  for (std::size_t at = 0; at < wanted.size(); ++at)
+    if (is_argument(wanted[at])) arguments.push_back(segments[at]);
+  if (!wanted.empty() && takes_the_rest(wanted.back()))
+    for (std::size_t at = wanted.size(); at < segments.size(); ++at) arguments.back() += "/" + segments[at];
+  return arguments;
 }
 
 }  // namespace
@@ -51,14 +50,13 @@ const Route* Router::find(Place place, std::string_view method, const std::vecto
                           std::vector<std::string>& arguments, std::vector<std::string>& allowed) const {
   const Route* found = nullptr;
   const Route* as_get = nullptr;
-  std::vector<std::string> these;
   for (std::size_t at = 0; at < routes_.size(); ++at) {
     const Route& route = routes_[at];
-    if (route.place != place || !fits(templates_[at], segments, these)) continue;
+    if (route.place != place || !fits(templates_[at], segments)) continue;
     allowed.push_back(route.method);
     if (route.method == method) found = &route;
     if (route.method == "GET" && method == "HEAD") as_get = &route;
-    if (found == &route || as_get == &route) arguments = these;
+    if (found == &route || as_get == &route) arguments = arguments_of(templates_[at], segments);
   }
   if (allowed.empty()) return nullptr;
   const auto has = [&](std::string_view name) {
