@@ -135,7 +135,7 @@ PartActor::behavior_type PartActor::make_behavior() {
       [this](const Taken& taken) { give_credit(taken.from, taken.bytes); },
       [this](const Credit& credit) { take(credit); },
       [this](const MailNotice& notice) {
-        schedule_.mail(notice.tile, {notice.updates, notice.points, notice.bytes, notice.hops});
+        schedule_.mail(notice.tile, {notice.updates, notice.bytes, notice.memory, notice.hops});
         dispatch();
       },
       [this](TileReport& report) {
@@ -199,7 +199,7 @@ void PartActor::take(TileReport& report) {
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
   schedule_.done(span.tile, span.work, report.memory,
-                 {report.waiting.updates, report.waiting.points, report.waiting.bytes, report.waiting.hops},
+                 {report.waiting.updates, report.waiting.bytes, report.waiting.memory, report.waiting.hops},
                  report.storing);
   if (span.work == Work::hand_over) ++(report.kept ? sum_.handed : sum_.not_handed);
   if (span.work == Work::begin) {

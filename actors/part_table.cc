@@ -91,7 +91,7 @@ void PartActor::take(const TileRejoined& rejoined) {
   Hosted& tile = found->second;
   note(tile, {rejoined.sent, rejoined.processed});
   const MailNotice& mail = rejoined.waiting;
-  schedule_.mail(rejoined.tile, {mail.updates, mail.points, mail.bytes, mail.hops});
+  schedule_.mail(rejoined.tile, {mail.updates, mail.bytes, mail.memory, mail.hops});
   // Of two tables that follow each other a tile may say twice that it goes by the second.
   if (rejoined.epoch == table_->epoch && std::exchange(tile.epoch, rejoined.epoch) != rejoined.epoch) --rejoining_;
   if (rejoining_ == 0) rebirths_ = nullptr;

@@ -40,7 +40,7 @@ struct Grant {
 // tile -> part: what waits for it, since more has come.
 struct MailNotice {
   TileId tile;
-  std::uint64_t updates = 0, points = 0, bytes = 0;
+  std::uint64_t updates = 0, bytes = 0, memory = 0;
   std::uint32_t hops = 0;
 };
 

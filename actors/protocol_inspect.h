@@ -26,7 +26,7 @@ typename Inspector::result_type inspect(Inspector& f, SharedBytes& x) {
 
 TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
-TESSERA_MESSAGE(MailArc, x.from, x.to, x.points)
+TESSERA_MESSAGE(MailArc, x.from, x.to, x.bytes)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
 TESSERA_MESSAGE(GateCounts, x.parcels, x.bytes, x.waits)
 TESSERA_MESSAGE(Credit, x.from, x.bytes)
@@ -77,18 +77,18 @@ inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
   return caf::error{};
 }
 
-// Updates: numbers, then the points as one block of raw bytes (20 times faster than one by one, and exact).
+// Updates: numbers, then the message as one block of raw bytes.
 inline caf::error inspect(caf::serializer& f, Update& x) {
-  std::uint64_t n = x.points.size();
+  std::uint64_t n = x.message.size();
   if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
-  return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
+  return n > 0 ? f.apply_raw(n, x.message.data()) : caf::error{};
 }
 inline caf::error inspect(caf::deserializer& f, Update& x) {
   std::uint64_t n = 0;
   if (auto failed = f(x.from.tile, x.from.incarnation, x.to.tile, x.to.incarnation, x.epoch, x.hops, n)) return failed;
-  if (n > update_points_max) return caf::sec::invalid_argument;  // before memory is taken
-  x.points.resize(n);
-  return n > 0 ? f.apply_raw(n * sizeof(SharedPoint), x.points.data()) : caf::error{};
+  if (n > message_bytes_max) return caf::sec::invalid_argument;  // before memory is taken
+  x.message.resize(n);
+  return n > 0 ? f.apply_raw(n, x.message.data()) : caf::error{};
 }
 
 inline caf::error inspect(caf::serializer& f, Parcel& x) {

@@ -54,17 +54,17 @@ TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const
       self_(self),
       part_(std::move(part)),
       office_(std::move(office)),
-      state_(self, part_->context) {
+      life_(self, part_->context) {
   live_at(office_->hooks.home);
   last_word_.message().tile = self.tile;
-  state_.rejoin(std::move(table), nullptr);  // it is fresh
+  life_.rejoin(std::move(table), nullptr);  // it is fresh
 }
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
 void TileActor::on_exit() {
   if (!left_) fail(ended_unexpectedly());
-  state_.drop();
-  collected_.reset();
+  life_.drop();
+  finished_.reset();
   office_ = nullptr;
   part_ = nullptr;
 }
@@ -90,10 +90,10 @@ TileActor::behavior_type TileActor::make_behavior() {
         Update& update = delivery.update;
         office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
         const std::uint64_t weight = Gate::bytes_of(update);
-        if (Status kept = state_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
+        if (Status kept = life_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
         if (delivery.from != office_->self) send(office_->part, Taken{delivery.from, weight});
-        const std::uint64_t bytes = state_.mail_memory();
-        const std::uint32_t hops = state_.waiting_hops();
+        const std::uint64_t bytes = life_.mail_memory();
+        const std::uint32_t hops = life_.waiting_hops();
         if (std::exchange(told_, true) && bytes < bytes_told_ + notice_bytes && hops == hops_told_) return;
         bytes_told_ = bytes;
         hops_told_ = hops;
@@ -103,7 +103,7 @@ TileActor::behavior_type TileActor::make_behavior() {
       [this](const Rejoin&) { rejoin(); },
       [this](const Leave& leave) {
         if (leave.given_up) {
-          if (Status left = state_.leave(); !left) return fail(failure_of(std::move(left).error()));
+          if (Status left = life_.leave(); !left) return fail(failure_of(std::move(left).error()));
           send(office_->part, TileLeft{self_.tile});
         }
         left_ = true;
@@ -113,7 +113,7 @@ TileActor::behavior_type TileActor::make_behavior() {
 }
 
 MailNotice TileActor::waiting() const {
-  return {self_.tile, state_.waiting_updates(), state_.waiting_points(), state_.mail_memory(), state_.waiting_hops()};
+  return {self_.tile, life_.waiting_updates(), life_.waiting_bytes(), life_.mail_memory(), life_.waiting_hops()};
 }
 
 void TileActor::work(Work work) {
@@ -123,7 +123,7 @@ void TileActor::work(Work work) {
   };
   TileReport report;
   report.span = {self_.tile, work, thread_number(), since_opened(), 0};
-  const std::uint64_t before = state_.memory();
+  const std::uint64_t before = life_.memory();
   try {
     if (Status done = perform(work); !done) {
       report.kept = work != Work::hand_over;  // it begins again elsewhere
@@ -134,29 +134,29 @@ void TileActor::work(Work work) {
     report.failure =
         failure_of(std::current_exception(), [&] { return name_of(self_.tile) + ", at work on " + name_of(work); });
   }
-  part_->heap_trim.worked_on(std::max(before, state_.memory()) + (collected_ ? collected_->bytes() : 0));
+  part_->heap_trim.worked_on(std::max(before, life_.memory()) + (finished_ ? finished_->bytes() : 0));
   report.span.end_us = since_opened();
   // After the updates were posted: what is on its way counts as sent before the part can ask.
-  const Totals totals = state_.totals();
+  const Totals totals = life_.totals();
   report.sent = totals.sent;
   report.processed = totals.processed;
-  report.updates = state_.updates_sent();
-  report.memory = state_.memory() - state_.mail_memory();
-  report.storing = collected_ ? collected_->bytes() : 0;
+  report.updates = life_.updates_sent();
+  report.memory = life_.memory() - life_.mail_memory();
+  report.storing = finished_ ? finished_->bytes() : 0;
   report.waiting = waiting();
-  report.hops = state_.hops();
-  report.points = state_.counts();
+  report.hops = life_.hops();
+  report.points = life_.counts();
   told_ = report.waiting.updates > 0;
   bytes_told_ = report.waiting.bytes;
   hops_told_ = report.waiting.hops;
   send(office_->part, std::move(report));
-  if (collected_) store();
+  if (finished_) store();
 }
 
 void TileActor::post_outgoing() {
-  for (Update& update : state_.take_outgoing()) {
+  for (Update& update : life_.take_outgoing()) {
     office_->hooks.tell([&] { return name_of(self_.tile) + ": posts " + to_string(update); });
-    if (part_->mail) part_->mail->add(update.from.tile, update.to.tile, update.points.size());
+    if (part_->mail) part_->mail->add(update.from.tile, update.to.tile, update.message.size());
     office_->post(this, std::move(update));
   }
 }
@@ -164,37 +164,37 @@ void TileActor::post_outgoing() {
 // What others must be told again waits for the next splay: whoever is asleep stays so until there is room.
 void TileActor::rejoin() {
   const auto routes = office_->routes();
-  state_.rejoin(routes->table, routes->rebirths.get());
+  life_.rejoin(routes->table, routes->rebirths.get());
   post_outgoing();
-  const Totals totals = state_.totals();
+  const Totals totals = life_.totals();
   send(office_->part, TileRejoined{self_.tile, routes->table->epoch, totals.sent, totals.processed, waiting()});
 }
 
 void TileActor::store() {
-  part_->context.storage->store(self_.tile, *std::exchange(collected_, std::nullopt),
-                                StoredNotice(office_->part, self_.tile));
+  std::exchange(finished_, nullptr)
+      ->store(*part_->context.storage, self_.tile, StoredNotice(office_->part, self_.tile));
 }
 
 Status TileActor::perform(Work work) {
   switch (work) {
     case Work::begin:
-      return state_.begin();
+      return life_.begin();
     case Work::splay:
-      return state_.splay();
+      return life_.step();
     case Work::sleep:
-      return state_.sleep();
+      return life_.sleep();
     case Work::settle:
-      return state_.settle();
+      return life_.settle();
     case Work::collect: {
-      BOOST_OUTCOME_TRY(collected, state_.collect());
-      collected_ = std::move(collected);
+      BOOST_OUTCOME_TRY(finished, life_.finish());
+      finished_ = std::move(finished);
       return success();
     }
     case Work::drop:
-      state_.drop();
+      life_.drop();
       return success();
     case Work::hand_over:
-      return state_.hand_over();
+      return life_.hand_over();
   }
   return success();
 }

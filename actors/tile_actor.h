@@ -1,4 +1,4 @@
-// A tile as an actor: TileState behind messages.
+// A tile as an actor: TileLife behind messages.
 //
 // message | effect                                                      | answer to the part
 // Delivery  | keep the points                                             | MailNotice, once per silence, hop and 64
@@ -15,14 +15,13 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "actors/office.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
 #include "src/run/part.h"
-#include "src/run/tile_state.h"
+#include "src/run/tile_life.h"
 
 namespace tessera {
 
@@ -46,10 +45,10 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   Peer self_;
   std::shared_ptr<const Part> part_;
   std::shared_ptr<const Office> office_;
-  TileState state_;
+  TileLife life_;
   Prepared<TileFailed> last_word_;
-  std::optional<CollectedTile> collected_;  // made, not yet handed to the storage
-  std::uint64_t bytes_told_ = 0;  // of waiting mail
+  std::unique_ptr<Finished> finished_;  // not yet handed to the storage
+  std::uint64_t bytes_told_ = 0;        // of waiting mail
   std::uint32_t hops_told_ = 0;
   bool told_ = false, left_ = false;
 };

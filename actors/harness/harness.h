@@ -36,8 +36,8 @@ struct HarnessOptions {
   std::size_t points = 40;
   std::uint32_t tiles = 7;
   PartitionKind partition = PartitionKind::kdtree;
-  std::uint32_t nodes = 0;                       // 0: drawn, 1 to 3
-  std::optional<std::uint64_t> mail_points_max;  // that a tile keeps in memory; else drawn
+  std::uint32_t nodes = 0;                      // 0: drawn, 1 to 3
+  std::optional<std::uint64_t> mail_bytes_max;  // that a tile keeps in memory; else drawn
   HarnessFaults faults;
   MemoryFaults* memory_faults = nullptr;          // memory runs out when it says so; null: never
   bool restarts = false;                          // the processes end, once or twice, and the run is resumed

@@ -77,19 +77,19 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     default:
       break;
   }
-  s.context.dimension = d;
-  s.context.reduce = rng() % 2 == 0;
-  s.context.early_points = rng() % 2 == 0 ? 0 : 1 + rng() % 16;
-  s.context.early_unit = 1 + rng() % 3;
-  s.context.boxes = final_boxes(cells);
+  s.stage.dimension = d;
+  s.stage.reduce = rng() % 2 == 0;
+  s.stage.early_points = rng() % 2 == 0 ? 0 : 1 + rng() % 16;
+  s.stage.early_unit = 1 + rng() % 3;
+  s.stage.boxes = final_boxes(cells);
   auto neighbours = touching_tiles(partition, tile_bounds);
   if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule
-  s.context.around = std::make_shared<const Surroundings>(std::move(tile_bounds), neighbours, std::move(known));
-  constexpr std::uint64_t mail_bounds[] = {0, 3, 20, ~std::uint64_t{0}};
-  s.context.mail_points_max = options.mail_points_max.value_or(mail_bounds[rng() % 4]);
+  s.stage.around = std::make_shared<const Surroundings>(std::move(tile_bounds), neighbours, std::move(known));
+  constexpr std::uint64_t mail_bounds[] = {0, 120, 800, ~std::uint64_t{0}};
+  s.context.mail_bytes_max = options.mail_bytes_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);
   s.schedule.begin_bytes = s.schedule.collect_bytes = 1000;
-  s.schedule.mail_bytes = 100;
+  s.schedule.mail_growth = 2.5;
   // Every tile sleeps whenever it can; or there is room for half of them, which work beside those that fall asleep.
   const std::uint64_t half = s.cloud.size() * s.schedule.begin_bytes / 2;
   const std::uint64_t budgets[] = {1, half, std::uint64_t{1} << 40};
@@ -116,8 +116,10 @@ Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId sel
   TileStorage& storage = storage_.at(home_);
   part->context = setting_.context;
   if (spec.table != *setting_.context.table) part->context.table = std::make_shared<const Table>(spec.table);
-  part->context.storage = &storage;
-  part->context.stop = part->stopping.get_token();
+  auto stage = std::make_shared<DelaunayStage>(setting_.stage);
+  stage->storage = part->context.storage = &storage;
+  stage->stop = part->stopping.get_token();
+  part->context.programs = std::move(stage);
   part->context.watch = watch_;
   part->schedule = setting_.schedule;
   part->gates = setting_.gates;

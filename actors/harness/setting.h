@@ -8,6 +8,7 @@
 
 #include "actors/harness/harness.h"
 #include "actors/harness/memory_storage.h"
+#include "src/run/delaunay_program.h"
 #include "src/run/part.h"
 #include "src/tiling/partition.h"
 
@@ -19,7 +20,8 @@ struct Setting {
   std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // how many these are
   PartSpec spec;
   std::uint32_t nodes = 1;
-  TileContext context;  // without storage and watch; the table of the spec
+  DelaunayStage stage;  // without storage and stop
+  TileContext context;  // without programs, storage and watch; the table of the spec
   ScheduleOptions schedule;
   std::uint32_t patience = 0;  // of the network
   GateOptions gates;

@@ -8,7 +8,7 @@
 
 #include "actors/harness/memory_faults.h"
 #include "src/run/table.h"
-#include "src/run/tile_state.h"
+#include "src/run/tile_life.h"
 
 namespace tessera {
 

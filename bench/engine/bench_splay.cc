@@ -19,7 +19,7 @@
 #include "actors/harness/memory_storage.h"
 #include "src/base/option.h"
 #include "src/generate/generate.h"
-#include "src/run/tile_state.h"
+#include "src/run/tile_life.h"
 #include "src/run/touching.h"
 #include "src/store/digest.h"
 #include "src/tiling/seed_finder.h"
@@ -86,16 +86,17 @@ class Exchange {
     if (!o.seeds) std::erase_if(seeds, [](const Seed& s) { return !std::isinf(s.reach); });
     auto neighbours = touching_tiles(partition, bounds_);
     if (!o.announce) neighbours.assign(partition.tiles(), {});
-    context_.dimension = o.dimension;
-    context_.boxes = final_boxes(cells);
-    context_.around = std::make_shared<const Surroundings>(bounds_, neighbours, std::move(seeds));
+    stage_.dimension = o.dimension;
+    stage_.boxes = final_boxes(cells);
+    stage_.around = std::make_shared<const Surroundings>(bounds_, neighbours, std::move(seeds));
   }
 
   Status run() {
     MemoryStorage storage(o_.dimension, std::move(points_));
-    context_.storage = &storage.at(NodeId{0});
+    stage_.storage = context_.storage = &storage.at(NodeId{0});
+    context_.programs = std::make_shared<DelaunayStage>(stage_);
     for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
-      tiles_.push_back(std::make_unique<TileState>(Peer{TileId{t}, 0}, context_));
+      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, 0}, context_));
     }
     const double begin = cpu_now();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
@@ -109,19 +110,19 @@ class Exchange {
     for (; !ready_.empty(); ++splays) {
       const std::uint32_t t = std::get<2>(*ready_.begin());
       ready_.erase(ready_.begin());
-      BOOST_OUTCOME_TRYV(tiles_[t]->splay());
+      BOOST_OUTCOME_TRYV(tiles_[t]->step());
       BOOST_OUTCOME_TRYV(post(*tiles_[t]));
       BOOST_OUTCOME_TRYV(o_.sleep ? tiles_[t]->sleep() : success());
     }
-    return tell(triangulated - begin, cpu_now() - triangulated, splays);
+    return tell(storage, triangulated - begin, cpu_now() - triangulated, splays);
   }
 
  private:
   std::tuple<std::uint32_t, std::uint64_t, std::uint32_t> rank(std::uint32_t t) const {
-    return {~tiles_[t]->waiting_hops(), tiles_[t]->waiting_points() + tiles_[t]->waiting_updates(), t};
+    return {~tiles_[t]->waiting_hops(), tiles_[t]->waiting_bytes() + tiles_[t]->waiting_updates(), t};
   }
 
-  Status post(TileState& from) {
+  Status post(TileLife& from) {
     for (Update& update : from.take_outgoing()) {
       const std::uint32_t to = update.to.tile.value;
       ready_.erase(rank(to));
@@ -132,18 +133,19 @@ class Exchange {
     return success();
   }
 
-  Status tell(double triangulating, double splaying, std::uint64_t splays) {
+  Status tell(const MemoryStorage& storage, double triangulating, double splaying, std::uint64_t splays) {
     ExchangeCounts sum;
     Digest digest;
     std::uint64_t chain = 0, seeds = 0;
     std::vector<std::uint64_t> received;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
       if (bounds_[t].empty()) continue;
-      BOOST_OUTCOME_TRY(collected, tiles_[t]->collect());
-      digest += digest_of(std::move(collected).whole());
+      BOOST_OUTCOME_TRY(finished, tiles_[t]->finish());
+      finished->store(*context_.storage, TileId{t}, [](const Result<TileEntry>&) {});
+      digest += digest_of(storage.meshes().at(TileId{t}));
       sum += tiles_[t]->counts();
       chain = std::max<std::uint64_t>(chain, tiles_[t]->hops());
-      seeds += context_.around->seeds_of(TileId{t}).size();
+      seeds += stage_.around->seeds_of(TileId{t}).size();
       received.push_back(tiles_[t]->counts().received);
     }
     std::sort(received.begin(), received.end());
@@ -170,8 +172,9 @@ class Exchange {
   const Options& o_;
   std::vector<std::vector<LocalPoint>> points_;  // by tile, until it begins
   std::vector<Bounds> bounds_;
+  DelaunayStage stage_;
   TileContext context_;
-  std::vector<std::unique_ptr<TileState>> tiles_;
+  std::vector<std::unique_ptr<TileLife>> tiles_;
   std::set<std::tuple<std::uint32_t, std::uint64_t, std::uint32_t>, std::greater<>> ready_;
   std::uint64_t messages_ = 0;
 };

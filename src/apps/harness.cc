@@ -84,8 +84,8 @@ Result<HarnessOptions> read_options(Settings& settings) {
   if (tiles) options.tiles = static_cast<std::uint32_t>(*tiles);
   BOOST_OUTCOME_TRY(nodes, settings.get("nodes", integer(1, nodes_max)));
   if (nodes) options.nodes = static_cast<std::uint32_t>(*nodes);
-  BOOST_OUTCOME_TRY(mail, settings.get("mail", integer(0, points_max)));
-  if (mail) options.mail_points_max = static_cast<std::uint64_t>(*mail);
+  BOOST_OUTCOME_TRY(mail, settings.get("mail", integer(0, std::int64_t{1} << 40)));
+  if (mail) options.mail_bytes_max = static_cast<std::uint64_t>(*mail);
   BOOST_OUTCOME_TRY(faults, settings.get("faults", parse_faults));
   options.faults = faults.value_or(HarnessFaults{});
   BOOST_OUTCOME_TRY(restarts, settings.on("restarts"));
@@ -174,7 +174,7 @@ Command add_harness(CLI::App& root) {
   add_value(command, "seeds", "A..B", "run these, up to the first that fails; default: 1..1", 0, true);
   add_value(command, "seed", "N", "run this one", 0, true);
   add_value(command, "nodes", "N", "nodes that the tiles are spread over; default: drawn, 1 to 3", 0, true);
-  add_value(command, "mail", "N", "points of mail a tile keeps in memory; default: drawn", 0, true);
+  add_value(command, "mail", "N", "bytes of mail that a tile keeps in memory; default: drawn", 0, true);
   add_value(
       command, "faults", "LIST",
       "what goes wrong in each run, of: storage (fails once; the run is resumed), kill (nodes), pause (nodes beyond "

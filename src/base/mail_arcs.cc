@@ -50,7 +50,7 @@ std::vector<std::int32_t> cut_up(const std::vector<TileCut>& cuts, std::size_t m
 
 std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max) {
   const auto before = [](const MailArc& a, const MailArc& b) {
-    return std::tuple(b.points, a.from, a.to) < std::tuple(a.points, b.from, b.to);
+    return std::tuple(b.bytes, a.from, a.to) < std::tuple(a.bytes, b.from, b.to);
   };
   const auto end = arcs.begin() + static_cast<std::ptrdiff_t>(std::min(max, arcs.size()));
   std::partial_sort(arcs.begin(), end, arcs.end(), before);
@@ -88,11 +88,11 @@ MapParts parts_of(const TileLayout& layout, std::size_t tiles, std::size_t max) 
 void RecentMail::add(const std::vector<MailArc>& arcs, Time now) {
   const std::lock_guard lock(mutex_);
   if (now - since_ >= half) {
-    before_ = now - since_ < 2 * half ? std::move(now_) : Points();
+    before_ = now - since_ < 2 * half ? std::move(now_) : Bytes();
     now_.clear();
     since_ = now;
   }
-  for (const MailArc& arc : arcs) now_[{arc.from, arc.to}] += arc.points;
+  for (const MailArc& arc : arcs) now_[{arc.from, arc.to}] += arc.bytes;
 }
 
 std::vector<MailArc> RecentMail::heaviest(Time now) const {
@@ -100,11 +100,11 @@ std::vector<MailArc> RecentMail::heaviest(Time now) const {
   {
     const std::lock_guard lock(mutex_);
     if (now - since_ >= 2 * half) return {};
-    Points sum = now_;
+    Bytes sum = now_;
     if (now - since_ < half) {
-      for (const auto& [ends, points] : before_) sum[ends] += points;
+      for (const auto& [ends, bytes] : before_) sum[ends] += bytes;
     }
-    for (const auto& [ends, points] : sum) arcs.push_back({ends.first, ends.second, points});
+    for (const auto& [ends, bytes] : sum) arcs.push_back({ends.first, ends.second, bytes});
   }
   return tessera::heaviest(std::move(arcs), mail_arcs_max);
 }

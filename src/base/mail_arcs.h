@@ -21,11 +21,11 @@ inline constexpr std::size_t mail_arcs_max = 128;
 // negative one the tile -1-part: as the children of a TileCut.
 struct MailArc {
   std::int32_t from = 0, to = 0;
-  std::uint64_t points = 0;
+  std::uint64_t bytes = 0;
   friend bool operator==(const MailArc&, const MailArc&) = default;
 };
 
-// The `max` with most points, those first; of equal ones in the order of their parts.
+// The `max` with most bytes, those first; of equal ones in the order of their parts.
 std::vector<MailArc> heaviest(std::vector<MailArc> arcs, std::size_t max);
 
 // The tiles as at most `max` parts, none of which has many more tiles than others.
@@ -46,9 +46,9 @@ class RecentMail {
   std::vector<MailArc> heaviest(Time now = std::chrono::steady_clock::now()) const;
 
  private:
-  using Points = std::map<std::pair<std::int32_t, std::int32_t>, std::uint64_t>;
+  using Bytes = std::map<std::pair<std::int32_t, std::int32_t>, std::uint64_t>;
   mutable std::mutex mutex_;
-  Points now_, before_;
+  Bytes now_, before_;
   Time since_{};  // of now_
 };
 

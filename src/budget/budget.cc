@@ -64,10 +64,10 @@ std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::
 
 std::uint64_t gate_bytes(std::uint64_t memory_bytes) { return memory_bytes / 8; }
 
-std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
+std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
   // A sixteenth of the memory, in pieces that are worth a write but not beyond what one write gains from.
-  constexpr std::uint64_t least = 8, most = 16384;
-  return std::clamp(memory_bytes / 16 / sizeof(SharedPoint) / std::max<std::uint64_t>(1, tiles), least, most);
+  constexpr std::uint64_t least = 320, most = 640 << 10;
+  return std::clamp(memory_bytes / 16 / std::max<std::uint64_t>(1, tiles), least, most);
 }
 
 bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, std::uint32_t threads,

@@ -43,8 +43,8 @@ std::uint64_t fixed_bytes(std::uint32_t threads);
 inline constexpr std::uint64_t tile_bytes = 5 << 10;
 // What is left of a process's memory for the points of `tiles` tiles and their mail.
 std::uint64_t for_tiles(std::uint64_t memory_bytes, std::uint32_t threads, std::uint64_t tiles);
-// Points of mail that one of `tiles` tiles keeps in memory before it puts them on disk.
-std::uint64_t mail_points_max(std::uint64_t memory_bytes, std::uint64_t tiles);
+// Bytes of mail that one of `tiles` tiles keeps in memory before it puts them on disk.
+std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles);
 
 // Whether all tiles fit whole, every thread collecting one and another one on its way to the store.
 // `tile_points`: by tile; may be 0.

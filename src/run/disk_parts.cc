@@ -19,6 +19,7 @@
 #include "src/files/free_space.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/run/delaunay_program.h"
 #include "src/run/disk_storage.h"
 #include "src/run/touching.h"
 #include "src/store/early_cells.h"
@@ -146,7 +147,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   part->schedule.begin_bytes = needs.triangulate;
   part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
   part->schedule.kernel = spec.kernel;
-  part->schedule.mail_bytes = budget::foreign_point_bytes(run->dimension, spec.kernel);
+  part->schedule.mail_growth =
+      static_cast<double>(budget::foreign_point_bytes(run->dimension, spec.kernel)) / sizeof(SharedPoint);
   TileContext& context = part->context;
   if (many_nodes) {
     std::uint64_t peers = 4;  // and some that may come
@@ -155,20 +157,22 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   }
   context.many_nodes = part->schedule.settle_asleep = many_nodes;
   if (many_nodes) part->sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
-  context.dimension = run->dimension;
-  context.kernel = spec.kernel;
-  context.reduce = reduce;
+  auto stage = std::make_shared<DelaunayStage>();
+  stage->dimension = run->dimension;
+  stage->kernel = spec.kernel;
+  stage->reduce = reduce;
   const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
-  context.early_points = cloud < early_cloud_min ? 0 : early_points_min;
-  context.early_unit = early_unit(run->dimension);
+  stage->early_points = cloud < early_cloud_min ? 0 : early_points_min;
+  stage->early_unit = early_unit(run->dimension);
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
-  context.boxes = final_boxes(shared(run, run->partition));
-  context.around = std::make_shared<const Surroundings>(
+  stage->boxes = final_boxes(shared(run, run->partition));
+  stage->around = std::make_shared<const Surroundings>(
       shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
   context.table = std::make_shared<const Table>(spec.table);
-  context.storage = &part->storage;
-  context.stop = part->stopping.get_token();
-  context.mail_points_max = budget::mail_points_max(spec.memory_bytes, tiles);
+  stage->storage = context.storage = &part->storage;
+  stage->stop = part->stopping.get_token();
+  context.programs = std::move(stage);
+  context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
   part->mail = std::make_unique<MailCounts>(
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
   part->tile_points = shared(run, run->tile_points);

@@ -45,7 +45,7 @@ struct GateCounts {
 class Gate {
  public:
   // What it counts for: about what it takes on the wire and in memory.
-  static std::uint64_t bytes_of(const Update& update) { return 64 + update.points.size() * sizeof(SharedPoint); }
+  static std::uint64_t bytes_of(const Update& update) { return 64 + update.message.size(); }
 
   // `scratch`: a file that is its own; none: everything that waits is held in memory.
   Gate(const GateOptions& options, std::filesystem::path scratch);

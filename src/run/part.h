@@ -10,12 +10,13 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/kernel/kernel.h"
 #include "src/run/gate.h"
 #include "src/run/heap_trim.h"
 #include "src/run/mail_counts.h"
 #include "src/run/schedule.h"
 #include "src/run/table.h"
-#include "src/run/tile_state.h"
+#include "src/run/tile_life.h"
 
 namespace tessera {
 

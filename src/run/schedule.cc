@@ -70,7 +70,7 @@ std::vector<TileId> Schedule::release(std::uint64_t points) {
 
 // An empty update counts, too: it must be processed.
 Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
-  return {~tile.mail.hops, tile.mail.points + tile.mail.updates, id};
+  return {~tile.mail.hops, tile.mail.bytes + tile.mail.updates, id};
 }
 
 bool Schedule::pending(const Tile& tile) const {
@@ -88,7 +88,7 @@ void Schedule::unlink(TileId t) {
   if (tile.working) return;
   if (tile.place == Place::awake && tile.mail.updates > 0) {
     ready_.erase(place(t, tile));
-    awake_.erase({tile.mail.points, t});
+    awake_.erase({tile.mail.bytes, t});
   }
   quiet_.erase(t);
   called_.erase(t);
@@ -100,7 +100,7 @@ void Schedule::link(TileId t) {
   if (tile.working) return;
   if (tile.place == Place::awake && tile.mail.updates > 0) {
     ready_.insert(place(t, tile));
-    awake_.insert({tile.mail.points, t});
+    awake_.insert({tile.mail.bytes, t});
   }
   if (tile.place == Place::awake && tile.mail.updates == 0) quiet_.insert(t);
   if (tile.place == Place::asleep && tile.mail.updates > 0) called_.insert(t);
@@ -118,7 +118,7 @@ void Schedule::mail(TileId id, const Waiting& waiting) {
   Tile& tile = found->second;
   if (tile.working || tile.place == Place::gone) return;
   unlink(id);
-  set_memory(tile, tile.memory - tile.mail.bytes + waiting.bytes);
+  set_memory(tile, tile.memory - tile.mail.memory + waiting.memory);
   tile.mail = waiting;
   link(id);
 }
@@ -271,7 +271,11 @@ std::optional<Schedule::Grant> Schedule::hand_next() {
 std::optional<Schedule::Grant> Schedule::splay_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_.at(t);
-  return grant_in_room(t, Work::splay, tile.memory + options_.mail_bytes * tile.mail.points);
+  return grant_in_room(t, Work::splay, tile.memory + growth(tile.mail));
+}
+
+std::uint64_t Schedule::growth(const Waiting& mail) const {
+  return static_cast<std::uint64_t>(options_.mail_growth * static_cast<double>(mail.bytes));
 }
 
 std::optional<Schedule::Grant> Schedule::wake_next() {
@@ -279,9 +283,8 @@ std::optional<Schedule::Grant> Schedule::wake_next() {
   if (!t) return std::nullopt;
   sweep_ = *t;
   const Tile& tile = tiles_.at(*t);
-  return grant_in_room(
-      *t, Work::splay,
-      tile.memory + budget::waking_bytes(tile.held, options_.kernel) + options_.mail_bytes * tile.mail.points);
+  return grant_in_room(*t, Work::splay,
+                       tile.memory + budget::waking_bytes(tile.held, options_.kernel) + growth(tile.mail));
 }
 
 // Of those asleep with mail, the first from where the sweep is; where it ends it turns.

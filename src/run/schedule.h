@@ -34,9 +34,9 @@ struct ScheduleOptions {
   // that is a large one, rather than waits for it. Small work takes less time than asking for more.
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;  // for tiles in memory, their mail and what is being stored
-  // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected; and for a
-  // point of mail.
-  std::uint64_t begin_bytes = 0, collect_bytes = 0, mail_bytes = 0;
+  // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected.
+  std::uint64_t begin_bytes = 0, collect_bytes = 0;
+  double mail_growth = 0;  // bytes that a tile holds more for each byte of mail that it takes in
   // Held by all tiles together that leave images when the run is suspended: some tenths of a second.
   std::uint64_t suspend_bytes = std::uint64_t{256} << 20;
   KernelKind kernel = KernelKind::flat;
@@ -68,7 +68,7 @@ class Schedule {
 
   // Mail that waits for a tile, and the memory it takes.
   struct Waiting {
-    std::uint64_t updates = 0, points = 0, bytes = 0;
+    std::uint64_t updates = 0, bytes = 0, memory = 0;
     std::uint32_t hops = 0;  // of the longest chain of updates that ends with one of these
   };
   // What waits now, since more has come. Ignored while the tile works: its report will tell.
@@ -109,7 +109,7 @@ class Schedule {
     bool working = false, is_stored = false, settled = false;
   };
   using Ready = std::tuple<std::uint32_t, std::uint64_t, TileId>;  // the greatest works first
-  using Rank = std::pair<std::uint64_t, TileId>;                   // mail, tile
+  using Rank = std::pair<std::uint64_t, TileId>;                   // bytes of mail, tile
 
   // Takes a tile out of the sets it is in, or puts it where it belongs now.
   void unlink(TileId tile);
@@ -123,6 +123,7 @@ class Schedule {
   std::optional<Grant> wake_next();
   std::optional<TileId> next_of_sweep();
   std::optional<TileId> to_sleep(TileId but) const;
+  std::uint64_t growth(const Waiting& mail) const;
   bool ahead() const { return working_ >= options_.threads; }
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);

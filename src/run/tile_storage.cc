@@ -1,5 +1,7 @@
 #include "src/run/tile_storage.h"
 
+#include <string>
+
 namespace tessera {
 
 Status remove_beginnings(TileStorage& storage, TileId tile) {
@@ -7,6 +9,10 @@ Status remove_beginnings(TileStorage& storage, TileId tile) {
     BOOST_OUTCOME_TRYV(storage.remove(tile, what));
   }
   return storage.forget_handed(tile);
+}
+
+Error damaged(TileId tile, const char* what) {
+  return error(Errc::corrupt, "tile " + std::to_string(tile.value) + ": its " + what + " on disk is damaged");
 }
 
 Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes) {

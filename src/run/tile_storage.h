@@ -67,6 +67,9 @@ class TileStorage {
 // until the run folder goes.
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
+// Error corrupt: something of a tile on scratch is not what was put there.
+Error damaged(TileId tile, const char* what);
+
 // Whether a settled run has left what a tile is built from by itself. Whether it is sound, reading it will tell: once.
 // An image tells it only where one node had the whole run.
 Result<bool> can_be_built_alone(TileStorage& storage, TileId tile, bool many_nodes);

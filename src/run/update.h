@@ -1,12 +1,11 @@
-// Points from one tile to another, on their way.
+// A message from one tile to another, on its way. What it says only the tiles know.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <vector>
 
-#include "src/base/point.h"
+#include "src/base/big_vector.h"
 #include "src/quiescence/counters.h"
 
 namespace tessera {
@@ -15,15 +14,15 @@ struct Update {
   Peer from, to;
   std::uint64_t epoch = 0;  // of the table by which it was sent
   std::uint32_t hops = 0;   // of the chain of updates that caused one another and ends with this one
-  std::vector<SharedPoint> points;
+  BigVector<std::byte> message;
 };
 
-// An update is about a megabyte at most, so that whatever carries it stays responsive.
-inline constexpr std::size_t update_points_max = 25'000;
+// Whatever carries a message stays responsive: none is longer.
+inline constexpr std::size_t message_bytes_max = 1'000'000;
 
 inline std::string to_string(const Update& update) {
   return "Update(" + std::to_string(update.from.tile.value) + " -> " + std::to_string(update.to.tile.value) + ", " +
-         std::to_string(update.points.size()) + " points, hop " + std::to_string(update.hops) + ")";
+         std::to_string(update.message.size()) + " bytes, hop " + std::to_string(update.hops) + ")";
 }
 
 }  // namespace tessera

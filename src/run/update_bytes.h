@@ -11,13 +11,13 @@ inline void put(FlatWriter& out, const Update& update) {
   out.value(update.to);
   out.value(update.epoch);
   out.value(update.hops);
-  out.list(update.points);
+  out.list(update.message);
 }
 
 // False: the bytes are not an update's.
 inline bool get(FlatReader& in, Update& update) {
   return in.value(update.from) && in.value(update.to) && in.value(update.epoch) && in.value(update.hops) &&
-         in.list(update.points);
+         in.list(update.message);
 }
 
 }  // namespace tessera

@@ -34,7 +34,7 @@ void tell_mail(const std::vector<MailArc>& arcs, proto::JobTiles& tiles) {
     proto::TileMail& mail = *tiles.mutable_mail();
     mail.add_from(arc.from);
     mail.add_to(arc.to);
-    mail.add_points(arc.points);
+    mail.add_points(arc.bytes / sizeof(SharedPoint));
   }
 }
 

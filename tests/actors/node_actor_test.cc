@@ -5,6 +5,9 @@
 #include <caf/all.hpp>
 #include <future>
 #include <string>
+#include <utility>
+
+#include "src/run/delaunay_program.h"
 
 namespace tessera {
 namespace {
@@ -22,7 +25,9 @@ class NoPoints final : public PartSource, public TileStorage {
     auto part = std::make_unique<Part>();
     part->tile_points = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
     part->schedule.threads = static_cast<std::uint32_t>(tiles_);
-    part->context.storage = this;
+    auto stage = std::make_shared<DelaunayStage>();
+    stage->storage = part->context.storage = this;
+    part->context.programs = std::move(stage);
     return part;
   }
 

@@ -228,7 +228,7 @@ TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
 TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   begin();
   run();
-  const Update update{{foreign, 1}, {TileId{0}, 0}, 1, 1, std::vector<SharedPoint>(update_points_max)};
+  const Update update{{foreign, 1}, {TileId{0}, 0}, 1, 1, BigVector<std::byte>(message_bytes_max)};
   const std::uint64_t most = 16 * in_flight_max;
   for (std::uint64_t sent = 0; sent <= most; sent += Gate::bytes_of(update)) {
     EXPECT_TRUE(sent + Gate::bytes_of(update) > most || listen().ended.empty());

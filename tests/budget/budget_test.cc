@@ -102,7 +102,7 @@ TEST(Budget, TilesStayWholeWhenThereIsRoomForThemAndTheThreadsAtWork) {
 
 TEST(Budget, MailOfAllTilesTogetherStaysASmallPart) {
   for (const std::uint64_t tiles : {1u, 64u, 2000u}) {
-    EXPECT_LE(mail_points_max(gib, tiles) * tiles * sizeof(SharedPoint), gib / 15);
+    EXPECT_LE(mail_bytes_max(gib, tiles) * tiles, gib / 15);
   }
 }
 

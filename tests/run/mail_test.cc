@@ -31,19 +31,17 @@ class Scratch final : public TileStorage {
   Pieces pieces;
 };
 
-Update update(std::uint32_t from, std::size_t points) {
-  Update b{{TileId{from}, 3}, {TileId{9}, 1}, from + 2, from + 7, {}};
-  for (std::size_t i = 0; i < points; ++i) b.points.push_back({{1.5, -2, 5e-324}, 100 * from + i, from, 0});
-  return b;
+Update update(std::uint32_t from, std::size_t bytes) {
+  return {{TileId{from}, 3}, {TileId{9}, 1}, from + 2, from + 7, BigVector<std::byte>(bytes, std::byte(from + 1))};
 }
 
 TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
-  for (const std::uint64_t points_max : {0u, 4u, 100u}) {
+  for (const std::uint64_t bytes_max : {0u, 4u, 100u}) {
     Scratch scratch;
-    Mail mail(TileId{9}, points_max);
+    Mail mail(TileId{9}, bytes_max);
     for (const std::uint32_t from : {0u, 1u, 2u, 3u}) ASSERT_TRUE(mail.add(update(from, from), scratch));
     EXPECT_EQ(mail.updates(), 4u);
-    EXPECT_EQ(mail.points(), 6u);
+    EXPECT_EQ(mail.bytes(), 6u);
     const auto taken = mail.take(scratch);
     ASSERT_TRUE(taken);
     ASSERT_EQ(taken.value().size(), 4u);
@@ -53,7 +51,7 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
       EXPECT_EQ(b.to, update(from, from).to);
       EXPECT_EQ(b.epoch, from + 2);
       EXPECT_EQ(b.hops, from + 7);
-      EXPECT_EQ(b.points, update(from, from).points);
+      EXPECT_EQ(b.message, update(from, from).message);
     }
     EXPECT_EQ(mail.updates(), 0u);
     EXPECT_TRUE(scratch.pieces.empty());
@@ -61,14 +59,14 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
   }
 }
 
-TEST(Mail, HoldsNoMorePointsInMemoryThanItMay) {
+TEST(Mail, HoldsNoMoreBytesInMemoryThanItMay) {
   Scratch scratch;
   Mail mail(TileId{9}, 100);
   for (int i = 0; i < 1000; ++i) {
     ASSERT_TRUE(mail.add(update(1, 30), scratch));
-    EXPECT_LE(mail.memory(), 130 * sizeof(SharedPoint) + 16 * sizeof(Update));
+    EXPECT_LE(mail.memory(), 130 + 16 * sizeof(Update));
   }
-  EXPECT_EQ(mail.points(), 30'000u);
+  EXPECT_EQ(mail.bytes(), 30'000u);
   EXPECT_EQ(mail.take(scratch).value().size(), 1000u);
 }
 

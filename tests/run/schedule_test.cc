@@ -12,7 +12,7 @@ namespace {
 using Stage = Schedule::Stage;
 
 ScheduleOptions options(std::uint32_t threads, std::uint64_t memory) {
-  return {.threads = threads, .memory_bytes = memory, .begin_bytes = 10, .collect_bytes = 10, .mail_bytes = 1};
+  return {.threads = threads, .memory_bytes = memory, .begin_bytes = 10, .collect_bytes = 10, .mail_growth = 1};
 }
 
 // "begin 0, sleep 1": everything that is granted now.

@@ -6,24 +6,29 @@
 #include <random>
 #include <utility>
 
-#include "src/run/tile_state.h"
+#include "src/run/delaunay_program.h"
+#include "src/run/tile_life.h"
 #include "tests/tile/scratch.h"
 
 namespace tessera::testing {
 namespace {
 
 struct Life {
-  Life(Peer self, const TileContext& common, std::shared_ptr<const Table> table, std::vector<LocalPoint> points)
-      : self(self), scratch(std::move(points), common.dimension), context(common), told(table->epoch) {
-    context.storage = &scratch;
+  Life(Peer self, const DelaunayStage& common, std::uint64_t mail_bytes_max, std::shared_ptr<const Table> table,
+       std::vector<LocalPoint> points)
+      : self(self), scratch(std::move(points), common.dimension), told(table->epoch) {
+    auto stage = std::make_shared<DelaunayStage>(common);
+    stage->storage = context.storage = &scratch;
+    context.programs = std::move(stage);
+    context.mail_bytes_max = mail_bytes_max;
     context.table = std::move(table);
-    state = std::make_unique<TileState>(self, context);
+    state = std::make_unique<TileLife>(self, context);
   }
 
   Peer self;
   Scratch scratch;
   TileContext context;
-  std::unique_ptr<TileState> state;
+  std::unique_ptr<TileLife> state;
   std::uint64_t told;  // epoch of its table
   bool begun = false, awake = false;
   std::vector<Peer> waiting;  // from whom
@@ -63,7 +68,7 @@ class World {
 
   const RecoveryOptions& options_;
   std::mt19937_64 rng_;
-  TileContext common_;
+  DelaunayStage common_;
   std::vector<std::vector<LocalPoint>> points_;                     // by tile
   std::vector<std::shared_ptr<const Table>> tables_;                // of all epochs
   std::vector<std::shared_ptr<const Rebirths>> rebirths_{nullptr};  // of the same
@@ -98,7 +103,6 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.boxes = std::make_shared<const std::vector<Box>>(
       assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
   common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
-  common_.mail_points_max = options.mail_points_max;
   Table first{0, {}, std::vector<std::uint32_t>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});
   table_ = std::make_shared<const Table>(std::move(first));
@@ -111,7 +115,8 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
 void World::birth(TileId tile) {
   if (points_[tile.value].empty()) return;
   const auto& table = coin() ? tables_.back() : tables_[rng_() % tables_.size()];
-  auto life = std::make_unique<Life>(table_->peer_of(tile), common_, table, points_[tile.value]);
+  auto life =
+      std::make_unique<Life>(table_->peer_of(tile), common_, options_.mail_bytes_max, table, points_[tile.value]);
   if (living_[tile.value] && options_.images && coin()) life->scratch.inherit(living_[tile.value]->scratch);
   std::swap(living_[tile.value], life);
   if (life && rng_() % 3 == 0) zombies_.push_back(std::move(life));
@@ -168,7 +173,7 @@ void World::act(const Action& action) {
       life.begun = life.awake = true;
       break;
     case Kind::splay:
-      require(life.state->splay());
+      require(life.state->step());
       life.awake = true;
       life.waiting.clear();
       break;
@@ -245,11 +250,11 @@ void World::collect() {
     if (!life) continue;
     if (options_.settle) {
       require(life->state->settle());
-      life->state = std::make_unique<TileState>(life->self, life->context);
+      life->state = std::make_unique<TileLife>(life->self, life->context);
     }
-    auto mesh = life->state->collect();
-    if (!mesh) return fail(mesh.error().where);
-    out_.meshes.push_back(std::move(mesh).value().whole());
+    auto finished = life->state->finish();
+    if (!finished) return fail(finished.error().where);
+    out_.meshes.push_back(life->scratch.mesh_of(*finished.value()));
   }
 }
 

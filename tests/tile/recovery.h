@@ -21,7 +21,7 @@ struct RecoveryOptions {
   Announced announced = Announced::spanning;
   bool reduce = false;
   bool announce = true;
-  std::uint64_t mail_points_max = ~std::uint64_t{0};
+  std::uint64_t mail_bytes_max = ~std::uint64_t{0};
   std::uint32_t losses = 1;    // of one or several tiles at once
   std::uint32_t patience = 8;  // about so many steps between two of them
   bool random_seeds = true;

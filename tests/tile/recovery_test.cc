@@ -46,7 +46,7 @@ std::optional<std::string> run(std::uint64_t seed) {
   options.reduce = rng() % 4 == 0;
   options.random_seeds = rng() % 3 == 0;
   options.announce = rng() % 8 != 0;
-  options.mail_points_max = rng() % 2 == 0 ? rng() % 4 : ~std::uint64_t{0};
+  options.mail_bytes_max = rng() % 2 == 0 ? rng() % 4 * sizeof(SharedPoint) : ~std::uint64_t{0};
   options.losses = 1 + static_cast<std::uint32_t>(rng() % 4);
   options.patience = std::uint32_t{2} << rng() % 7;
   options.sleep = rng() % 2 == 0;

@@ -6,8 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/base/check.h"
-#include "src/run/tile_storage.h"
+#include "src/run/tile_program.h"
 
 namespace tessera::testing {
 
@@ -32,7 +31,12 @@ class Scratch final : public TileStorage {
   Status clear(ScratchKind what) override { return remove({}, what); }
   std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
   Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
-  void store(TileId, CollectedTile, Stored) override { check(false, "nothing is stored here"); }
+  void store(TileId, CollectedTile tile, Stored) override { stored_ = std::move(tile); }
+  // What a tile that has come to its end gives to the storage.
+  TileMesh mesh_of(Finished& finished) {
+    finished.store(*this, {}, {});
+    return std::move(stored_).whole();
+  }
   // As an earlier process leaves it: but for mail.
   void inherit(const Scratch& other) {
     pieces_ = other.pieces_;
@@ -43,6 +47,7 @@ class Scratch final : public TileStorage {
   std::vector<LocalPoint> points_;
   int dimension_;
   std::map<ScratchKind, Pieces> pieces_;
+  CollectedTile stored_;
 };
 
 }  // namespace tessera::testing

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "src/run/tile_state.h"
+#include "src/run/delaunay_program.h"
+#include "src/run/tile_life.h"
 #include "tests/tile/scratch.h"
 
 namespace tessera::testing {
@@ -23,13 +26,14 @@ class Words : public ::testing::Test {
     bounds.add(Point{0, 0, 0});
     bounds.add(Point{30, 10, 0});
     const std::vector<std::vector<TileId>> neighbours{{}, {}, {fence_owner}, {}};
-    context_.dimension = 2;
-    context_.boxes = std::make_shared<const std::vector<Box>>(4, Box{{1, 1, 1}, {-1, -1, -1}});
-    context_.around =
+    stage_.dimension = 2;
+    stage_.boxes = std::make_shared<const std::vector<Box>>(4, Box{{1, 1, 1}, {-1, -1, -1}});
+    stage_.around =
         std::make_shared<const Surroundings>(std::vector<Bounds>(4, bounds), neighbours, std::vector<Seed>{});
     context_.table = first_;
-    context_.storage = &scratch_;
-    tile_ = std::make_unique<TileState>(Peer{self, 0}, context_);
+    stage_.storage = context_.storage = &scratch_;
+    context_.programs = std::make_shared<DelaunayStage>(stage_);
+    tile_ = std::make_unique<TileLife>(Peer{self, 0}, context_);
     EXPECT_TRUE(tile_->begin());
     hear(fence_owner, 0,
          {of(fence_owner, 0, 0, fence), of(fence_owner, 10, 0, fence + 1), of(fence_owner, 0, 10, fence + 2),
@@ -41,14 +45,15 @@ class Words : public ::testing::Test {
     return {{x, y, 0}, PointId{id}, owner, told};
   }
   void hear(TileId from, std::uint64_t epoch, std::vector<SharedPoint> points) {
-    EXPECT_TRUE(tile_->receive({{from, 0}, {self, 0}, epoch, 1, std::move(points)}));
+    const auto bytes = std::as_bytes(std::span<const SharedPoint>(points));
+    EXPECT_TRUE(tile_->receive({{from, 0}, {self, 0}, epoch, 1, {bytes.begin(), bytes.end()}}));
   }
   // Of the third tile: it has told the fence's owner.
   void hear_word(std::uint64_t epoch) {
-    hear(other, epoch, {of(other, 6, 6, point, context_.around->bit(other, fence_owner))});
+    hear(other, epoch, {of(other, 6, 6, point, stage_.around->bit(other, fence_owner))});
   }
   std::vector<Update> splay() {
-    EXPECT_TRUE(tile_->splay());
+    EXPECT_TRUE(tile_->step());
     return tile_->take_outgoing();
   }
   void rejoin() {
@@ -61,7 +66,9 @@ class Words : public ::testing::Test {
   // Whether the two whose points are neighbours here are introduced: one of them hears of the other's.
   static bool introduced(const std::vector<Update>& updates) {
     for (const Update& update : updates) {
-      for (const SharedPoint& p : update.points) {
+      for (std::size_t at = 0; at < update.message.size(); at += sizeof(SharedPoint)) {
+        SharedPoint p;
+        std::memcpy(&p, update.message.data() + at, sizeof p);
         if (update.to.tile == fence_owner && p.tile == other) return true;
         if (update.to.tile == other && p.tile == fence_owner) return true;
       }
@@ -73,8 +80,11 @@ class Words : public ::testing::Test {
   const std::shared_ptr<const Table> first_ =
       std::make_shared<const Table>(Table{0, std::vector<NodeId>(4), std::vector<std::uint32_t>(4)});
   Scratch scratch_;
+  DelaunayStage stage_;
   TileContext context_;
-  std::unique_ptr<TileState> tile_;
+
+ protected:
+  std::unique_ptr<TileLife> tile_;
 };
 
 TEST_F(Words, AreBelievedOfTheSameEpoch) {
@@ -99,6 +109,14 @@ TEST_F(Words, AreNotBelievedOfAnEarlierEpochThatWaitedForTheTable) {
   hear_word(0);
   rejoin();
   EXPECT_TRUE(introduced(splay()));
+}
+
+TEST_F(Words, AMessageThatIsNoListOfPointsIsAnError) {
+  ASSERT_TRUE(tile_->receive({{other, 0}, {self, 0}, 0, 1, BigVector<std::byte>(sizeof(SharedPoint) + 1)}));
+  const Status splayed = tile_->step();
+  ASSERT_FALSE(splayed);
+  EXPECT_EQ(splayed.error().code, Errc::internal);
+  EXPECT_NE(splayed.error().where.find("tile 2 has sent"), std::string::npos) << splayed.error().where;
 }
 
 }  // namespace

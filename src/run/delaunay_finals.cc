@@ -4,28 +4,30 @@
 
 #include "src/base/flat_codec.h"
 #include "src/files/checksum.h"
-#include "src/run/tile_state.h"
+#include "src/run/delaunay_program.h"
 
 namespace tessera {
 
 // `at_once`: the tile is collected now, and what it has kept need not be read.
-Status TileState::keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once) {
+Status DelaunayProgram::keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once) {
   finals_ = std::make_unique<KeptFinals>();
   stored_early_ = {};
   if (early()) {
-    auto sorted = std::make_shared<const EarlyFinals>(context_.dimension, loaded.ids, std::move(finals),
-                                                      context_.early_unit, context_.stop);
+    auto sorted = std::make_shared<const EarlyFinals>(stage_.dimension, loaded.ids, std::move(finals),
+                                                      stage_.early_unit, stage_.stop);
     *finals_ = sorted->left();
     if (sorted->early() > 0) {
-      storing_ = context_.storage->store_early(self_.tile, std::move(sorted));
+      storing_ = stage_.storage->store_early(self_, std::move(sorted));
     }
   } else {
     finals_->cells = std::move(finals);
   }
-  return context_.reduce && !at_once ? put_finals() : Status(success());
+  return stage_.reduce && !at_once ? put_finals() : Status(success());
 }
 
-Status TileState::await_stored() {
+Status DelaunayProgram::put_aside() { return finals_ ? put_finals() : Status(success()); }
+
+Status DelaunayProgram::await_stored() {
   if (!storing_.valid()) return success();
   auto stored = storing_.get();
   if (!stored) return stored.error();
@@ -34,7 +36,7 @@ Status TileState::await_stored() {
 }
 
 // Not of what the storage has said of the early ones: that is the same cells, whoever has them now.
-std::uint64_t TileState::sum_of(const KeptFinals& finals) {
+std::uint64_t DelaunayProgram::sum_of(const KeptFinals& finals) {
   std::uint64_t sum = finals.early + std::uint64_t{1};
   for (const auto bytes : {std::as_bytes(std::span(finals.place)), std::as_bytes(std::span(finals.frozen)),
                            std::as_bytes(std::span(finals.cells.rows.data(), finals.cells.rows.size()))}) {
@@ -43,7 +45,7 @@ std::uint64_t TileState::sum_of(const KeptFinals& finals) {
   return sum;
 }
 
-Status TileState::put_finals() {
+Status DelaunayProgram::put_finals() {
   BOOST_OUTCOME_TRYV(await_stored());
   finals_sum_ = sum_of(*finals_);
   FlatWriter out;
@@ -55,37 +57,37 @@ Status TileState::put_finals() {
   out.list(stored_early_);
   finals_.reset();
   stored_early_ = {};
-  return context_.storage->write(self_.tile, ScratchKind::finals, out.take());
+  return stage_.storage->write(self_, ScratchKind::finals, out.take());
 }
 
-bool TileState::decode_finals(std::span<const std::byte> bytes) {
+bool DelaunayProgram::decode_finals(std::span<const std::byte> bytes) {
   auto finals = std::make_unique<KeptFinals>();
   FlatReader in(bytes);
   const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
                     in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
   // Those of another image of the same tile can be sound, and others than its kernel knows of.
-  if (!read || !finals->sound(context_.dimension, own_points_) || sum_of(*finals) != finals_sum_) return false;
+  if (!read || !finals->sound(stage_.dimension, own_points_) || sum_of(*finals) != finals_sum_) return false;
   finals_ = std::move(finals);
   return true;
 }
 
 // Of an earlier process, or another node. False when the tile cannot go on from them.
-Result<bool> TileState::restore_finals(std::span<const std::byte> bytes, bool at_once) {
+Result<bool> DelaunayProgram::restore_finals(std::span<const std::byte> bytes, bool at_once) {
   if (!decode_finals(bytes)) return false;
   // What they were stored as depends on these, and others may have been in force then.
   const bool placed = !finals_->place.empty() || finals_->early > 0;
   if (placed != early() && (placed || finals_->cells.rows.size() > 0)) return false;
-  if (finals_->early > 0 && !context_.storage->take_early(self_.tile, stored_early_)) return false;
-  if (context_.reduce && !at_once) {
+  if (finals_->early > 0 && !stage_.storage->take_early(self_, stored_early_)) return false;
+  if (stage_.reduce && !at_once) {
     BOOST_OUTCOME_TRYV(put_finals());
   }
   return true;
 }
 
-Result<KeptFinals> TileState::take_finals() {
+Result<KeptFinals> DelaunayProgram::take_finals() {
   if (!finals_) {
-    BOOST_OUTCOME_TRY(pieces, context_.storage->read(self_.tile, ScratchKind::finals));
-    if (pieces.size() != 1 || !decode_finals(pieces[0])) return damaged("list of final cells");
+    BOOST_OUTCOME_TRY(pieces, stage_.storage->read(self_, ScratchKind::finals));
+    if (pieces.size() != 1 || !decode_finals(pieces[0])) return damaged(self_, "list of final cells");
   }
   KeptFinals taken = std::move(*finals_);
   finals_.reset();

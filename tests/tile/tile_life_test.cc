@@ -1,5 +1,6 @@
 // A tile whose scratch was exchanged with another's, or is older than its image: it is built again, or says so.
-#include "src/run/tile_state.h"
+#include "src/run/tile_life.h"
+#include "src/run/delaunay_program.h"
 
 #include <gtest/gtest.h>
 
@@ -44,29 +45,31 @@ class ExchangedScratch : public ::testing::Test {
   struct Life {
     Scratch scratch;
     TileContext context;
-    std::unique_ptr<TileState> state;
+    std::unique_ptr<TileLife> state;
   };
   std::unique_ptr<Life> life(std::uint32_t tile, const Scratch* earlier = nullptr) const {
-    auto made = std::make_unique<Life>(Life{Scratch(points_[tile], 3), common_, nullptr});
+    auto made = std::make_unique<Life>(Life{Scratch(points_[tile], 3), {}, nullptr});
+    auto stage = std::make_shared<DelaunayStage>(common_);
     if (earlier) made->scratch.inherit(*earlier);
-    made->context.storage = &made->scratch;
-    made->state = std::make_unique<TileState>(Peer{TileId{tile}, 0}, made->context);
+    stage->storage = made->context.storage = &made->scratch;
+    made->context.programs = std::move(stage);
+    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, 0}, made->context);
     return made;
   }
   // One that has been put to sleep.
   std::unique_ptr<Life> sleeper(std::uint32_t tile) const {
     auto made = life(tile);
     EXPECT_TRUE(made->state->begin());
-    EXPECT_TRUE(made->state->splay());
+    EXPECT_TRUE(made->state->step());
     made->state->take_outgoing();
     EXPECT_TRUE(made->state->sleep());
     return made;
   }
   static std::vector<std::int32_t> cells(Life& of) {
     of.state->take_outgoing();
-    auto collected = of.state->collect();
-    EXPECT_TRUE(collected) << collected.error().where;
-    const TileMesh mesh = std::move(collected).value().whole();
+    auto finished = of.state->finish();
+    EXPECT_TRUE(finished) << finished.error().where;
+    const TileMesh mesh = of.scratch.mesh_of(*finished.value());
     return {mesh.cells.begin(), mesh.cells.end()};
   }
   // What tile 0 gives that begins with what an earlier life has left.
@@ -74,7 +77,7 @@ class ExchangedScratch : public ::testing::Test {
     const auto again = life(0, &earlier);
     const Status begun = again->state->begin();
     EXPECT_TRUE(begun) << begun.error().where;
-    EXPECT_TRUE(again->state->splay());
+    EXPECT_TRUE(again->state->step());
     return cells(*again);
   }
   static void replace(Scratch& in, ScratchKind what, Scratch& by) {
@@ -84,7 +87,7 @@ class ExchangedScratch : public ::testing::Test {
   }
 
   std::vector<LocalPoint> points_[tiles];
-  TileContext common_;
+  DelaunayStage common_;
 };
 
 TEST_F(ExchangedScratch, FinalCellsOfAnotherTileAreNotGoneOnWith) {
@@ -106,7 +109,7 @@ TEST_F(ExchangedScratch, AnImageOfAnotherTileIsNotGoneOnWith) {
 TEST_F(ExchangedScratch, AnImageFromBeforeTheEndOfTheExchangeIsNoSettledTile) {
   const auto one = sleeper(0);
   EXPECT_TRUE(can_be_built_alone(one->scratch, {}, false).value()) << "asleep it is";
-  ASSERT_TRUE(one->state->splay());
+  ASSERT_TRUE(one->state->step());
   one->state->take_outgoing();
   ASSERT_TRUE(one->state->settle());
   EXPECT_TRUE(can_be_built_alone(one->scratch, {}, false).value());
@@ -117,7 +120,7 @@ TEST_F(ExchangedScratch, AnImageFromBeforeTheEndOfTheExchangeIsNoSettledTile) {
 TEST_F(ExchangedScratch, FinalCellsExchangedWhileTheTileSleepsAreDamage) {
   const auto one = sleeper(0), other = sleeper(1);
   replace(one->scratch, ScratchKind::finals, other->scratch);
-  const auto collected = one->state->collect();
+  const auto collected = one->state->finish();
   ASSERT_FALSE(collected);
   EXPECT_EQ(collected.error().code, Errc::corrupt);
 }
@@ -135,8 +138,8 @@ TEST_F(ExchangedScratch, FinalCellsThatFitByTheirChecksumAloneAreAnError) {
   std::memcpy(&image[image.size() - sum_bytes], &of_other[of_other.size() - sum_bytes], sum_bytes);
   ASSERT_TRUE(again->scratch.write({}, ScratchKind::state, image));
   ASSERT_TRUE(again->state->begin());
-  ASSERT_TRUE(again->state->splay());
-  const auto collected = again->state->collect();
+  ASSERT_TRUE(again->state->step());
+  const auto collected = again->state->finish();
   ASSERT_FALSE(collected);
   EXPECT_EQ(collected.error().code, Errc::corrupt) << collected.error().where;
   EXPECT_FALSE(again->scratch.has({}, ScratchKind::state).value());

@@ -1,0 +1,93 @@
+// What the tiles of a stage do: one object a tile. The exchange (src/run/tile_life.h) carries messages, puts tiles to
+// sleep, moves them and begins them again after a loss; what a message says, only the program knows.
+//
+// A program is plain: one thread at a time calls it, in the order that TileLife keeps. Whatever it reads or writes
+// beside its image (points, duplicates, lists of final cells) is its own business with the tile's storage.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "src/base/big_vector.h"
+#include "src/base/figures.h"
+#include "src/base/ids.h"
+#include "src/base/result.h"
+#include "src/run/tile_storage.h"
+
+namespace tessera {
+
+using Message = BigVector<std::byte>;
+using Image = BigVector<std::byte>;
+
+// Whose image a program is loaded from.
+enum class ImageOf : std::uint8_t {
+  sleeper,  // this object's own: it fell asleep
+  earlier,  // another life's, in an earlier process or on another node: what it has told may be lost, and is told again
+  settled   // another life's, which was quiet: finish() follows
+};
+
+// What a tile leaves at the end of its stage.
+class Finished {
+ public:
+  virtual ~Finished() = default;
+  virtual std::uint64_t bytes() const = 0;  // in memory
+  // As TileStorage::store(). Once.
+  virtual void store(TileStorage& storage, TileId tile, TileStorage::Stored done) = 0;
+};
+
+// Any call but those that only look may throw Stopped, when the job is stopped, and Unsound, when what was read from
+// scratch cannot be worked with: the program can then only be destroyed, or begin again.
+class TileProgram {
+ public:
+  virtual ~TileProgram() = default;
+
+  // From what the stage before has left alone.
+  virtual Status begin() = 0;
+  // Likewise, and from what settled() gave when all was quiet: finish() follows.
+  virtual Status begin_settled(Message settled) = 0;
+  // A message of another tile, or of an earlier life of this one. `current`: its sender went by the table by which this
+  // tile goes. Error internal when no program of the stage can have sent it.
+  virtual Status take(TileId from, bool current, Message message) = 0;
+  // Works on all that was taken.
+  virtual Status step() = 0;
+  // Whether step() has something to do though nothing was taken.
+  virtual bool due() const = 0;
+  // What others must hear, none longer than message_bytes_max, by tile; forgets it.
+  virtual std::vector<std::pair<TileId, Message>> messages() = 0;
+  // These tiles (ascending) were reborn and know nothing: what they, and others by way of them, may not have heard
+  // becomes messages again. The one duty of a program that no machine can take over.
+  virtual void replay_to(std::span<const TileId> reborn) = 0;
+
+  // Puts on scratch what is in memory beside the image.
+  virtual Status put_aside() = 0;
+  // The whole state as bytes. REQUIRES: put_aside(), messages().
+  virtual Image save() = 0;
+  // False when these are not bytes that save() has made for this tile, or do not fit what stands beside them.
+  virtual Result<bool> load(Image image, ImageOf whose) = 0;
+  // An image with what was put aside, for another node; and the way back: as load() of an earlier one.
+  virtual Result<Image> pack(Image image) = 0;
+  virtual Result<bool> load_packed(Image packed) = 0;
+  // Frees what an image tells again, and all after the end.
+  virtual void free() = 0;
+
+  // After quiescence: enough to begin the stage's end alone.
+  virtual Message settled() const = 0;
+  // After quiescence, once.
+  virtual Result<std::unique_ptr<Finished>> finish() = 0;
+
+  virtual std::size_t memory() const = 0;
+  virtual const ExchangeCounts& counts() const = 0;  // also after free()
+};
+
+// Makes the programs of a stage. Outlives them.
+class TilePrograms {
+ public:
+  virtual ~TilePrograms() = default;
+  virtual std::unique_ptr<TileProgram> program_of(TileId tile) const = 0;
+};
+
+}  // namespace tessera
