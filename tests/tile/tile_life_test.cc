@@ -1,149 +1,240 @@
-// A tile whose scratch was exchanged with another's, or is older than its image: it is built again, or says so.
+// How a tile lives, whatever its program does.
 #include "src/run/tile_life.h"
-#include "src/run/delaunay_program.h"
 
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <map>
 #include <memory>
+#include <random>
+#include <utility>
 #include <vector>
 
-#include "src/base/random.h"
+#include "tests/tile/greatest.h"
 #include "tests/tile/scratch.h"
-#include "tests/tile/setting.h"
 
 namespace tessera::testing {
 namespace {
 
-constexpr std::uint32_t tiles = 2, points_each = 2000;
+constexpr std::uint32_t tiles = 7;
 
-// Two tiles beside each other, of as many points, which leave their final cells on scratch.
-class ExchangedScratch : public ::testing::Test {
+// A chain of tiles, each with a scratch that outlives it.
+class Chain : public ::testing::Test {
  protected:
-  ExchangedScratch() {
-    Random random(7);
-    std::vector<LocalPoint> all;
-    std::vector<std::uint32_t> tile_of;
-    std::vector<Bounds> bounds(tiles);
+  Chain() {
+    auto stage = std::make_shared<GreatestStage>();
+    stage->numbers = {60, 10, 50, 20, 40, 5, 30};
     for (std::uint32_t t = 0; t < tiles; ++t) {
-      for (std::uint32_t i = 0; i < points_each; ++i) {
-        const Point p{random.between(t, t + 1), random.between(0, 1), random.between(0, 1)};
-        all.push_back({p, PointId{all.size()}});
-        tile_of.push_back(t);
-        points_[t].push_back(all.back());
-        bounds[t].add(p);
+      auto& neighbours = stage->neighbours.emplace_back();
+      if (t > 0) neighbours.push_back(TileId{t - 1});
+      if (t + 1 < tiles) neighbours.push_back(TileId{t + 1});
+      scratch_.push_back(std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2));
+    }
+    stage_ = std::move(stage);
+    for (std::uint32_t t = 0; t < tiles; ++t) bear(t);
+  }
+  static constexpr std::uint64_t expected[] = {60, 60, 60, 50, 50, 40, 40};
+
+  void bear(std::uint32_t t) {
+    auto context = std::make_unique<TileContext>();
+    context->programs = stage_;
+    context->table = table_;
+    context->storage = scratch_[t].get();
+    context->mail_bytes_max = 20;
+    lives_[t] = std::make_unique<TileLife>(table_->peer_of(TileId{t}), *context);
+    contexts_[t] = std::move(context);
+  }
+  TileLife& tile(std::uint32_t t) { return *lives_[t]; }
+  void post(std::uint32_t from) {
+    for (Update& update : tile(from).take_outgoing()) mail_.push_back(std::move(update));
+  }
+  void begin(std::uint32_t t) {
+    ASSERT_TRUE(tile(t).begin());
+    post(t);
+  }
+  void deliver(std::size_t which) {
+    Update update = std::move(mail_[which]);
+    mail_.erase(mail_.begin() + static_cast<std::ptrdiff_t>(which));
+    ASSERT_TRUE(tile(update.to.tile.value).receive(std::move(update)));
+  }
+  void step(std::uint32_t t) {
+    ASSERT_TRUE(tile(t).step());
+    post(t);
+  }
+  bool waits(std::uint32_t t) { return tile(t).waiting_updates() > 0; }
+  void until_quiet() {
+    for (bool busy = true; busy;) {
+      while (!mail_.empty()) deliver(0);
+      busy = false;
+      for (std::uint32_t t = 0; t < tiles; ++t) {
+        if (!waits(t)) continue;
+        step(t);
+        busy = true;
       }
     }
-    common_.reduce = true;
-    common_.boxes = std::make_shared<const std::vector<Box>>(
-        std::vector<Box>{{{-10, -10, -10}, {1, 10, 10}}, {{1, -10, -10}, {10, 10, 10}}});
-    common_.around = std::make_shared<const Surroundings>(bounds, std::vector<std::vector<TileId>>(tiles),
-                                                          make_seeds(all, tile_of, 3, Announced::spanning));
   }
-
-  // A life of a tile, with what an earlier one has left.
-  struct Life {
-    Scratch scratch;
-    TileContext context;
-    std::unique_ptr<TileLife> state;
-  };
-  std::unique_ptr<Life> life(std::uint32_t tile, const Scratch* earlier = nullptr) const {
-    auto made = std::make_unique<Life>(Life{Scratch(points_[tile], 3), {}, nullptr});
-    auto stage = std::make_shared<DelaunayStage>(common_);
-    if (earlier) made->scratch.inherit(*earlier);
-    stage->storage = made->context.storage = &made->scratch;
-    made->context.programs = std::move(stage);
-    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, 0}, made->context);
-    return made;
+  Totals totals() {
+    Totals sum;
+    for (std::uint32_t t = 0; t < tiles; ++t) sum += tile(t).totals();
+    return sum;
   }
-  // One that has been put to sleep.
-  std::unique_ptr<Life> sleeper(std::uint32_t tile) const {
-    auto made = life(tile);
-    EXPECT_TRUE(made->state->begin());
-    EXPECT_TRUE(made->state->step());
-    made->state->take_outgoing();
-    EXPECT_TRUE(made->state->sleep());
-    return made;
-  }
-  static std::vector<std::int32_t> cells(Life& of) {
-    of.state->take_outgoing();
-    auto finished = of.state->finish();
+  std::uint64_t finish(std::uint32_t t) {
+    auto finished = tile(t).finish();
     EXPECT_TRUE(finished) << finished.error().where;
-    const TileMesh mesh = of.scratch.mesh_of(*finished.value());
-    return {mesh.cells.begin(), mesh.cells.end()};
+    return finished ? static_cast<const GreatestFound&>(*finished.value()).number : 0;
   }
-  // What tile 0 gives that begins with what an earlier life has left.
-  std::vector<std::int32_t> cells_from(const Scratch& earlier) const {
-    const auto again = life(0, &earlier);
-    const Status begun = again->state->begin();
-    EXPECT_TRUE(begun) << begun.error().where;
-    EXPECT_TRUE(again->state->step());
-    return cells(*again);
+  void expect_right() {
+    for (std::uint32_t t = 0; t < tiles; ++t) EXPECT_EQ(finish(t), expected[t]) << "tile " << t;
   }
-  static void replace(Scratch& in, ScratchKind what, Scratch& by) {
-    const auto pieces = by.read({}, what).value();
-    ASSERT_EQ(pieces.size(), 1u) << "the tile has left none";
-    EXPECT_TRUE(in.write({}, what, pieces[0]));
+  // A table in which these tiles are others, of which all the living hear.
+  void lose(const std::vector<TileId>& lost) {
+    auto next = std::make_shared<Table>(*table_);
+    ++next->epoch;
+    for (const TileId t : lost) ++next->incarnations[t.value];
+    const auto rebirths = rebirths_between(*table_, *next, nullptr);
+    table_ = next;
+    for (std::uint32_t t = 0; t < tiles; ++t) {
+      if (std::find(lost.begin(), lost.end(), TileId{t}) != lost.end()) {
+        bear(t);
+      } else {
+        tile(t).rejoin(table_, rebirths.get());
+        post(t);
+      }
+    }
   }
 
-  std::vector<LocalPoint> points_[tiles];
-  DelaunayStage common_;
+  std::vector<std::unique_ptr<Scratch>> scratch_;
+  std::vector<Update> mail_;
+
+ private:
+  std::shared_ptr<const GreatestStage> stage_;
+  std::shared_ptr<const Table> table_ =
+      std::make_shared<const Table>(Table{0, std::vector<NodeId>(tiles), std::vector<std::uint32_t>(tiles)});
+  std::map<std::uint32_t, std::unique_ptr<TileContext>> contexts_;
+  std::map<std::uint32_t, std::unique_ptr<TileLife>> lives_;
 };
 
-TEST_F(ExchangedScratch, FinalCellsOfAnotherTileAreNotGoneOnWith) {
-  const auto one = sleeper(0), other = sleeper(1);
-  const auto expected = cells_from(one->scratch);
-  replace(one->scratch, ScratchKind::finals, other->scratch);
-  EXPECT_EQ(cells_from(one->scratch), expected);
+TEST_F(Chain, EndsInWhatItsProgramsAreFor) {
+  for (std::uint32_t t = 0; t < tiles; ++t) begin(t);
+  until_quiet();
+  EXPECT_EQ(totals().sent, totals().processed);
+  EXPECT_GT(tile(2).hops(), 1u);
+  expect_right();
 }
 
-TEST_F(ExchangedScratch, AnImageOfAnotherTileIsNotGoneOnWith) {
-  const auto one = sleeper(0), other = sleeper(1);
-  const auto expected = cells_from(one->scratch);
-  replace(one->scratch, ScratchKind::state, other->scratch);
-  EXPECT_EQ(cells_from(one->scratch), expected);
+TEST_F(Chain, KeepsMailUntilAStepAlsoForTilesThatHaveNotBegun) {
+  begin(0);
+  deliver(0);
+  EXPECT_EQ(tile(1).waiting_updates(), 1u);
+  EXPECT_EQ(tile(1).waiting_bytes(), 9u);
+  EXPECT_EQ(tile(1).waiting_hops(), 1u);
+  for (std::uint32_t t = 1; t < tiles; ++t) begin(t);
+  until_quiet();
+  EXPECT_EQ(tile(1).waiting_updates(), 0u);
+  expect_right();
 }
 
-// A tile that slept and was awake when all was quiet: without its list of foreign vertices, as when a file of those was
-// cut off, the image from before must not be taken for what it needs.
-TEST_F(ExchangedScratch, AnImageFromBeforeTheEndOfTheExchangeIsNoSettledTile) {
-  const auto one = sleeper(0);
-  EXPECT_TRUE(can_be_built_alone(one->scratch, {}, false).value()) << "asleep it is";
-  ASSERT_TRUE(one->state->step());
-  one->state->take_outgoing();
-  ASSERT_TRUE(one->state->settle());
-  EXPECT_TRUE(can_be_built_alone(one->scratch, {}, false).value());
-  ASSERT_TRUE(one->scratch.remove({}, ScratchKind::settled));
-  EXPECT_FALSE(can_be_built_alone(one->scratch, {}, false).value());
+TEST_F(Chain, SleepsAndWakes) {
+  for (std::uint32_t t = 0; t < tiles; ++t) {
+    begin(t);
+    ASSERT_TRUE(tile(t).sleep());
+  }
+  for (bool busy = true; busy;) {
+    while (!mail_.empty()) deliver(mail_.size() - 1);
+    busy = false;
+    for (std::uint32_t t = 0; t < tiles; ++t) {
+      if (!waits(t)) continue;
+      step(t);
+      ASSERT_TRUE(tile(t).sleep());
+      busy = true;
+    }
+  }
+  expect_right();
 }
 
-TEST_F(ExchangedScratch, FinalCellsExchangedWhileTheTileSleepsAreDamage) {
-  const auto one = sleeper(0), other = sleeper(1);
-  replace(one->scratch, ScratchKind::finals, other->scratch);
-  const auto collected = one->state->finish();
-  ASSERT_FALSE(collected);
-  EXPECT_EQ(collected.error().code, Errc::corrupt);
+TEST_F(Chain, IsDamagedWhenTheImageOfASleeperIs) {
+  begin(0);
+  ASSERT_TRUE(tile(0).sleep());
+  const std::byte garbage[3]{};
+  ASSERT_TRUE(scratch_[0]->write({}, ScratchKind::state, garbage));
+  const Status stepped = tile(0).step();
+  ASSERT_FALSE(stepped);
+  EXPECT_EQ(stepped.error().code, Errc::corrupt);
+  EXPECT_EQ(stepped.error().where, "tile 0: its image on disk is damaged");
 }
 
-// Forged, so that image and list say that they belong to each other: the process goes on, and nothing begins from them
-// again.
-TEST_F(ExchangedScratch, FinalCellsThatFitByTheirChecksumAloneAreAnError) {
-  const auto one = sleeper(0), other = sleeper(1);
-  const auto expected = cells_from(one->scratch);
-  const auto again = life(0, &one->scratch);
-  replace(again->scratch, ScratchKind::finals, other->scratch);
-  auto image = one->scratch.read({}, ScratchKind::state).value().at(0);
-  const auto of_other = other->scratch.read({}, ScratchKind::state).value().at(0);
-  constexpr std::size_t sum_bytes = 8;  // an image ends with it
-  std::memcpy(&image[image.size() - sum_bytes], &of_other[of_other.size() - sum_bytes], sum_bytes);
-  ASSERT_TRUE(again->scratch.write({}, ScratchKind::state, image));
-  ASSERT_TRUE(again->state->begin());
-  ASSERT_TRUE(again->state->step());
-  const auto collected = again->state->finish();
-  ASSERT_FALSE(collected);
-  EXPECT_EQ(collected.error().code, Errc::corrupt) << collected.error().where;
-  EXPECT_FALSE(again->scratch.has({}, ScratchKind::state).value());
-  EXPECT_EQ(cells_from(again->scratch), expected);
+TEST_F(Chain, BeginsAnewFromAnImageThatIsNone) {
+  const std::byte garbage[3]{};
+  for (std::uint32_t t = 0; t < tiles; ++t) {
+    ASSERT_TRUE(scratch_[t]->write({}, ScratchKind::state, garbage));
+    begin(t);
+  }
+  until_quiet();
+  expect_right();
+}
+
+TEST_F(Chain, CanBeFinishedAloneOnceItHasSettled) {
+  for (std::uint32_t t = 0; t < tiles; ++t) begin(t);
+  until_quiet();
+  ASSERT_TRUE(tile(2).sleep());  // its image says it
+  for (std::uint32_t t = 0; t < tiles; ++t) {
+    ASSERT_TRUE(tile(t).settle());
+    bear(t);
+  }
+  EXPECT_FALSE(scratch_[2]->has({}, ScratchKind::settled).value());
+  expect_right();
+}
+
+TEST_F(Chain, GoesByTheLatestTableAlone) {
+  for (std::uint32_t t = 0; t < tiles; ++t) begin(t);
+  const std::vector<Update> of_the_dead = mail_;
+  lose({TileId{2}});
+  for (const Update& update : of_the_dead) {
+    if (update.from.tile == TileId{2} || update.to.tile == TileId{2}) {
+      ASSERT_TRUE(tile(update.to.tile.value).receive(Update(update)));
+    }
+  }
+  EXPECT_FALSE(waits(2)) << "what was sent to its earlier life";
+  begin(2);
+  until_quiet();
+  EXPECT_EQ(totals().sent, totals().processed);
+  expect_right();
+}
+
+// Whatever is lost, in whatever order things happen.
+TEST_F(Chain, IsRightAfterAnyLosses) {
+  for (std::uint64_t seed = 0; seed < 2000 && !HasFailure(); ++seed) {
+    std::mt19937_64 random(seed);
+    mail_.clear();
+    std::vector<bool> begun(tiles);
+    std::vector<TileId> all;
+    for (std::uint32_t t = 0; t < tiles; ++t) all.push_back(TileId{t});
+    for (auto& scratch : scratch_) scratch = std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2);
+    lose(all);
+    mail_.clear();
+    for (int left = 60; left > 0 || !mail_.empty() || std::count(begun.begin(), begun.end(), false) > 0; --left) {
+      const auto t = static_cast<std::uint32_t>(random() % tiles);
+      if (!begun[t]) {
+        begin(t);
+        begun[t] = true;
+      } else if (left > 0 && random() % 12 == 0) {
+        const bool image = random() % 2 == 0;
+        if (!image) scratch_[t] = std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2);
+        ASSERT_TRUE(scratch_[t]->remove({}, ScratchKind::mail));
+        lose({TileId{t}});
+        begun[t] = false;
+      } else if (!mail_.empty() && random() % 2 == 0) {
+        deliver(random() % mail_.size());
+      } else {
+        step(t);
+        if (random() % 3 == 0) {
+          ASSERT_TRUE(tile(t).sleep());
+        }
+      }
+    }
+    until_quiet();
+    EXPECT_EQ(totals().sent, totals().processed) << seed;
+    for (std::uint32_t t = 0; t < tiles; ++t) ASSERT_EQ(finish(t), expected[t]) << "tile " << t << ", seed " << seed;
+  }
 }
 
 }  // namespace
