@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <random>
@@ -200,6 +201,19 @@ TEST_F(Chain, GoesByTheLatestTableAlone) {
   expect_right();
 }
 
+// Those that were reborn may have nothing to say that would wake it.
+TEST_F(Chain, CallsItselfToAStepWhenOthersWereReborn) {
+  for (std::uint32_t t = 0; t < tiles; ++t) begin(t);
+  until_quiet();
+  lose({TileId{2}});
+  EXPECT_EQ(mail_.size(), tiles - 1);
+  for (const Update& update : mail_) EXPECT_EQ(update.from.tile, update.to.tile);
+  while (!mail_.empty()) deliver(0);
+  step(1);
+  const auto told = std::count_if(mail_.begin(), mail_.end(), [](const Update& u) { return u.to.tile == TileId{2}; });
+  EXPECT_EQ(told, 2) << "its own number, and the greatest that it has passed on";
+}
+
 // Whatever is lost, in whatever order things happen.
 TEST_F(Chain, IsRightAfterAnyLosses) {
   for (std::uint64_t seed = 0; seed < 2000 && !HasFailure(); ++seed) {
@@ -224,7 +238,7 @@ TEST_F(Chain, IsRightAfterAnyLosses) {
         begun[t] = false;
       } else if (!mail_.empty() && random() % 2 == 0) {
         deliver(random() % mail_.size());
-      } else {
+      } else if (waits(t)) {
         step(t);
         if (random() % 3 == 0) {
           ASSERT_TRUE(tile(t).sleep());
