@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Makes clouds/ anew from the files that its README names.  make_clouds.py POINTS LAZ_PERF TWINS
 
-POINTS: the folder of the originals. LAZ_PERF: cpp/test/raw-sets of hobuinc/laz-perf. TWINS: COPC files that POINTS has no twin of, decoded
-by npm's laz-perf 0.0.7. What manifest.json says of a compressed file is of its uncompressed twin: nothing here was decoded by Tessera."""
+POINTS: the folder of the originals. LAZ_PERF: cpp/test/raw-sets of hobuinc/laz-perf. TWINS: ign_crop_duplicate.laz, and what POINTS has no
+twin of, decoded by npm's laz-perf 0.0.7. What manifest.json says of a compressed file is of its uncompressed twin: nothing here was decoded by Tessera."""
 import hashlib
 import json
 import os
@@ -18,6 +18,7 @@ CLOUDS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "clouds")
 # Whole files, with the twin that tells what is in them: the file itself where it is not compressed.
 WHOLE = {
     **{f"ign_{tile}.laz": f"ign_{tile}.las" for tile in ("77050_627755", "77050_627760", "77055_627755", "77055_627760")},
+    "ign_crop_duplicate.laz": "ign_crop_duplicate.las",
     "autzen_trim.laz": "autzen_trim.las",
     "ellipsoid.copc.laz": "ellipsoid.copc.las",
     "laz_conformance/pdrf6-1.4.laz": "laz_conformance/pdrf6-1.4.las",
