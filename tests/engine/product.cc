@@ -5,13 +5,14 @@
 //   engine_product SETS REAL nightly [SHARD SHARDS]          everything, smallest sets first: takes many hours
 //   engine_product SETS REAL only NAME [DIMENSION]           one set with all combinations
 //
-// SETS: the folder of `gen.py all`. REAL: a folder of real point files, which need not exist. One line a case tells
-// all that repeats it; the exit status is 0 when none failed.
+// SETS: the folder of `gen.py all`. REAL: folders of real point files, with : between them, of which some need not
+// exist. One line a case tells all that repeats it; the exit status is 0 when none failed.
 #include <array>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -136,13 +137,20 @@ void run_set(Product& product, const CloudSet& set, int dimension, Choice choice
   }
 }
 
+std::vector<fs::path> folders_of(const std::string& list) {
+  std::vector<fs::path> folders;
+  std::istringstream in(list);
+  for (std::string folder; std::getline(in, folder, ':');) folders.emplace_back(folder);
+  return folders;
+}
+
 int run_product(const std::vector<std::string>& arguments) {
   const std::string part = arguments[2];
   const bool sharded = part != "only" && arguments.size() == 5;
   const std::size_t shard = sharded ? std::stoul(arguments[3]) : 0, shards = sharded ? std::stoul(arguments[4]) : 1;
   Product product;
   std::size_t turn = 0;
-  for (const CloudSet& set : cloud_sets(arguments[0], arguments[1])) {
+  for (const CloudSet& set : cloud_sets(arguments[0], folders_of(arguments[1]))) {
     for (const int dimension : set.dimensions) {
       if (part == "only") {
         if (set.name != arguments[3] || (arguments.size() > 4 && std::to_string(dimension) != arguments[4])) continue;

@@ -33,7 +33,7 @@ Result<std::vector<double>> read_doubles(const fs::path& path) {
 
 }  // namespace
 
-std::vector<CloudSet> cloud_sets(const fs::path& generated, const fs::path& real) {
+std::vector<CloudSet> cloud_sets(const fs::path& generated, const std::vector<fs::path>& real) {
   std::vector<CloudSet> sets;
   const auto add = [&](const fs::path& path, bool made) {
     CloudSet set;
@@ -41,7 +41,6 @@ std::vector<CloudSet> cloud_sets(const fs::path& generated, const fs::path& real
     set.source = path;
     set.generated = made;
     set.stored_dimension = (made && planar(set.name)) || path.extension() == ".bin2" ? 2 : 3;
-    if (path.filename() == "cities.csv") return;  // names beside numbers; its .bin2 is taken
     if (set.stored_dimension == 3) set.dimensions.push_back(3);
     set.dimensions.push_back(2);
     set.weight = fs::file_size(path);
@@ -51,13 +50,19 @@ std::vector<CloudSet> cloud_sets(const fs::path& generated, const fs::path& real
   for (const auto& file : fs::directory_iterator(generated)) {
     if (file.path().extension() == ".bin") add(file.path(), true);
   }
-  if (fs::is_directory(real)) {
-    for (const auto& file : fs::recursive_directory_iterator(real)) {
+  std::set<std::string> names;
+  for (const fs::path& folder : real) {
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& file : fs::recursive_directory_iterator(folder)) {
       const fs::path& path = file.path();
+      const auto has_twin = [&](const char* extension) {
+        return fs::exists(fs::path(path).replace_extension(extension));
+      };
       static const std::set<std::string> kinds{".las", ".ply", ".xyz", ".csv", ".bin", ".bin2"};
       if (!kinds.contains(path.extension())) continue;
-      if (path.extension() == ".bin" && fs::exists(fs::path(path).replace_extension(".las"))) continue;
-      add(path, false);
+      if (path.extension() == ".bin" && has_twin(".las")) continue;
+      if (path.extension() == ".csv" && has_twin(".bin2")) continue;  // planar, and a column beside
+      if (names.insert(path.filename().string()).second) add(path, false);
     }
   }
   std::sort(sets.begin(), sets.end(), [](const CloudSet& a, const CloudSet& b) {

@@ -20,9 +20,11 @@ struct CloudSet {
   std::vector<int> dimensions;  // to triangulate in
 };
 
-// The sets in `generated` (gen.py all) and the .las, .ply, .xyz, .csv, .bin and .bin2 files in `real`, smallest first.
-// A file that is another one's twin in plain doubles (a .bin beside a .las) is left out.
-std::vector<CloudSet> cloud_sets(const std::filesystem::path& generated, const std::filesystem::path& real);
+// The sets in `generated` (gen.py all) and the .las, .ply, .xyz, .csv, .bin and .bin2 files in the folders `real`, of
+// which some need not exist, smallest first. A file that is another one's twin in plain doubles (a .bin beside a .las)
+// is left out, and so is one whose name a folder before has.
+std::vector<CloudSet> cloud_sets(const std::filesystem::path& generated,
+                                 const std::vector<std::filesystem::path>& real);
 
 // What the engine is given: the set's own file, or for .bin and .bin2, which it does not read, a copy as .npy in
 // `folder`.

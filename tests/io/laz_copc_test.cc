@@ -8,7 +8,7 @@
 
 #include "src/io/cloud/cloud.h"
 #include "tests/io/laz_testing.h"
-#include "tests/io/shared_data.h"
+#include "tests/io/real_clouds.h"
 
 namespace tessera::testing_io {
 namespace {
@@ -18,8 +18,8 @@ struct Collected {
   CloudCounts counts;
 };
 
-Collected collect(const std::string& name, CloudOptions options) {
-  const auto cloud = Cloud::open({(data / name).string()}, std::move(options));
+Collected collect(const RealCloud& file, CloudOptions options) {
+  const auto cloud = Cloud::open({file.path().string()}, std::move(options));
   EXPECT_EQ(sentence(cloud), "");
   Collected collected;
   const auto counts = cloud.value().for_each_batch([&](CloudBatch& batch) -> Status {
@@ -31,10 +31,9 @@ Collected collect(const std::string& name, CloudOptions options) {
   return collected;
 }
 
-class CopcFile : public testing::TestWithParam<const char*> {};
+class CopcFile : public testing::TestWithParam<RealCloud> {};
 
 TEST_P(CopcFile, CroppedIsTheWholeCloudWithoutThePointsOutside) {
-  REQUIRE_SHARED_DATA();
   const auto all = collect(GetParam(), {}).points;
   std::mt19937_64 random(7);
   for (int trial = 0; trial < 12; ++trial) {
@@ -61,7 +60,6 @@ TEST_P(CopcFile, CroppedIsTheWholeCloudWithoutThePointsOutside) {
 }
 
 TEST_P(CopcFile, HasNoPointsInABoxBesideIt) {
-  REQUIRE_SHARED_DATA();
   const auto none = collect(GetParam(), {.crop = Box{{1e8, 1e8, -INFINITY}, {2e8, 2e8, INFINITY}}});
   EXPECT_TRUE(none.points.empty());
   EXPECT_EQ(none.counts.read, none.counts.filtered);
@@ -70,11 +68,10 @@ TEST_P(CopcFile, HasNoPointsInABoxBesideIt) {
 
 // Every finer resolution adds levels; at the spacing of the root there is the root alone, and in the end everything.
 TEST_P(CopcFile, GrowsLevelByLevelWithTheResolution) {
-  REQUIRE_SHARED_DATA();
   const auto bytes_at = [&](std::uint64_t offset) {
     double value = 0;
     EXPECT_EQ(
-        sentence(open_file(data / GetParam()).value()->read(offset, std::as_writable_bytes(std::span(&value, 1)))), "");
+        sentence(open_file(GetParam().path()).value()->read(offset, std::as_writable_bytes(std::span(&value, 1)))), "");
     return value;
   };
   const double spacing = bytes_at(375 + 54 + 32);
@@ -95,11 +92,10 @@ TEST_P(CopcFile, GrowsLevelByLevelWithTheResolution) {
 }
 
 TEST_P(CopcFile, SamplesOnlyTheRegion) {
-  REQUIRE_SHARED_DATA();
   const auto all = collect(GetParam(), {}).points;
   const Point at = all[all.size() / 2].at;
   const Box box{{at.x - 5, at.y - 5, at.z - 5}, {at.x + 5, at.y + 5, at.z + 5}};
-  const auto cloud = Cloud::open({(data / GetParam()).string()}, {.crop = box});
+  const auto cloud = Cloud::open({GetParam().path().string()}, {.crop = box});
   const auto sample = cloud.value().sample(1000);
   ASSERT_EQ(sentence(sample), "");
   EXPECT_FALSE(sample.value().empty());
@@ -107,7 +103,9 @@ TEST_P(CopcFile, SamplesOnlyTheRegion) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Copc, CopcFile,
-                         testing::Values("lone_star.copc.laz", "lion_takanawa.copc.laz", "ellipsoid.copc.laz"));
+                         testing::ValuesIn(real_clouds({"lone_star_part.copc.laz", "lion_takanawa_part.copc.laz",
+                                                        "ellipsoid.copc.laz"},
+                                                       {"lone_star.copc.laz", "lion_takanawa.copc.laz"})));
 
 // Counts the bytes that are asked of a file.
 class CountingSource : public ByteSource {
@@ -128,63 +126,96 @@ class CountingSource : public ByteSource {
   std::uint64_t& bytes_;
 };
 
-std::uint64_t bytes_read(const char* name, const std::vector<Attribute>& schema, const ReadHints& hints) {
+std::uint64_t bytes_read(const std::filesystem::path& path, const std::vector<Attribute>& schema,
+                         const ReadHints& hints) {
   std::uint64_t bytes = 0;
-  auto source = std::make_unique<CountingSource>(open_file(data / name).value(), bytes);
+  auto source = std::make_unique<CountingSource>(open_file(path).value(), bytes);
   auto reader = open_reader(std::move(source), schema, hints);
   EXPECT_EQ(sentence(reader), "");
   EXPECT_EQ(sentence(read_whole(*reader.value())), "");
   return bytes;
 }
 
-TEST(Laz, ReadsOnlyTheNodesAndLayersThatAreAskedFor) {
-  REQUIRE_SHARED_DATA();
-  const char* name = "lone_star.copc.laz";
-  const auto size = std::filesystem::file_size(data / name);
+// The compressed bytes of the root, the first entry of the hierarchy.
+std::uint64_t root_bytes(const std::filesystem::path& path) {
+  const auto source = open_file(path).value();
+  std::array<std::byte, 8> raw{};
+  EXPECT_EQ(sentence(source->read(375 + 54 + 40, raw)), "");
+  EXPECT_EQ(sentence(source->read(load<std::uint64_t>(raw.data()) + 24, raw)), "");
+  return load<std::uint32_t>(raw.data());
+}
+
+// Each with how many times as much is read without the corner of 2 m, and without the resolution, at least.
+struct Shares {
+  RealCloud file;
+  std::uint64_t corner, root;
+  friend std::ostream& operator<<(std::ostream& out, const Shares& shares) { return out << shares.file; }
+};
+
+std::vector<Shares> lone_stars() {
+  std::vector<Shares> shares;
+  for (const RealCloud& file : real_clouds({"lone_star_part.copc.laz"}, {"lone_star.copc.laz"})) {
+    const bool whole = file.folder == more_clouds;  // has more nodes beside the root
+    shares.push_back({.file = file, .corner = whole ? 3u : 2u, .root = whole ? 4u : 2u});
+  }
+  return shares;
+}
+
+class CopcBytes : public testing::TestWithParam<Shares> {};
+
+TEST_P(CopcBytes, AreReadOnlyOfTheNodesAndLayersThatAreAskedFor) {
+  const auto path = GetParam().file.path();
+  const auto size = std::filesystem::file_size(path);
   const std::vector<Attribute> intensity{{"intensity", AttributeType::u16}};
-  const auto coordinates = bytes_read(name, {}, {});
-  const auto with_intensity = bytes_read(name, intensity, {});
+  const auto coordinates = bytes_read(path, {}, {});
+  const auto with_intensity = bytes_read(path, intensity, {});
   EXPECT_LT(coordinates, with_intensity);
   EXPECT_LT(with_intensity, size + 4096);
   const Box corner{{515380, 4918350, -INFINITY}, {515382, 4918352, INFINITY}};
-  EXPECT_LT(bytes_read(name, {}, {.crop = corner}), coordinates / 3);
-  EXPECT_LT(bytes_read(name, {}, {.resolution = 1e300}), coordinates / 4);
+  EXPECT_LT(bytes_read(path, {}, {.crop = corner}), coordinates / GetParam().corner);
+  EXPECT_LT(bytes_read(path, {}, {.resolution = 1e300}), coordinates / GetParam().root);
+  const auto all = open_reader(path).value()->info().attributes;
+  EXPECT_LT(bytes_read(path, all, {.resolution = 1e300}), root_bytes(path) + 8192) << "head, hierarchy and table";
 }
+
+INSTANTIATE_TEST_SUITE_P(Copc, CopcBytes, testing::ValuesIn(lone_stars()));
 
 TEST(Laz, RefusesAResolutionForFilesWithoutLevels) {
-  REQUIRE_SHARED_DATA();
-  const auto cloud = Cloud::open({(data / "lone_star.laz").string()}, {.resolution = 1});
+  const auto cloud = Cloud::open({(clouds / "lone_star_begin.laz").string()}, {.resolution = 1});
   ASSERT_TRUE(cloud.has_error());
   EXPECT_EQ(cloud.error().code, Errc::usage);
-  EXPECT_NE(cloud.error().where.find("lone_star.laz: is not COPC"), std::string::npos);
+  EXPECT_NE(cloud.error().where.find("lone_star_begin.laz: is not COPC"), std::string::npos);
 }
 
-TEST(Laz, SeeksToAnyPoint) {
-  REQUIRE_SHARED_DATA();
-  for (const char* name : {"bcts_1.laz", "lone_star.copc.laz"}) {
-    auto reader = open_reader(data / name, {}, {.threads = 3});
-    const auto all = read_whole(*reader.value()).value().points;
-    std::mt19937_64 random(3);
-    PointBatch batch;
-    for (int trial = 0; trial < 40; ++trial) {
-      const std::uint64_t at = random() % all.size();
-      const std::size_t most = trial % 5 == 0 ? SIZE_MAX : 1 + random() % 300;
-      ASSERT_TRUE(reader.value()->seek(at).value());
-      for (std::uint64_t begin = at, round = 0; round < 3; ++round) {
-        ASSERT_EQ(sentence(reader.value()->next(batch, most)), "");
-        ASSERT_LE(batch.points.size(), most);
-        ASSERT_TRUE(
-            std::equal(batch.points.begin(), batch.points.end(), all.begin() + static_cast<std::ptrdiff_t>(begin)));
-        if (batch.points.empty()) break;
-        EXPECT_EQ(reader.value()->place(0), "record " + std::to_string(begin));
-        begin += batch.points.size();
-      }
+class Seekable : public testing::TestWithParam<RealCloud> {};
+
+TEST_P(Seekable, SeeksToAnyPoint) {
+  auto reader = open_reader(GetParam().path(), {}, {.threads = 3});
+  const auto all = read_whole(*reader.value()).value().points;
+  std::mt19937_64 random(3);
+  PointBatch batch;
+  for (int trial = 0; trial < 40; ++trial) {
+    const std::uint64_t at = random() % all.size();
+    const std::size_t most = trial % 5 == 0 ? SIZE_MAX : 1 + random() % 300;
+    ASSERT_TRUE(reader.value()->seek(at).value());
+    for (std::uint64_t begin = at, round = 0; round < 3; ++round) {
+      ASSERT_EQ(sentence(reader.value()->next(batch, most)), "");
+      ASSERT_LE(batch.points.size(), most);
+      ASSERT_TRUE(
+          std::equal(batch.points.begin(), batch.points.end(), all.begin() + static_cast<std::ptrdiff_t>(begin)));
+      if (batch.points.empty()) break;
+      EXPECT_EQ(reader.value()->place(0), "record " + std::to_string(begin));
+      begin += batch.points.size();
     }
-    ASSERT_TRUE(reader.value()->seek(all.size() + 5).value());
-    ASSERT_EQ(sentence(reader.value()->next(batch)), "");
-    EXPECT_TRUE(batch.points.empty());
   }
+  ASSERT_TRUE(reader.value()->seek(all.size() + 5).value());
+  ASSERT_EQ(sentence(reader.value()->next(batch)), "");
+  EXPECT_TRUE(batch.points.empty());
 }
+
+INSTANTIATE_TEST_SUITE_P(Laz, Seekable,
+                         testing::ValuesIn(real_clouds({"lone_star_begin.laz", "lone_star_part.copc.laz"},
+                                                       {"bcts_1.laz", "lone_star.copc.laz"})));
 
 }  // namespace
 }  // namespace tessera::testing_io

@@ -10,7 +10,7 @@
 
 #include "tests/fuzz/read_stranger.h"
 #include "tests/io/laz_testing.h"
-#include "tests/io/shared_data.h"
+#include "tests/io/real_clouds.h"
 
 namespace tessera::testing_io {
 namespace {
@@ -69,9 +69,8 @@ INSTANTIATE_TEST_SUITE_P(Damaged, SmallLaz, testing::ValuesIn(small_files));
 
 // The coder nearly always ends at the wrong byte when one bit among the compressed ones was wrong.
 TEST(DamagedLaz, IsNearlyAlwaysNoticedThoughTheFormatHasNoChecksum) {
-  REQUIRE_SHARED_DATA();
-  for (const char* name : {"lidr_topography.laz", "ign_77050_627755.laz"}) {
-    const auto whole = file_bytes(data / name);
+  for (const char* name : {"autzen_trim.laz", "ign_77050_627755.laz"}) {
+    const auto whole = file_bytes(clouds / name);
     const auto expected = read_bytes(whole, name).value();
     std::mt19937_64 random(5);
     int noticed = 0, harmless = 0;
@@ -91,11 +90,10 @@ TEST(DamagedLaz, IsNearlyAlwaysNoticedThoughTheFormatHasNoChecksum) {
 }
 
 TEST(DamagedLaz, CutOffInTheMiddleSaysWhere) {
-  REQUIRE_SHARED_DATA();
-  auto bytes = file_bytes(data / "bcts_1.laz");
+  auto bytes = file_bytes(clouds / "autzen_trim.laz");
   bytes.resize(bytes.size() / 2);
   EXPECT_EQ(sentence(read_bytes(bytes, "b.laz")),
-            "b.laz, chunk table: would stand at byte 2227733 of 1113885; the file was cut off, or its writer did not "
+            "b.laz, chunk table: would stand at byte 603333 of 301676; the file was cut off, or its writer did not "
             "finish it");
 }
 

@@ -1,4 +1,4 @@
-// Decompressed records as they come, and the hash by which the shared data says what they should be.
+// Decompressed records as they come, and the hashes by which manifests say what they should be.
 #pragma once
 
 #include <algorithm>
@@ -53,8 +53,34 @@ inline Result<Records> read_records(const std::filesystem::path& path, std::size
   return read_records(std::move(source), wanted_bytes, hints);
 }
 
-// The hash `xyz_sha256` of manifest.json: SHA-256, in hexadecimal digits, of X * scale + offset as little-endian
-// doubles, point after point, each coordinate rounded twice.
+// The file without compression: its header as it is but for that bit, its own records, no records behind the points.
+inline Bytes las_bytes(const std::filesystem::path& path) {
+  const auto records = read_records(path, all_fields);
+  EXPECT_EQ(sentence(records), "");
+  Bytes las(records.value().header.points_at);
+  EXPECT_EQ(sentence(open_file(path).value()->read(0, las)), "");
+  put(las, 104, static_cast<std::uint8_t>(load<std::uint8_t>(las.data() + 104) & 0x3F));
+  if (load<std::uint8_t>(las.data() + 25) >= 4) {
+    put(las, 235, std::uint64_t{0});
+    put(las, 243, std::uint32_t{0});
+  }
+  las.insert(las.end(), records.value().bytes.begin(), records.value().bytes.end());
+  return las;
+}
+
+// In hexadecimal digits.
+inline std::string sha256(const Bytes& bytes) {
+  const TempFolder folder;
+  const auto file = folder.write("bytes", bytes);
+  std::FILE* pipe = ::popen(("sha256sum < '" + file.string() + "'").c_str(), "r");
+  std::array<char, 65> digits{};
+  const bool read = pipe != nullptr && std::fgets(digits.data(), digits.size(), pipe) != nullptr;
+  if (pipe != nullptr) ::pclose(pipe);
+  return read ? digits.data() : "sha256sum cannot be run";
+}
+
+// The hash `xyz_sha256` of manifest.json: of X * scale + offset as little-endian doubles, point after point, each
+// coordinate rounded twice.
 inline std::string xyz_sha256(const Records& records) {
   Bytes doubles;
   doubles.reserve(records.size() * 24);
@@ -63,13 +89,7 @@ inline std::string xyz_sha256(const Records& records) {
       const double scaled = records.integer(i, axis) * records.header.scale[axis];
       push(doubles, scaled + records.header.offset[axis]);
     }
-  const TempFolder folder;
-  const auto file = folder.write("xyz", doubles);
-  std::FILE* pipe = ::popen(("sha256sum < '" + file.string() + "'").c_str(), "r");
-  std::array<char, 65> digits{};
-  const bool read = pipe != nullptr && std::fgets(digits.data(), digits.size(), pipe) != nullptr;
-  if (pipe != nullptr) ::pclose(pipe);
-  return read ? digits.data() : "sha256sum cannot be run";
+  return sha256(doubles);
 }
 
 }  // namespace tessera::testing_io

@@ -16,7 +16,7 @@
 #include "src/reference/reference.h"
 #include "src/region/meets.h"
 #include "src/region/regions.h"
-#include "tests/io/shared_data.h"
+#include "tests/io/real_clouds.h"
 #include "tests/region/copc_file.h"
 
 namespace tessera {
@@ -140,16 +140,14 @@ TEST_P(FileRegions, OfFilesThatDoNotTellTheirBounds) {
 }
 
 TEST_P(FileRegions, OfRealCopcFiles) {
-  REQUIRE_SHARED_DATA();
-  check_regions({(testing_io::data / "ellipsoid.copc.laz").string()}, GetParam(), false, 8, 0.05);
+  check_regions({(testing_io::clouds / "ellipsoid.copc.laz").string()}, GetParam(), false, 8, 0.05);
 }
 
 TEST_P(FileRegions, OfRealFilesOfABlock) {
-  REQUIRE_SHARED_DATA();
   std::vector<std::string> files;
   for (const char* name :
        {"ign_77050_627755.laz", "ign_77050_627760.laz", "ign_77055_627755.laz", "ign_77055_627760.laz"})
-    files.push_back((testing_io::data / name).string());
+    files.push_back((testing_io::clouds / name).string());
   check_regions(files, GetParam(), false, 6, 0.1);
 }
 

@@ -9,6 +9,7 @@ import tree
 SOURCE = pathlib.Path(os.environ["SOURCE"])
 PICTURE_BYTES_MAX = 150 * 1024
 README_LINES_MAX = 89
+CLOUDS, CLOUDS_BYTES_MAX = "tests/data/clouds/", 8_000_000
 
 
 def links(text):
@@ -50,6 +51,21 @@ class Documents(unittest.TestCase):
         self.assertGreater(len(names), 20)
         told = re.search(r"^### Text: .*?^### ", self.pages["docs/formats.md"], re.MULTILINE | re.DOTALL)[0]
         self.assertEqual([name for name in names if f"`{name}`" not in told], [])
+
+    def test_every_real_point_cloud_has_a_source_and_a_licence_and_all_are_small(self):
+        files = {path.removeprefix(CLOUDS) for path in tree.files(SOURCE) if path.startswith(CLOUDS)}
+        rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in self.pages[CLOUDS + "README.md"].splitlines() if line.startswith("| `")]
+        told = set()
+        for names, _, _, source, licence in rows:
+            self.assertTrue(source and licence, names)
+            listed = re.findall(r"`([^`]+)`", names)
+            told |= {listed[0].rpartition(".")[0] + name if name.startswith(".") else name for name in listed}
+        clouds = {path for path in files if not path.startswith("licences/")} - {"README.md", "manifest.json"}
+        self.assertEqual({path for path in clouds if path not in told and path.split("/")[0] + "/" not in told}, set())
+        self.assertEqual({name for name in told if not (SOURCE / CLOUDS / name).exists()}, set())
+        licences = set(re.findall(r"`(licences/[^`]+)`", self.pages[CLOUDS + "README.md"]))
+        self.assertEqual(licences, {path for path in files if path.startswith("licences/")})
+        self.assertLess(sum((SOURCE / CLOUDS / path).stat().st_size for path in files), CLOUDS_BYTES_MAX)
 
     def test_the_readme_stays_short(self):
         self.assertLessEqual(len(self.pages["README.md"].splitlines()), README_LINES_MAX)
