@@ -7,13 +7,6 @@
 #include "actors/failing.h"
 
 namespace tessera {
-namespace {
-
-std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
-}
-
-}  // namespace
 
 Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, RunOwner& owner,
                          std::vector<NodeHandle> nodes)
@@ -78,8 +71,8 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const PartBegun& message) {
         if (!has(message.node)) return;
         parts_[message.node.value].begun = true;
-        if (!begun_ && all([](const PartOf& p) { return p.begun || !p.opened; }))
-          begun_ = std::chrono::steady_clock::now();
+        if (all([](const PartOf& p) { return p.begun || !p.opened; }))
+          account_.all_have_begun(std::chrono::steady_clock::now());
       },
       [this](const PartIdle& idle) {
         attempt([&] {
@@ -148,7 +141,7 @@ void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
   p.opened = true;
   if (message.failure) return not_opened(message);
-  ++nodes_;
+  account_.node_came();
   p.settled = message.settled;
   p.threads = message.threads;
   p.memory_bytes = message.memory_bytes;
@@ -182,9 +175,8 @@ void Coordinator::begin() {
   if (!settled) {
     if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
   }
-  started_ = std::chrono::steady_clock::now();
+  account_.start(std::chrono::steady_clock::now(), settled);
   state_ = settled ? State::collecting : State::exchanging;
-  if (settled) begun_ = quiet_ = started_;
   const caf::message message = for_parts(beginning());
   for (const Host& host : hosts()) tell(parts_[host.node.value], message);
   detector_.restart_busy(nodes());
@@ -201,7 +193,7 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
     case QuiescenceDetector::Verdict::probe:
       return tell_parts(Probe{detector_.wave()});
     case QuiescenceDetector::Verdict::quiet:
-      quiet_ = std::chrono::steady_clock::now();
+      account_.is_quiet(std::chrono::steady_clock::now());
       state_ = State::settling;
       if (options_.on_quiet) options_.on_quiet(table_);
       return tell_parts(Settle{});
@@ -220,7 +212,7 @@ void Coordinator::finish_if_collected() {
   const bool over = all([](const PartOf& p) { return p.collected || !p.opened; });
   if (state_ != State::collecting || !releasing_.empty() || !lost_.empty() || !released_.empty() || !over) return;
   state_ = State::finishing;
-  if (spoken_ > 0) tell_progress();
+  if (account_.has_untold()) tell_progress();
   tell_parts(Finish{});
 }
 
@@ -267,22 +259,14 @@ void Coordinator::ended(PartEnded& message) {
   PartOf& p = parts_[message.node.value];
   if (std::exchange(p.ended, true)) return;
   p.part = nullptr;
-  sum_.points += message.points;
-  sum_.updates += message.updates;
-  sum_.hops = std::max(sum_.hops, message.hops);
-  sum_.most_received = std::max(sum_.most_received, message.most_received);
-  sum_.sleeps += message.sleeps;
-  sum_.gates += message.gates;
-  sum_.begin_us += message.begin_us;
-  sum_.splay_us += message.splay_us;
-  sum_.collect_us += message.collect_us;
+  account_.ended(message);
   if (message.failure) {
     if (!p.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
       message.failure.text = "node " + p.name + ": " + message.failure.text;
     const bool can = state_ == State::exchanging || state_ == State::settling || state_ == State::collecting;
     if (!message.of_node || !can || hosts().empty()) return fail(std::move(message.failure));
     p.lost = true;
-    ++nodes_lost_;
+    account_.node_lost();
     return missing(message.node, message.failure,
                    "cannot go on with its scratch folder (" + message.failure.text + ")");
   }
@@ -296,19 +280,10 @@ void Coordinator::finish_if_over() noexcept {
   const bool ends = state_ == State::finishing || state_ == State::ending;
   if (told_ || !ends || !all([](const PartOf& p) { return p.ended; })) return;
   told_ = true;
-  const auto now = std::chrono::steady_clock::now();
-  RunEnded end;
+  RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave());
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
-  end.waves = detector_.wave();
-  end.nodes = nodes_;
-  end.nodes_lost = nodes_lost_;
-  end.tiles_again = tiles_again_;
   for (const PartOf& p : parts_) end.memory_bytes += p.memory_bytes;
-  end.sum = std::move(sum_);
-  end.triangulate_us = microseconds(begun_.value_or(now) - started_);
-  end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));
-  end.collect_us = microseconds(now - quiet_.value_or(now));
   owner_.ended(std::move(end));
   quit();
 }

@@ -36,6 +36,7 @@
 #include <string>
 #include <vector>
 
+#include "actors/account.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/run_owner.h"
@@ -92,7 +93,6 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
     bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
     bool collected = false;  // as it says of this epoch
     bool there() const { return !ended && opened; }
-    PartProgress progress;
     Prepared<OpenPart> open;
     Prepared<Abort> abort;
   };
@@ -211,14 +211,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   Failure missed_;                // why the job fails if no node comes
   std::uint64_t waits_ = 0;       // for one, so far
   std::optional<Failure> failure_;
-  PartEnded sum_;
-  std::uint32_t nodes_ = 0, nodes_lost_ = 0;  // that had a part
-  std::uint64_t tiles_again_ = 0;
-  std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
-  std::optional<std::chrono::steady_clock::time_point> begun_, quiet_;
-  std::vector<WorkSpan> untold_;  // what parts have said, and the owner has not been told
-  std::vector<MailArc> untold_mail_;
-  std::size_t spoken_ = 0;  // times that a part has spoken since
+  Account account_{std::chrono::steady_clock::now()};
   std::optional<std::uint64_t> counted_;
   bool told_ = false, again_ = false;
 };

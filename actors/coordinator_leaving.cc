@@ -80,7 +80,7 @@ void Coordinator::left(const PartEnded& message) {
     for (const TileId t : options_.order) {
       if (table_.node_of(t) == message.node && !stored_[t.value] && !moves[t.value]) released_.push_back(t);
     }
-    tiles_again_ += message.not_handed;
+    account_.tiles_begin_again(message.not_handed);
   }
   if (!p.name.empty()) {
     owner_.said("node " + p.name + " leaves: others go on with " + std::to_string(message.handed) +

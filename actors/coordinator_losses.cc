@@ -42,7 +42,7 @@ void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
   if (p.ended) return;
   p.lost = p.ended = true;
   if (p.part) {
-    ++nodes_lost_;
+    account_.node_lost();
     demonitor(p.part.address());
   }
   p.part = nullptr;
@@ -74,7 +74,7 @@ void Coordinator::orphan_tiles(NodeId node, const std::string& why) {
   detector_.restart(nodes());
   if (state_ == State::settling && !lost_.empty()) {
     state_ = State::exchanging;
-    quiet_.reset();
+    account_.is_not_quiet();
   }
 }
 
@@ -134,7 +134,7 @@ void Coordinator::place_orphans() {
   });
   waiting_.clear();
   std::vector<Placement> changes = again(lost_, all);
-  tiles_again_ += changes.size();
+  account_.tiles_begin_again(changes.size());
   auto moved = again(released_, late, false);
   changes.insert(changes.end(), moved.begin(), moved.end());
   moved = again(released_, all);  // what whoever is late has no room for

@@ -90,11 +90,10 @@ void Coordinator::go_on() {
   if (!settled.value() && std::none_of(parts_.begin(), parts_.end(), [](const PartOf& p) { return p.begun; })) {
     if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
   }
-  started_ = std::chrono::steady_clock::now();
+  account_.start(std::chrono::steady_clock::now(), settled.value());
   state_ = State::exchanging;
   if (settled.value()) {
     state_ = State::collecting;
-    begun_ = quiet_ = started_;
     const auto stored = options_.stored();  // by nodes that cannot say so any more, too
     if (!stored) return fail(failure_of(stored.error()));
     for (const TileEntry& entry : stored.value()) take({entry, 0});
@@ -174,7 +173,7 @@ void Coordinator::change_table(const std::vector<Placement>& changes) {
   detector_.restart_busy(nodes());
   if (state_ == State::settling) {
     state_ = State::exchanging;
-    quiet_.reset();
+    account_.is_not_quiet();
   }
   tell_parts(std::move(message));
 }

@@ -1,0 +1,89 @@
+#include "actors/account.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tessera {
+namespace {
+
+std::uint64_t microseconds(std::chrono::steady_clock::duration time) {
+  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+}
+
+}  // namespace
+
+void Account::start(Time now, bool settled) {
+  started_ = now;
+  if (settled) begun_ = quiet_ = now;
+}
+
+RunStage Account::stage() const {
+  return quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
+}
+
+bool Account::heard(NodeId node, PartProgress said, std::size_t nodes) {
+  untold_.insert(untold_.end(), said.spans.begin(), said.spans.end());
+  untold_mail_.insert(untold_mail_.end(), said.mail.begin(), said.mail.end());
+  said.spans.clear();
+  said.mail.clear();
+  if (said_.size() <= node.value) said_.resize(node.value + 1);
+  said_[node.value] = std::move(said);
+  return ++spoken_ >= nodes / 8;
+}
+
+RunProgress Account::progress(const std::vector<Node>& nodes) {
+  spoken_ = 0;
+  RunProgress progress;
+  progress.sum.spans = std::exchange(untold_, {});
+  progress.sum.mail = std::exchange(untold_mail_, {});
+  progress.nodes_lost = nodes_lost_;
+  progress.stage = stage();
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    const Node& node = nodes[n];
+    PartProgress now = n < said_.size() ? said_[n] : PartProgress{};
+    if (node.lost) {  // what it has stored stays so; the rest is done again
+      now.tiles_begun = now.tiles_stored;
+      now.points_begun = now.tiles_asleep = now.memory_bytes = 0;
+    }
+    progress.sum.tiles_begun += now.tiles_begun;
+    progress.sum.points_begun += now.points_begun;
+    progress.sum.tiles_stored += now.tiles_stored;
+    progress.sum.tiles_asleep += now.tiles_asleep;
+    progress.sum.updates_sent += now.updates_sent;
+    progress.sum.updates_processed += now.updates_processed;
+    progress.sum.points_sent += now.points_sent;
+    progress.sum.memory_bytes += now.memory_bytes;
+    progress.sum.gates += now.gates;
+    if (node.name.empty()) continue;
+    progress.nodes.push_back({node.name, node.tiles, static_cast<std::uint32_t>(now.tiles_begun),
+                              static_cast<std::uint32_t>(now.tiles_stored), now.memory_bytes, node.lost && !node.left});
+  }
+  return progress;
+}
+
+void Account::ended(const PartEnded& part) {
+  sum_.points += part.points;
+  sum_.updates += part.updates;
+  sum_.hops = std::max(sum_.hops, part.hops);
+  sum_.most_received = std::max(sum_.most_received, part.most_received);
+  sum_.sleeps += part.sleeps;
+  sum_.gates += part.gates;
+  sum_.begin_us += part.begin_us;
+  sum_.splay_us += part.splay_us;
+  sum_.collect_us += part.collect_us;
+}
+
+RunEnded Account::end(Time now, std::uint64_t waves) {
+  RunEnded end;
+  end.waves = waves;
+  end.nodes = nodes_;
+  end.nodes_lost = nodes_lost_;
+  end.tiles_again = tiles_again_;
+  end.sum = std::move(sum_);
+  end.triangulate_us = microseconds(begun_.value_or(now) - started_);
+  end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));
+  end.collect_us = microseconds(now - quiet_.value_or(now));
+  return end;
+}
+
+}  // namespace tessera
