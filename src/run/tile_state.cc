@@ -9,6 +9,7 @@
 
 #include "src/base/check.h"
 #include "src/kernel/brio.h"
+#include "src/run/duplicates.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {
@@ -62,8 +63,7 @@ Status TileState::build(bool announce) {
   BOOST_OUTCOME_TRY(loaded, context_.storage->load_points(self_.tile));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
-    BOOST_OUTCOME_TRYV(
-        context_.storage->write(self_.tile, ScratchKind::duplicates, std::as_bytes(std::span(loaded.duplicates))));
+    BOOST_OUTCOME_TRYV(context_.storage->write(self_.tile, ScratchKind::duplicates, duplicates_to_bytes(loaded)));
     std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
   }
   const Box& box = (*context_.boxes)[self_.tile.value];
