@@ -64,14 +64,20 @@ TESSERA_MESSAGE(StretchRouted, x.attempt, x.points, x.done, x.failure)
 inline caf::error inspect(caf::serializer& f, TileEntry& x) {
   std::uint8_t digested = x.digest ? 1 : 0;
   Digest digest = x.digest.value_or(Digest{});
-  return f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low, digest.high);
+  std::uint8_t high = x.heights ? 1 : 0;
+  HeightRange heights = x.heights.value_or(HeightRange{});
+  return f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low, digest.high,
+           high, heights.lo, heights.hi);
 }
 inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
-  std::uint8_t digested = 0;
+  std::uint8_t digested = 0, high = 0;
   Digest digest;
-  if (auto failed =
-          f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low, digest.high))
+  HeightRange heights;
+  if (auto failed = f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low,
+                      digest.high, high, heights.lo, heights.hi))
     return failed;
+  x.heights.reset();
+  if (high != 0) x.heights = heights;
   x.digest.reset();
   if (digested != 0) x.digest = digest;
   return caf::error{};

@@ -65,6 +65,8 @@ class TESSERA_PUBLIC TriangulationOptions {
   // The coordinate system of all points, whatever the files say: "EPSG:n", WKT, or a file with one of them. Empty: what
   // the files say.
   TriangulationOptions& crs(const std::string& crs);
+  // 2D: of points with equal x and y the "first", which is the default, "last", "lowest" or "highest" is the vertex.
+  TriangulationOptions& keep(const std::string& which);
 
   // The following are for files alone.
   // In 2D, keep z as the attribute "z" (the default).
@@ -75,6 +77,9 @@ class TESSERA_PUBLIC TriangulationOptions {
   TriangulationOptions& returns(const std::string& which);
   // No points with one of these flags: "withheld", "synthetic", "overlap", "key_point".
   TriangulationOptions& without(std::vector<std::string> flags);
+  // Text and NumPy: what the columns are, in their order, whatever the files say: "x", "y", "z", the name of an
+  // attribute, or "_" to leave one out. Empty: what the files say.
+  TriangulationOptions& columns(std::vector<std::string> names);
   // COPC: the octree levels down to the first whose points are at most so far apart, and no finer; 0: all.
   TriangulationOptions& resolution(double distance);
   // Of the points, to be kept; "all" for all there are.
@@ -114,7 +119,8 @@ class TESSERA_PUBLIC ExportRequest {
   // Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that no
   // cell has then. Finite and above 0.
   ExportRequest& max_edge(double length);
-  // ply, obj, off: coordinates count from the whole-numbered corner of the box, for programs that keep floats of 32 bits.
+  // ply, obj, off: coordinates count from the whole-numbered corner of the box, for programs that keep floats of 32
+  // bits.
   ExportRequest& local(bool local);
   // Replace files of the same names.
   ExportRequest& overwrite(bool overwrite);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -80,6 +81,8 @@ class TESSERA_PUBLIC Triangulation {
   std::uint64_t cells() const;
   std::uint64_t points_read() const;
   std::uint64_t duplicates() const;
+  // In 2D those of them whose height is not that of the vertex; nothing when heights are not known.
+  std::optional<std::uint64_t> duplicates_at_other_heights() const;
   // 32 hexadecimal digits: the same for two results if and only if they are the same triangulation of the same points
   // in the same order, whatever their tiles (but for a chance of 2^-128). "" for results of software that made none.
   std::string digest() const;

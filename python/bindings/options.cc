@@ -39,6 +39,8 @@ void bind_options(py::module_& module) {
       .def("classes", setter(&Options::classes))
       .def("returns", setter(&Options::returns))
       .def("without", setter(&Options::without))
+      .def("keep", setter(&Options::keep))
+      .def("columns", setter(&Options::columns))
       .def("resolution", setter(&Options::resolution))
       .def("attributes", setter(&Options::attributes))
       .def("recursive", setter(&Options::recursive))

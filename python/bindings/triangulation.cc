@@ -113,6 +113,7 @@ void bind_triangulation(py::module_& module) {
       .def_property_readonly("cells", &Triangulation::cells)
       .def_property_readonly("points_read", &Triangulation::points_read)
       .def_property_readonly("duplicates", &Triangulation::duplicates)
+      .def_property_readonly("duplicates_at_other_heights", &Triangulation::duplicates_at_other_heights)
       .def_property_readonly("digest", &Triangulation::digest)
       .def_property_readonly("crs", &Triangulation::crs)
       .def_property_readonly("tiles", &Triangulation::tiles)

@@ -22,6 +22,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 recursive: bool = False, tiles: int | None = None, partition: str = "kdtree",
                 crop: typing.Sequence[float] | None = None, classes: typing.Iterable[int] = (),
                 returns: str = "all", without: typing.Iterable[str] = (), resolution: float | None = None,
+                columns: typing.Iterable[str] = (), keep: str = "first",
                 crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
     """The options of triangulate(); `dim` None: as the files have it."""
@@ -48,7 +49,9 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
         options.crop(exact_float64(crop, "crop").ravel().tolist())
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
     options.returns(returns)
+    options.keep(keep)
     options.without([without] if isinstance(without, str) else list(without))
+    options.columns(columns.split(",") if isinstance(columns, str) else list(columns))
     if resolution is not None:
         if not 0 < resolution < math.inf:
             raise UsageError(f"resolution is {resolution!r}: it must be None or a distance above 0")

@@ -24,7 +24,8 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 tiles: int | None = None, partition: str = "kdtree", crop: typing.Sequence[float] | None = None,
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
-                input_list: Path | None = None, resume: bool = False) -> Triangulation:
+                input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
+                keep: str = "first") -> Triangulation:
     """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
 
     Parameters
@@ -65,10 +66,15 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         Of files: the "first", "last" or "single" return of each pulse only, or "all".
     without
         Of files: no points with one of these flags, ["withheld", "synthetic", "overlap", "key_point"].
+    columns
+        Of text and .npy files: what their columns are, in their order, whatever a header says: "x", "y", "z", the name of
+        an attribute, or "_" to leave one out, ["p", "y", "x", "z"] or "p,y,x,z". (): what the files say.
     resolution
         Of COPC files: the octree levels down to the first whose points are at most so far apart. None: all.
     heights
         In 2D, of points with z: keep it as the attribute "z".
+    keep
+        In 2D, of points with equal x and y: the "first" is the vertex, the "last", the "lowest" or the "highest".
     attributes
         Of the points. From files: ["intensity", "classification"], or "all". Of an array: a dict or DataFrame of
         columns, {"mass": m}, with a value for each row, bool (kept as uint8), integers, float32 or float64; "z" of an
@@ -106,19 +112,19 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     >>> sum(len(tile.cells[~tile.ghost]) for tile in t) == t.n_cells
     True
     """
-    columns = dict(attributes.items()) if hasattr(attributes, "items") else None
+    values = dict(attributes.items()) if hasattr(attributes, "items") else None
     options = job_options(dim, max_points_per_tile=max_points_per_tile, folder=folder, overwrite=overwrite,
-                          threads=threads, memory=memory, attributes=() if columns is not None else attributes, neighbors=neighbors,
+                          threads=threads, memory=memory, attributes=() if values is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
-                          heights=heights, input_list=input_list, resume=resume)
+                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))
 
     files = file_names(source, input_list)
     if files is not None:
-        if columns is not None:
+        if values is not None:
             raise UsageError('attributes of files are names, as ["intensity"]: columns are of arrays')
         return Triangulation(_tessera.triangulate_files(files, options, report, warn))
     points = point_array(source)
@@ -127,12 +133,14 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
     options.dimension(dim or points.shape[1])
     if classes:
         raise UsageError("classes are of files: choose rows of your array")
-    if columns is None and attributes:
+    if columns:
+        raise UsageError("columns are of files: choose and order those of your array")
+    if values is None and attributes:
         raise UsageError('attributes of an array are columns, as {"mass": values}: names are of files')
-    if not columns and dim in (None, points.shape[1]):
+    if not values and dim in (None, points.shape[1]):
         return Triangulation(_tessera.triangulate_points(points, options, report, warn))
-    rows = point_records(points, columns or {})
-    options.attributes([name for name in columns or {} if name != "z"])
+    rows = point_records(points, values or {})
+    options.attributes([name for name in values or {} if name != "z"])
     return Triangulation(_tessera.triangulate_records(rows, columns_of(rows), options, report, warn))
 
 

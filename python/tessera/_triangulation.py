@@ -100,8 +100,13 @@ class Triangulation(Answers, Surfaces):
 
     @property
     def n_duplicates(self) -> int:
-        """Points that equal one read before, which is the vertex."""
+        """Points that equal another one, which is the vertex: the first, or what `keep` has chosen."""
         return self._triangulation.duplicates
+
+    @property
+    def n_duplicates_at_other_heights(self) -> int | None:
+        """In 2D those of them whose height is not that of the vertex; None when heights are not known."""
+        return self._triangulation.duplicates_at_other_heights
 
     @property
     def n_cells(self) -> int:

@@ -217,6 +217,8 @@ def _fields(options: dict[str, typing.Any]) -> dict[str, typing.Any]:
             value = str(value)
         elif name in ("attributes", "without") and isinstance(value, str):
             value = [value]
+        elif name == "columns" and isinstance(value, str):
+            value = value.split(",")
         elif not isinstance(value, (str, bool, int, float)):
             value = [item.item() if hasattr(item, "item") else item for item in value]
         sent[FIELDS.get(name, name)] = value

@@ -5,6 +5,7 @@
 #include "src/api/errors.h"
 #include "src/api/options_inside.h"
 #include "src/base/option.h"
+#include "src/io/column_names.h"
 #include "src/job/machine.h"
 #include "src/job/parse_crs.h"
 #include "src/tiling/partition.h"
@@ -42,8 +43,10 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.partition = checked(parse_partition_kind(asked.partition), "partition");
   if (!asked.crop.empty()) job.cloud.crop = checked(crop_box(asked.crop, dimension == 2 ? 2 : 3), "crop");
   if (!asked.crs.empty()) job.cloud.crs = checked(parse_crs(asked.crs), "crs");
+  job.cloud.keep = checked(parse_kept_point(asked.keep), "keep");
   job.cloud.returns = checked(parse_returns(asked.returns), "returns");
   if (const Status known = check_flags(job.cloud.without); !known) checked(Result<int>(known.error()), "without");
+  if (const Status named = check_columns(job.cloud.columns); !named) checked(Result<int>(named.error()), "columns");
   const auto is_class = [](int number) { return number >= 0 && number <= 255; };
   require(std::all_of(job.cloud.classes.begin(), job.cloud.classes.end(), is_class),
           option("class") + ": LAS has the classes 0 to 255");

@@ -70,6 +70,10 @@ TriangulationOptions& TriangulationOptions::crs(const std::string& crs) {
   impl_->crs = crs;
   return *this;
 }
+TriangulationOptions& TriangulationOptions::keep(const std::string& which) {
+  impl_->keep = which;
+  return *this;
+}
 TriangulationOptions& TriangulationOptions::heights(bool heights) {
   impl_->job.cloud.heights = heights;
   return *this;
@@ -84,6 +88,10 @@ TriangulationOptions& TriangulationOptions::returns(const std::string& which) {
 }
 TriangulationOptions& TriangulationOptions::without(std::vector<std::string> flags) {
   impl_->job.cloud.without = std::move(flags);
+  return *this;
+}
+TriangulationOptions& TriangulationOptions::columns(std::vector<std::string> names) {
+  impl_->job.cloud.columns = std::move(names);
   return *this;
 }
 TriangulationOptions& TriangulationOptions::resolution(double distance) {

@@ -28,6 +28,9 @@ std::uint64_t Triangulation::vertices() const { return impl_->manifest.vertices;
 std::uint64_t Triangulation::cells() const { return impl_->manifest.cells; }
 std::uint64_t Triangulation::points_read() const { return impl_->manifest.points_read; }
 std::uint64_t Triangulation::duplicates() const { return impl_->manifest.duplicates; }
+std::optional<std::uint64_t> Triangulation::duplicates_at_other_heights() const {
+  return impl_->manifest.other_heights;
+}
 std::string Triangulation::digest() const {
   return impl_->manifest.digest ? digest_text(*impl_->manifest.digest) : std::string();
 }

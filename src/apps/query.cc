@@ -49,6 +49,7 @@ Status run_query(Settings& settings, const Asked& asked) {
   QueryRequest request{.folder = asked.folder,
                        .argument = asked.argument,
                        .points = settings.text("points").value_or(""),
+                       .columns = {},
                        .bbox = settings.text("bbox").value_or(""),
                        .polygon = settings.text("polygon").value_or(""),
                        .tile = {},
@@ -56,6 +57,10 @@ Status run_query(Settings& settings, const Asked& asked) {
   BOOST_OUTCOME_TRY(output, output_options(settings));
   request.output = output;
   if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
+  if (columns && question != "interpolate" && (question != "locate" || request.points.empty()))
+    return error(Errc::usage, "--columns belongs to a file with points, of 'locate --points' or 'interpolate'");
+  request.columns = columns.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(tile,
                     settings.get("tile", [](const std::string& text) { return parse_integer(text, 0, 999'999); }));
@@ -106,6 +111,10 @@ Command add_query(CLI::App& root) {
       "  tessera query out/ cells --polygon area.geojson -o part.ply\n"
       "  tessera query ground/ interpolate points.csv --value z -o heights.csv");
   add_value(command, "points", "FILE", "locate: many points, from a file of any format that is read", 0, true);
+  add_value(command, "columns", "NAMES",
+            "locate, interpolate: what the columns of the file with points are, in their order: x, y, z, or _ to leave "
+            "one out, as _,y,x",
+            0, true);
   add_value(command, "tile", "N", "star: the tile that owns the vertex, if it is known; else it is looked for", 0,
             true);
   add_value(command, "bbox", "BOX", "cells: xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, closed", 0, true);

@@ -32,9 +32,10 @@ Status print(const std::string& text) {
 template <class Ask>
 Status for_all_points(const QueryRequest& request, const std::string& input, int dimension, const Ask& ask) {
   constexpr std::size_t at_once = std::size_t{1} << 20;
-  BOOST_OUTCOME_TRY(cloud,
-                    Cloud::open({input}, {.dimension = dimension, .heights = false, .threads = request.ask.threads},
-                                request.ask.stop));
+  const CloudOptions options{
+      .dimension = dimension, .heights = false, .columns = request.columns, .threads = request.ask.threads};
+  BOOST_OUTCOME_TRY(cloud, Cloud::open({input}, options, request.ask.stop));
+  for (const auto& warning : cloud.warnings()) say_beside("warning: %s\n", warning.c_str());
   std::vector<Point> points;
   const auto answer = [&]() -> Status {
     const Status asked = ask(points);

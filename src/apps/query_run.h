@@ -6,6 +6,7 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <vector>
 
 #include "src/apps/command.h"
 #include "src/base/result.h"
@@ -19,6 +20,7 @@ struct QueryRequest {
   std::filesystem::path folder;
   std::string argument;                  // what stands behind the question
   std::string points;                    // --points
+  std::vector<std::string> columns;      // of that file, or of interpolate's
   std::string bbox, polygon;             // of cells
   std::optional<TileId> tile;            // of star
   query::InterpolateOptions value = {};  // of interpolate

@@ -40,10 +40,18 @@ void add_point_options(Command& command) {
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
   add_value(command, "without", "FLAGS",
             "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
+  add_value(
+      command, "columns", "NAMES",
+      "text, NumPy: what the columns are, in their order: x, y, z, an attribute's name, or _ to leave one out, as "
+      "p,y,x,z");
   add_value(command, "crs", "CRS",
             "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
   add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
+  add_value(command, "keep", "WHICH",
+            "2D: of points with equal x and y keep the first (default), last, lowest or highest; heights that are no "
+            "numbers count last");
+  add_choices(command, "keep", "first, last, lowest, highest");
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
 }
@@ -104,12 +112,16 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
     return std::move(flags);
   }));
   options.cloud.without = without.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
+  options.cloud.columns = columns.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
   options.cloud.crs = crs.value_or("");
   BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
   options.cloud.attributes = attributes.value_or(std::vector<std::string>{});
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
   options.cloud.heights = heights.value_or(true);
+  BOOST_OUTCOME_TRY(keep, settings.get("keep", [](const std::string& text) { return parse_kept_point(text); }));
+  options.cloud.keep = keep.value_or(KeptPoint::first);
   BOOST_OUTCOME_TRY(skip_invalid, settings.on("skip-invalid"));
   options.cloud.skip_invalid = skip_invalid;
   BOOST_OUTCOME_TRY(neighbors, settings.get("neighbors", [](const std::string& text) { return parse_switch(text); }));

@@ -38,7 +38,7 @@ Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> sou
     case FileFormat::las:
       return open_las(std::move(source), attributes, hints);
     case FileFormat::npy:
-      return open_npy(std::move(source), attributes);
+      return open_npy(std::move(source), attributes, hints);
     case FileFormat::ply:
       return open_ply(std::move(source), attributes);
     case FileFormat::off:

@@ -15,26 +15,35 @@
 
 namespace tessera {
 
+// Which columns are x, y and z, from 1 on, and what said so.
+struct CoordinateColumns {
+  enum class By : std::uint8_t { place, header, option };
+  std::vector<std::size_t> numbers;
+  By by = By::place;
+};
+
 struct FileInfo {
   std::filesystem::path path;
-  std::string format;                    // "las", "laz", "ply", "off", "obj", "stl", "xyz", "npy"
-  std::string detail;                    // "LAS 1.4, point format 7", "binary little endian, float"
-  int dimension = 3;                     // 2 when the file holds x and y alone
-  bool degrees = false;                  // x and y are longitude and latitude, by their names
-  std::optional<std::uint64_t> points;   // that the reader gives, when the header says
-  std::uint64_t points_passed_over = 0;  // that it does not give, because of its hints
-  std::optional<Bounds> bounds;          // when the header says; not to be trusted
-  Point step;                            // LAS: the scale, to which the header's bounds may be rounded; else 0
-  std::string crs;                       // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
-  std::string crs_note;                  // why it is unknown although the file says something
-  std::vector<Attribute> attributes;     // what the file could give
-  std::uint64_t seek_points = 0;         // LAZ: points that are decoded, on average, to get to the one sought
-  std::uint64_t parts = 1;               // text: the parts in which it can be read, see ReadHints
-  bool levels = false;                   // COPC: the points are sorted into levels of detail
-  std::string packing;                   // "gzip" or "zstd" when the file is compressed as a whole
-  std::uint64_t bytes = 0;               // of the file as it is
-  std::uint64_t content_bytes = 0;       // of what is in it: `bytes` unless it is compressed
-  std::int64_t modified_ns = 0;          // since 1970
+  std::string format;                        // "las", "laz", "ply", "off", "obj", "stl", "xyz", "npy"
+  std::string detail;                        // "LAS 1.4, point format 7", "binary little endian, float"
+  int dimension = 3;                         // 2 when the file holds x and y alone
+  bool degrees = false;                      // x and y are longitude and latitude, by their names
+  std::optional<std::uint64_t> points;       // that the reader gives, when the header says
+  std::uint64_t points_passed_over = 0;      // that it does not give, because of its hints
+  std::optional<Bounds> bounds;              // when the header says; not to be trusted
+  Point step;                                // LAS: the scale, to which the header's bounds may be rounded; else 0
+  std::string crs;                           // WKT, or "EPSG:n" from GeoTIFF keys; empty when unknown
+  std::string crs_note;                      // why it is unknown although the file says something
+  std::vector<Attribute> attributes;         // what the file could give
+  std::optional<CoordinateColumns> columns;  // text, NumPy
+  bool counts_up = false;                    // text: x was found by its place, and looks like numbers of points
+  std::uint64_t seek_points = 0;             // LAZ: points that are decoded, on average, to get to the one sought
+  std::uint64_t parts = 1;                   // text: the parts in which it can be read, see ReadHints
+  bool levels = false;                       // COPC: the points are sorted into levels of detail
+  std::string packing;                       // "gzip" or "zstd" when the file is compressed as a whole
+  std::uint64_t bytes = 0;                   // of the file as it is
+  std::uint64_t content_bytes = 0;           // of what is in it: `bytes` unless it is compressed
+  std::int64_t modified_ns = 0;              // since 1970
 };
 
 // Points in file order. Non-finite coordinates are passed on: the caller rejects or refuses them.
@@ -70,6 +79,9 @@ struct ReadHints {
   // of the file.
   std::optional<std::uint64_t> part = {};
   bool count_lines = false;
+  // Text, NumPy: what the columns are called, in their order, whatever the file says (column_names.h); empty: what it
+  // says.
+  std::vector<std::string> columns = {};
 };
 
 // Opens `path`, which is not compressed (see Spool), by its content, then by its name. `attributes`: the schema of

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "src/io/column_names.h"
 #include "src/job/job_options.h"
 
 namespace tessera {
@@ -193,6 +194,12 @@ Result<std::vector<std::string>> parse_names(std::string_view text) {
     names.emplace_back(part);
   }
   return names;
+}
+
+Result<std::vector<std::string>> parse_columns(std::string_view text) {
+  BOOST_OUTCOME_TRY(names, parse_names(text));
+  BOOST_OUTCOME_TRYV(check_columns(names));
+  return std::move(names);
 }
 
 Result<std::vector<Point>> parse_line(const std::string& text) {

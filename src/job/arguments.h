@@ -46,6 +46,8 @@ Result<std::vector<int>> parse_classes(std::string_view text);
 
 // Names separated by commas, none empty.
 Result<std::vector<std::string>> parse_names(std::string_view text);
+// The same, of columns of points; see check_columns().
+Result<std::vector<std::string>> parse_columns(std::string_view text);
 
 // A parser to which "auto" stands for a choice of the program.
 template <class Parse>

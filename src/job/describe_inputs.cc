@@ -24,6 +24,15 @@ Json to_json(const Bounds& bounds) {
   return {{"min", {bounds.lo.x, bounds.lo.y, bounds.lo.z}}, {"max", {bounds.hi.x, bounds.hi.y, bounds.hi.z}}};
 }
 
+Json to_json(const CoordinateColumns& columns) {
+  using By = CoordinateColumns::By;
+  Json json = Json::object();
+  for (std::size_t axis = 0; axis < columns.numbers.size(); ++axis)
+    json[std::string(1, "xyz"[axis])] = columns.numbers[axis];
+  json["by"] = columns.by == By::place ? "place" : columns.by == By::header ? "header" : "option";
+  return json;
+}
+
 Json to_json(const FileInfo& file) {
   Json names = Json::array();
   for (const auto& attribute : file.attributes) names.push_back(attribute.name);
@@ -38,7 +47,8 @@ Json to_json(const FileInfo& file) {
           {"crs", file.crs},
           {"crs_name", crs_title(file.crs)},
           {"crs_note", file.crs_note},
-          {"attributes", names}};
+          {"attributes", names},
+          {"columns", file.columns ? to_json(*file.columns) : Json()}};
 }
 
 // The tiles that triangulate would make. The sample sees what filters drop, headers do not.

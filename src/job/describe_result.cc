@@ -24,6 +24,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
   for (const auto& input : manifest.inputs) inputs.push_back({{"path", input.path}, {"bytes", input.bytes}});
   for (const auto& attribute : manifest.schema) names.push_back(attribute.name);
   const auto& box = manifest.bounds;
+  const auto heights = heights_of(manifest);
   Json region;
   if (const auto& part = manifest.region) {
     const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
@@ -39,11 +40,14 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"crs", manifest.crs},
               {"crs_name", crs_title(manifest.crs)},
               {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
+              {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
               {"partition", manifest.partition_kind},
               {"points", manifest.points_read},
               {"invalid", manifest.invalid},
               {"filtered", manifest.filtered},
               {"duplicates", manifest.duplicates},
+              {"duplicates_at_other_heights", manifest.other_heights ? Json(*manifest.other_heights) : Json()},
+              {"keep", name_of(manifest.keep)},
               {"vertices", manifest.vertices},
               {"cells", manifest.cells},
               {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},

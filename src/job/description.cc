@@ -12,6 +12,7 @@
 #include "src/io/cloud/cloud.h"
 #include "src/job/describe.h"
 #include "src/report/human.h"
+#include "src/report/summary.h"
 
 namespace tessera {
 namespace {
@@ -105,6 +106,19 @@ std::string joined(const Json& names) {
   return text.empty() ? "none" : text;
 }
 
+// "x is column 3, y 2, z 4, by the header"
+std::string columns_text(const Json& columns) {
+  std::string text;
+  for (const auto& [name, number] : columns.items()) {
+    if (name != "by")
+      text += (text.empty() ? name + " is column " : ", " + name + " ") + std::to_string(number.get<std::uint64_t>());
+  }
+  const auto by = text_of(columns, "by");
+  return text + (by == "header"   ? ", by the header"
+                 : by == "option" ? ", as asked for"
+                                  : ", by their places, as no header names them");
+}
+
 std::string file_text(const Json& file) {
   const std::string path = printable(text_of(file, "path")) + "\n";
   Lines lines(12);
@@ -117,6 +131,7 @@ std::string file_text(const Json& file) {
                           human_bytes(count_of(file, "bytes")) + ")");
   lines.add("points", file.at("points").is_null() ? "not told by the file" : grouped(count_of(file, "points")));
   lines.add("box", box_text_or(file.at("bounds"), "not told by the file"));
+  if (file.contains("columns") && !file.at("columns").is_null()) lines.add("columns", columns_text(file.at("columns")));
   lines.add("attributes", joined(file.at("attributes")));
   if (!text_of(file, "crs").empty()) lines.add("CRS", text_of(file, "crs_name"));
   if (!text_of(file, "crs_note").empty()) lines.add("note", text_of(file, "crs_note"));
@@ -217,6 +232,14 @@ void add_work(Lines& lines, const Json& result) {
     lines.add("memory", figure("peak_memory_bytes", figures.at("peak_memory_bytes").get<double>()) + " at most");
 }
 
+// A daemon of an older release does not tell heights.
+std::string duplicates_text_of(const Json& result) {
+  const auto others = result.find("duplicates_at_other_heights");
+  const auto keep = kept_point_of(result.value("keep", std::string(name_of(KeptPoint::first))));
+  return duplicates_text(others == result.end() || others->is_null() ? 0 : others->get<std::uint64_t>(),
+                         keep.value_or(KeptPoint::first));
+}
+
 std::string result_text(const Json& result, bool counters) {
   const auto& tiles = result.at("tiles");
   std::uint64_t bytes = 0, least = ~std::uint64_t{0}, most = 0;
@@ -231,11 +254,14 @@ std::string result_text(const Json& result, bool counters) {
   lines.add("made by", "Tessera " + text_of(result, "software_version") + " from " + grouped(inputs.size()) +
                            (inputs.size() == 1 ? " file" : " files"));
   lines.add("points", grouped(count_of(result, "points")) + ", " + grouped(count_of(result, "duplicates")) +
-                          " duplicates, " + grouped(count_of(result, "invalid")) + " invalid, " +
+                          duplicates_text_of(result) + ", " + grouped(count_of(result, "invalid")) + " invalid, " +
                           grouped(count_of(result, "filtered")) + " filtered out");
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
+  if (const auto heights = result.find("heights"); heights != result.end() && !heights->is_null())
+    lines.add("heights", "z from " + coordinate(heights->at("min").get<double>()) + " to " +
+                             coordinate(heights->at("max").get<double>()));
   if (const std::string density = density_text(result); !density.empty()) lines.add("density", density);
   if (const auto region = result.find("region"); region != result.end() && !region->is_null())
     lines.add("a region", region_text(*region, dimension));

@@ -18,6 +18,7 @@
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
 #include "src/run/duplicates.h"
+#include "src/tiling/kept_points.h"
 
 namespace tessera {
 namespace {
@@ -113,10 +114,11 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   auto summary = summary_of(options, folder.path(), manifest, tiles);
   summary.warnings = std::move(warnings);
   DuplicateSort duplicates(folder.run(), options.memory_bytes / 4);
-  BOOST_OUTCOME_TRYV(gather_duplicates(run, tiles.tiles, duplicates));
+  BOOST_OUTCOME_TRY(other_heights, gather_duplicates(run, tiles.tiles, duplicates));
+  if (height_offset(run.dimension, run.schema)) manifest.other_heights = other_heights;
   // A result that has its manifest is complete: all that people read comes before.
   const auto report = [&]() -> Status {
-    summary.duplicates = manifest.duplicates;
+    add_duplicates(summary, manifest);
     summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
     summary.seconds = {{"routing", routed_s - began_s},
                        {"triangulating", tiles.wall.triangulating},

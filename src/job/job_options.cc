@@ -16,8 +16,10 @@ std::string options_key(const JobOptions& options) {
                              {"z", options.cloud.heights},
                              {"neighbors", options.neighbors}};
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
+  if (options.cloud.keep != KeptPoint::first) key["keep"] = name_of(options.cloud.keep);
   if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
+  if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;
   if (options.cloud.resolution > 0) key["resolution"] = options.cloud.resolution;
   if (const auto& crop = options.cloud.crop) {
     // As text: JSON has no infinity.
@@ -59,6 +61,11 @@ Result<Returns> parse_returns(std::string_view text) {
   if (text == "last") return Returns::last;
   if (text == "single") return Returns::single;
   return error(Errc::usage, "'" + std::string(text) + "' is none of all, first, last and single");
+}
+
+Result<KeptPoint> parse_kept_point(std::string_view text) {
+  if (const auto keep = kept_point_of(text)) return *keep;
+  return error(Errc::usage, "'" + std::string(text) + "' is none of first, last, lowest and highest");
 }
 
 Status check_flags(const std::vector<std::string>& names) {

@@ -27,6 +27,7 @@ Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunS
   manifest.points_read = run.counts.read;
   manifest.invalid = run.counts.invalid;
   manifest.filtered = run.counts.filtered;
+  manifest.keep = run.keep;
   manifest.vertices = tiles.vertices;
   manifest.cells = tiles.cells;
   return manifest;
@@ -48,6 +49,12 @@ JobSummary summary_of(const JobOptions& options, const std::filesystem::path& ou
   summary.memory_budget_bytes = tiles.memory_bytes > 0 ? tiles.memory_bytes : options.memory_bytes;
   for (const auto& tile : manifest.tiles) summary.result_bytes += tile.bytes;
   return summary;
+}
+
+void add_duplicates(JobSummary& summary, const Manifest& manifest) {
+  summary.duplicates = manifest.duplicates;
+  summary.other_heights = manifest.other_heights;
+  summary.keep = manifest.keep;
 }
 
 void add_figures(const JobSummary& summary, Manifest& manifest) {
@@ -98,7 +105,7 @@ JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out
   JobOptions options;
   options.threads = static_cast<std::uint32_t>(figure("threads"));
   auto summary = summary_of(options, out, manifest, tiles);
-  summary.duplicates = manifest.duplicates;
+  add_duplicates(summary, manifest);
   summary.memory_budget_bytes = figure("memory_budget_bytes");
   summary.peak_memory_bytes = figure("peak_memory_bytes");
   if (manifest.digest) summary.digest = digest_text(*manifest.digest);
@@ -123,6 +130,9 @@ ReportData report_of(const JobSummary& summary, const Manifest& manifest, const 
   report.partition_kind = manifest.partition_kind;
   report.boxes_disjoint = manifest.partition_kind != name_of(PartitionKind::random);
   report.bounds = manifest.bounds;
+  if (const auto heights = heights_of(manifest); heights && manifest.dimension == 2) {
+    report.heights = {heights->lo, heights->hi};
+  }
   for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
     const TileEntry& entry = manifest.tiles[i];
     TileFigures figures;

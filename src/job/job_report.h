@@ -16,6 +16,7 @@ namespace tessera {
 
 // Without duplicates, seconds and figures, which are known later.
 Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles);
+void add_duplicates(JobSummary& summary, const Manifest& manifest);
 // Without duplicates, seconds and peak memory.
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,
                       const RunSummary& tiles);

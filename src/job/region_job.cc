@@ -12,6 +12,7 @@
 #include "src/job/machine.h"
 #include "src/job/version.h"
 #include "src/report/human.h"
+#include "src/tiling/kept_points.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -40,6 +41,7 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
   // The format knows boxes: of a polygon's it has not all cells, and those that it has are final.
   manifest.region = {options.box, cells.complete && !options.shape};
   manifest.neighbors = options.neighbors;
+  manifest.keep = options.cloud.keep;
   manifest.schema = cloud.schema;
   manifest.tiles = {tile};
   manifest.points_read = cloud.points;
@@ -92,7 +94,9 @@ Result<RegionCloud> open_regions(const std::vector<std::string>& inputs, const R
     return error(Errc::usage, option("bbox") + ": the cloud is one of the plane; give xmin,ymin,xmax,ymax");
   BOOST_OUTCOME_TRY(units, CloudUnits::open(std::move(cloud), options.scan, stop));
   opened.points = units->points();
-  opened.regions = std::make_unique<Regions>(std::move(units), opened.dimension, row_bytes(opened.schema));
+  EqualPoints equal{.keep = options.cloud.keep};
+  if (is_by_height(equal.keep)) equal.height_at = height_offset(opened.dimension, opened.schema);
+  opened.regions = std::make_unique<Regions>(std::move(units), opened.dimension, row_bytes(opened.schema), equal);
   return opened;
 }
 

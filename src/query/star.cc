@@ -67,7 +67,7 @@ bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std
 // The vertex that stands for a point which is none.
 Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
   if (manifest.duplicates == 0) return std::optional<PointId>{};
-  BOOST_OUTCOME_TRY(pairs, read_duplicates(out));
+  BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest.keep));
   const auto pair = std::lower_bound(pairs.begin(), pairs.end(), DuplicatePair{id, PointId{0}});
   if (pair == pairs.end() || pair->duplicate != id) return std::optional<PointId>{};
   return std::optional(pair->kept);

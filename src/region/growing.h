@@ -6,19 +6,21 @@
 #include <stop_token>
 #include <vector>
 
+#include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera {
 
-// Equal points are one vertex, that of the lowest id among them.
+// Equal points are one vertex, that of the one among them that is kept.
 class GrowingTriangulation {
  public:
-  explicit GrowingTriangulation(int dimension);
+  explicit GrowingTriangulation(int dimension, KeptPoint keep = KeptPoint::first);
 
   // Throws Stopped soon after `stop` is requested, KernelFull when there are too many points: it can only be destroyed
   // then.
-  void add(std::vector<LocalPoint> points, const std::stop_token& stop);
+  // `heights`: of the points, in their order; empty when they are not kept by height.
+  void add(std::vector<LocalPoint> points, std::vector<double> heights, const std::stop_token& stop);
 
   int dimension() const { return dimension_; }
   int rank() const { return kernel_->dimension(); }  // of the points: below dimension() there are no cells
@@ -29,11 +31,20 @@ class GrowingTriangulation {
   PointId id(Vertex v) const { return ids_[v - 1]; }
 
  private:
-  void build(std::vector<LocalPoint> points, const std::stop_token& stop);
+  // Distinct, in the order for the kernel.
+  struct Ordered {
+    std::vector<Point> points;
+    std::vector<PointId> ids;
+    std::vector<double> heights;  // none when they are not kept by height
+  };
+  Ordered ordered(std::vector<LocalPoint> points, std::vector<double> heights) const;
+  void build(std::vector<LocalPoint> points, std::vector<double> heights, const std::stop_token& stop);
 
   int dimension_;
+  KeptPoint keep_;
   std::unique_ptr<Kernel> kernel_;
-  std::vector<PointId> ids_;  // by vertex, from 1 on
+  std::vector<PointId> ids_;     // by vertex, from 1 on
+  std::vector<double> heights_;  // likewise; none when they are not kept by height
   std::size_t points_ = 0;
 };
 

@@ -14,17 +14,18 @@
 namespace tessera {
 
 RegionQuestion::RegionQuestion(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree,
-                               int dimension, std::size_t row_bytes, const Bounds& region, RegionShape shape,
-                               const RegionLimits& limits, std::stop_token stop)
+                               int dimension, std::size_t row_bytes, EqualPoints equal, const Bounds& region,
+                               RegionShape shape, const RegionLimits& limits, std::stop_token stop)
     : units_(units),
       loaded_(loaded),
       tree_(tree),
       row_bytes_(row_bytes),
+      height_at_(equal.height_at),
       region_(region),
       shape_(std::move(shape)),
       limits_(limits),
       stop_(std::move(stop)),
-      triangulation_(dimension) {}
+      triangulation_(dimension, equal.keep) {}
 
 Result<RegionCells> RegionQuestion::answer() {
   const int dimension = triangulation_.dimension();
@@ -117,18 +118,29 @@ Status RegionQuestion::add(Wanted& wanted) {
   BOOST_OUTCOME_TRYV(load(wanted.units, wanted.beyond));
   if (wanted.units.empty()) return success();
   std::vector<LocalPoint> points;
+  std::vector<double> heights;
   for (const std::size_t unit : wanted.units) {
     LoadedUnit& loaded = loaded_.at(unit);
     loaded.used = began_;
     points.insert(points.end(), loaded.points.begin(), loaded.points.end());
+    add_heights(loaded, heights);
     tree_.take(unit);
     used_.push_back(unit);
     figures_.points_used += units_.list()[unit].points;
   }
   figures_.units_used = used_.size();
   ++figures_.rounds;
-  triangulation_.add(std::move(points), stop_);
+  triangulation_.add(std::move(points), std::move(heights), stop_);
   return success();
+}
+
+void RegionQuestion::add_heights(const LoadedUnit& unit, std::vector<double>& heights) const {
+  if (!height_at_) return;
+  for (std::size_t i = 0; i < unit.points.size(); ++i) {
+    double height = 0;
+    std::memcpy(&height, unit.rows.data() + i * row_bytes_ + *height_at_, sizeof height);
+    heights.push_back(height);
+  }
 }
 
 // Units come by ascending number, each whole when the next one comes.

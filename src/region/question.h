@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -20,8 +21,8 @@ class RegionQuestion {
   // What is read is added to `loaded`. REQUIRES: the region is within the bounds of all units, and not empty;
   // tree.begin(region) was called.
   RegionQuestion(PointUnits& units, std::map<std::size_t, LoadedUnit>& loaded, UnitTree& tree, int dimension,
-                 std::size_t row_bytes, const Bounds& region, RegionShape shape, const RegionLimits& limits,
-                 std::stop_token stop);
+                 std::size_t row_bytes, EqualPoints equal, const Bounds& region, RegionShape shape,
+                 const RegionLimits& limits, std::stop_token stop);
 
   Result<RegionCells> answer();
 
@@ -39,6 +40,7 @@ class RegionQuestion {
   // Loads the units and adds their points; of those that could not be read in time, none.
   Status add(Wanted& wanted);
   Status load(std::vector<std::size_t>& units, std::string& beyond);
+  void add_heights(const LoadedUnit& unit, std::vector<double>& heights) const;
   std::string needed(const std::string& beyond, const std::vector<std::size_t>& units) const;
   RegionCells finished(const CellList& cells, const Judgement& judgement);
   std::vector<std::byte> rows_of(const std::vector<PointId>& ids) const;
@@ -47,6 +49,7 @@ class RegionQuestion {
   std::map<std::size_t, LoadedUnit>& loaded_;
   UnitTree& tree_;
   std::size_t row_bytes_;
+  std::optional<std::size_t> height_at_;
   Bounds region_;
   RegionShape shape_;
   RegionLimits limits_;

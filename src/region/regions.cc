@@ -18,8 +18,8 @@ std::vector<Bounds> boxes_of(const PointUnits& units) {
 
 }  // namespace
 
-Regions::Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes)
-    : units_(std::move(units)), dimension_(dimension), row_bytes_(row_bytes), tree_(boxes_of(*units_)) {
+Regions::Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes, EqualPoints equal)
+    : units_(std::move(units)), dimension_(dimension), row_bytes_(row_bytes), equal_(equal), tree_(boxes_of(*units_)) {
   for (const auto& unit : units_->list()) bounds_.add(unit.bounds);
 }
 
@@ -80,7 +80,7 @@ void Regions::forget(std::uint64_t bytes_max) {
 Result<RegionCells> Regions::ask_within(const Bounds& region, const RegionShape& shape, const RegionLimits& limits,
                                         const std::stop_token& stop) {
   tree_.begin(region);
-  return RegionQuestion(*units_, loaded_, tree_, dimension_, row_bytes_, region, shape, limits, stop).answer();
+  return RegionQuestion(*units_, loaded_, tree_, dimension_, row_bytes_, equal_, region, shape, limits, stop).answer();
 }
 
 }  // namespace tessera

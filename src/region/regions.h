@@ -8,10 +8,12 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
 
+#include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/io/cloud/point_units.h"
@@ -56,11 +58,17 @@ struct RegionCells {
   RegionFigures figures;
 };
 
+// What equal points of a cloud have to do with each other.
+struct EqualPoints {
+  KeptPoint keep = KeptPoint::first;
+  std::optional<std::size_t> height_at = {};  // where a row has the height, when points are kept by it
+};
+
 // Questions to one cloud. What was read for one is there for the next, until forget(). Not thread-safe.
 class Regions {
  public:
   // `row_bytes`: of a point's attributes, as the units give them.
-  Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes);
+  Regions(std::unique_ptr<PointUnits> units, int dimension, std::size_t row_bytes, EqualPoints equal = {});
 
   // The cells of the cloud's Delaunay triangulation that have a point in common with the closed box `region`: exactly
   // those that triangulating the whole cloud gives, source indices included, if the points that are not read are where
@@ -85,6 +93,7 @@ class Regions {
   std::unique_ptr<PointUnits> units_;
   int dimension_;
   std::size_t row_bytes_;
+  EqualPoints equal_;
   Bounds bounds_;  // of all units
   UnitTree tree_;
   std::map<std::size_t, LoadedUnit> loaded_;  // by unit

@@ -38,6 +38,14 @@ std::string facts(const ReportData& data) {
   fact("coordinate system", data.crs_title.empty() ? "none in the input" : escape_html(data.crs_title));
   if (!data.bounds.empty())
     fact("box", along("x", 0) + ", " + along("y", 1) + (data.summary.dimension == 3 ? ", " + along("z", 2) : ""));
+  if (!data.bounds.empty()) {
+    std::string extent;
+    for (int i = 0; i < data.summary.dimension; ++i)
+      extent += (i > 0 ? " by " : "") + number(coordinate(data.bounds.hi[i] - data.bounds.lo[i]));
+    fact("extent", extent);
+  }
+  if (data.heights)
+    fact("heights", number("z " + coordinate((*data.heights)[0]) + " to " + coordinate((*data.heights)[1])));
   if (!data.summary.digest.empty()) fact("digest", "<code>" + escape_html(data.summary.digest) + "</code>");
   std::string command;
   for (const auto& word : data.command) {
@@ -62,9 +70,11 @@ std::string cards(const JobSummary& s) {
   html += card(grouped(s.vertices), "vertices");
   html += card(grouped(s.cells), s.dimension == 3 ? "tetrahedra" : "triangles");
   html += card(grouped(s.duplicates), "duplicates");
+  if (s.other_heights.value_or(0) > 0)
+    html += card(grouped(*s.other_heights), "of them at other heights, the " + std::string(name_of(s.keep)) + " kept");
   if (s.invalid > 0) html += card(grouped(s.invalid), "invalid, skipped");
   if (s.filtered > 0) html += card(grouped(s.filtered), "filtered out");
-  html += card(grouped(s.tiles), "tiles");
+  html += card(grouped(s.tiles), s.tiles == 1 ? "tile" : "tiles");
   html += card(human_seconds(s.total_s), "on " + std::to_string(s.threads) + (s.threads == 1 ? " thread" : " threads"));
   html += card(human_count(s.total_s > 0 ? static_cast<std::uint64_t>(static_cast<double>(s.vertices) / s.total_s) : 0),
                "vertices a second");
@@ -75,6 +85,8 @@ std::string cards(const JobSummary& s) {
 
 std::string exchange(const JobSummary& s) {
   const ExchangeFigures& e = s.exchange;
+  if (s.tiles == 1) return "<p>There is one tile, which has nobody to exchange points with.</p>\n";
+  const auto times = [](std::uint64_t n) { return number(n) + (n == 1 ? " time" : " times"); };
   const auto share = [&](std::uint64_t n) {
     return s.vertices == 0
                ? std::string()
@@ -85,15 +97,18 @@ std::string exchange(const JobSummary& s) {
   if (e.nodes > 1 || e.nodes_lost > 0) {
     nodes = " " + number(e.nodes) + " nodes sent each other " + human_bytes(e.bytes_between);
     if (e.nodes_lost > 0)
-      nodes += "; " + number(e.nodes_lost) + " were lost, and " + number(e.tiles_again) + " tiles begun again";
+      nodes += "; " + number(e.nodes_lost) + (e.nodes_lost == 1 ? " was" : " were") + " lost, and " +
+               number(e.tiles_again) + (e.tiles_again == 1 ? " tile" : " tiles") + " begun again";
     nodes += ".";
   }
-  return "<p>" + number(e.updates) + " messages carried " + number(e.points.sent) + " points" + share(e.points.sent) +
-         ". Of " + number(e.points.received) + " received, " + number(e.points.inserted) + " were inserted and " +
-         number(e.points.kept) + " kept; no tile was told of more than " + number(e.most_received) +
+  return "<p>" + number(e.updates) + (e.updates == 1 ? " message" : " messages") + " carried " + number(e.points.sent) +
+         (e.points.sent == 1 ? " point" : " points") + share(e.points.sent) + ". Tiles received " +
+         number(e.points.received) + ", repeats counted, and no tile more than " + number(e.most_received) +
+         ". With the points that they know from the start, they inserted " + number(e.points.inserted) +
+         " points of other tiles and kept " + number(e.points.kept) +
          ". The longest chain of messages that caused one another: " + number(e.hops) +
-         "; the counters were collected " + number(e.waves) + " times; tiles were put to sleep " + number(e.sleeps) +
-         " times." + nodes + "</p>\n";
+         "; the counters were collected " + times(e.waves) + "; tiles were put to sleep " + times(e.sleeps) + "." +
+         nodes + "</p>\n";
 }
 
 std::string phases(const JobSummary& s) {
@@ -101,10 +116,10 @@ std::string phases(const JobSummary& s) {
   for (const auto& phase : s.seconds) sum += phase.second;
   std::string bar = "<div class=\"phases\">", key = "<div class=\"key\">";
   for (const auto& [name, seconds] : s.seconds) {
-    const auto safe = escape_html(name);
+    const auto safe = escape_html(name), plain = escape_html(plain_phase(name));
     bar += "<div class=\"p-" + safe + "\" style=\"flex:" + fixed(sum > 0 ? seconds / sum : 1, 5) + "\" title=\"" +
-           safe + ": " + human_seconds(seconds) + "\"></div>";
-    key += "<span><i class=\"p-" + safe + "\"></i>" + safe + " " + number(human_seconds(seconds)) + "</span>";
+           plain + ": " + human_seconds(seconds) + "\"></div>";
+    key += "<span><i class=\"p-" + safe + "\"></i>" + plain + " " + number(human_seconds(seconds)) + "</span>";
   }
   return bar + "</div>\n" + key + "</div>\n";
 }

@@ -1,9 +1,11 @@
 // report.html: one file without network or scripts from elsewhere, that shows how a job went.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,9 +31,10 @@ struct ReportData {
   std::string crs_title;  // for people; "": none
   std::chrono::system_clock::time_point finished;
   std::string partition_kind;
-  bool boxes_disjoint = true;      // false for the random partition: no picture of tiles then
-  Bounds bounds;                   // of all points
-  std::vector<TileFigures> tiles;  // that hold points
+  bool boxes_disjoint = true;                    // false for the random partition: no picture of tiles then
+  Bounds bounds;                                 // of all points
+  std::optional<std::array<double, 2>> heights;  // 2D: the least and the greatest, if the vertices have any
+  std::vector<TileFigures> tiles;                // that hold points
   std::vector<PhaseSpan> spans;
 };
 

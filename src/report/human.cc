@@ -73,6 +73,10 @@ std::string grouped(std::uint64_t n) {
   return digits;
 }
 
+std::string counted(std::uint64_t n, std::string_view what) {
+  return grouped(n) + " " + std::string(what) + (n == 1 ? "" : "s");
+}
+
 std::string plain_phase(std::string_view name) {
   if (name == "routing") return "reading";
   if (name == "splaying") return "joining tiles";

@@ -73,7 +73,7 @@ std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s) {
                                    : std::to_string(bar.times) + " times";
       svg += "<rect class=\"p-" + std::string(name_of(bar.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" + fixed(y, 1) +
              "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" + fixed(row, 0) +
-             "\"><title>" + name_of(bar.phase) + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
+             "\"><title>" + plain_phase(name_of(bar.phase)) + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
              fixed(bar.end_s, 3) + " s</title></rect>\n";
     }
     y += row + gap;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/kernel/brio.h"
+#include "src/run/duplicates.h"
 #include "src/run/update.h"
 #include "src/tiling/hilbert.h"
 
@@ -39,8 +40,7 @@ Status DelaunayProgram::build(bool announce) {
   BOOST_OUTCOME_TRY(loaded, stage_.storage->load_points(self_));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
-    BOOST_OUTCOME_TRYV(
-        stage_.storage->write(self_, ScratchKind::duplicates, std::as_bytes(std::span(loaded.duplicates))));
+    BOOST_OUTCOME_TRYV(stage_.storage->write(self_, ScratchKind::duplicates, duplicates_to_bytes(loaded)));
     std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
   }
   const Box& box = (*stage_.boxes)[self_.value];

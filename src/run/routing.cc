@@ -7,6 +7,7 @@
 #include "job.pb.h"
 #include "src/files/frame.h"
 #include "src/files/names.h"
+#include "src/io/column_names.h"
 
 namespace tessera {
 namespace {
@@ -55,6 +56,8 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   }
   options.classes.assign(routing.classes().begin(), routing.classes().end());
   options.without.assign(routing.without().begin(), routing.without().end());
+  options.columns.assign(routing.columns().begin(), routing.columns().end());
+  if (!check_columns(options.columns)) return refuse("names columns that make no points");
   options.resolution = routing.resolution();
   options.threads = threads;
   return Cloud::of(std::move(files), std::move(schema), std::move(options));
@@ -111,6 +114,7 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
   }
   routing.mutable_classes()->Assign(options.classes.begin(), options.classes.end());
   for (const std::string& flag : options.without) routing.add_without(flag);
+  for (const std::string& name : options.columns) routing.add_columns(name);
   routing.set_resolution(options.resolution);
   const std::string bytes = routing.SerializeAsString();
   return write_frame(routing_file(run_folder), ScratchKind::routing, {}, std::as_bytes(std::span(bytes)));

@@ -7,6 +7,7 @@
 #include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/crs/crs.h"
+#include "src/io/column_names.h"
 #include "src/job/arguments.h"
 #include "src/report/human.h"
 #include "src/service/json.h"
@@ -81,6 +82,8 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
   }
   cloud.without = list_of(inputs.without());
   if (const auto flags = check_flags(cloud.without); !flags) return refuse("without", flags.error().where);
+  cloud.columns = list_of(inputs.columns());
+  if (const auto columns = check_columns(cloud.columns); !columns) return refuse("columns", columns.error().where);
   cloud.attributes = list_of(inputs.attributes());
   if (std::find(cloud.attributes.begin(), cloud.attributes.end(), "") != cloud.attributes.end())
     return refuse("attributes", "one has an empty name");
@@ -89,6 +92,11 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
     if (const auto known = check_crs(inputs.crs()); !known)
       return refuse("crs", in_quotes(inputs.crs()) + ": " + known.error().where);
     cloud.crs = inputs.crs();
+  }
+  if (inputs.has_keep()) {
+    const auto keep = parse_kept_point(inputs.keep());
+    if (!keep) return refuse("keep", keep.error().where);
+    cloud.keep = keep.value();
   }
   if (inputs.has_heights()) cloud.heights = inputs.heights();
   if (inputs.has_skip_invalid()) cloud.skip_invalid = inputs.skip_invalid();

@@ -38,7 +38,7 @@ Result<JobSummary> summary_of_stored(const Workshop& shop, const JobOptions& opt
   const auto folder = unpublished ? unfinished : shop.results.folder(job.triangulation());
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
   auto summary = summary_of(options, job.triangulation(), manifest, RunSummary{});
-  summary.duplicates = manifest.duplicates;
+  add_duplicates(summary, manifest);
   if (manifest.digest) summary.digest = digest_text(*manifest.digest);
   for (const auto& [phase, seconds] : manifest.seconds) {
     summary.seconds.emplace_back(phase, seconds);

@@ -46,7 +46,7 @@ Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs)
 
 }  // namespace store
 
-Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out) {
+Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, KeptPoint keep) {
   std::vector<DuplicatePair> pairs;
   const auto path = duplicates_file(out);
   BOOST_OUTCOME_TRY(there, is_there(path));
@@ -59,9 +59,12 @@ Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out) {
     std::memcpy(&pairs[i].kept, bytes.data() + 16 * i + 8, 8);
     if (i > 0 && pairs[i - 1].duplicate >= pairs[i].duplicate)
       return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": is not in ascending order");
-    if (pairs[i].kept >= pairs[i].duplicate)
-      return error(Errc::corrupt,
-                   path.string() + ", pair " + std::to_string(i) + ": the kept point comes after its duplicate");
+    const auto refuse = [&](const char* what) {
+      return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": the kept point " + what);
+    };
+    if (pairs[i].kept == pairs[i].duplicate) return refuse("is its own duplicate");
+    if (keep == KeptPoint::first && pairs[i].kept > pairs[i].duplicate) return refuse("comes after its duplicate");
+    if (keep == KeptPoint::last && pairs[i].kept < pairs[i].duplicate) return refuse("comes before its duplicate");
   }
   return pairs;
 }

@@ -75,6 +75,13 @@ std::uint64_t to_sum(const json& value) {
   return std::stoull(text, nullptr, 16);
 }
 
+KeptPoint to_kept_point(const json& value) {
+  const auto text = value.get<std::string>();
+  const auto keep = kept_point_of(text);
+  if (!keep) throw json::other_error::create(501, "'" + text + "' is no choice among equal points", &value);
+  return *keep;
+}
+
 std::optional<Digest> to_digest(const json& value) {
   if (!value.contains(digest_key)) return std::nullopt;
   const auto text = value.at(digest_key).get<std::string>();
@@ -89,6 +96,7 @@ ordered_json entry_to_json(const TileEntry& entry) {
                      {"main_cells", entry.main_cells},   {"bytes", entry.bytes},
                      {"xxh3", checksum_text(entry.xxh3)}};
   if (entry.digest) value[digest_key] = digest_text(*entry.digest);
+  if (entry.heights) value["heights"] = {number(entry.heights->lo), number(entry.heights->hi)};
   return value;
 }
 
@@ -105,6 +113,10 @@ TileEntry to_entry(const json& value) {
   entry.bytes = to_count(value.at("bytes"));
   entry.xxh3 = to_sum(value.at("xxh3"));
   entry.digest = to_digest(value);
+  if (value.contains("heights")) {
+    const auto& heights = value.at("heights");
+    entry.heights = HeightRange{to_double(heights.at(0)), to_double(heights.at(1))};
+  }
   return entry;
 }
 
@@ -160,6 +172,8 @@ Manifest to_manifest(const json& value) {
   manifest.duplicates = to_count(counts.at("duplicates"));
   manifest.vertices = to_count(counts.at("vertices"));
   manifest.cells = to_count(counts.at("cells"));
+  if (counts.contains("other_heights")) manifest.other_heights = to_count(counts.at("other_heights"));
+  if (value.contains("keep")) manifest.keep = to_kept_point(value.at("keep"));
   manifest.digest = to_digest(value);
   manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
   if (value.at("checksums").contains(duplicates_key))
@@ -194,6 +208,8 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
+  if (manifest.other_heights) value["counts"]["other_heights"] = *manifest.other_heights;
+  if (manifest.keep != KeptPoint::first) value["keep"] = name_of(manifest.keep);
   if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
   value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
   if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
@@ -226,6 +242,16 @@ std::string manifest_to_text(const Manifest& manifest) {
 }
 
 }  // namespace store
+
+std::optional<HeightRange> heights_of(const Manifest& manifest) {
+  std::optional<HeightRange> all;
+  for (const TileEntry& tile : manifest.tiles) {
+    if (!tile.heights) continue;
+    if (!all) all = tile.heights;
+    all = HeightRange{std::min(all->lo, tile.heights->lo), std::max(all->hi, tile.heights->hi)};
+  }
+  return all;
+}
 
 Result<Manifest> read_manifest(const fs::path& out) {
   const auto path = manifest_file(out);

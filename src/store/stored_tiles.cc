@@ -1,11 +1,13 @@
 // The side files by which a resumed run knows what is stored. Plain lines and not JSON, whose library takes memory to
 // destroy what it has read: they are written and read while tiles are at work, and memory may be short.
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <functional>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <type_traits>
 
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
@@ -23,6 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* no_digest = "-";
+constexpr const char* no_heights = "-";
 
 // Takes the next word off `rest`.
 std::string_view take_word(std::string_view& rest) {
@@ -34,8 +37,20 @@ std::string_view take_word(std::string_view& rest) {
 template <class Number>
 bool take_number(std::string_view& rest, Number& value, int base = 10) {
   const auto word = take_word(rest);
-  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  const char* const last = word.data() + word.size();
+  std::from_chars_result got{};
+  if constexpr (std::is_floating_point_v<Number>)
+    got = std::from_chars(word.data(), last, value);
+  else
+    got = std::from_chars(word.data(), last, value, base);
+  const auto [end, failed] = got;
   return failed == std::errc() && end == word.data() + word.size();
+}
+
+// So many digits that it is read back as the same.
+std::string shortest(double value) {
+  std::array<char, 32> text;
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 // Nothing when the line, without its end, is not what write_done() wrote.
@@ -51,6 +66,13 @@ std::optional<TileEntry> read_done(std::string_view line) {
                     take_number(text, entry.xxh3, 16);
   const auto digest = take_word(text);
   if (digest != no_digest) entry.digest = parse_digest(digest);
+  if (text != no_heights) {
+    HeightRange heights;
+    if (!take_number(text, heights.lo) || !take_number(text, heights.hi)) return std::nullopt;
+    entry.heights = heights;
+  } else {
+    text = {};
+  }
   if (!read || !text.empty() || (digest != no_digest && !entry.digest)) return std::nullopt;  // of another version
   return entry;
 }
@@ -79,7 +101,8 @@ Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
        {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
     text += std::to_string(number) + " ";
   }
-  text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest);
+  text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest) + " ";
+  text += entry.heights ? shortest(entry.heights->lo) + " " + shortest(entry.heights->hi) : no_heights;
   // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
   // when a process ended in the middle of it.
   const std::string line = "\n" + text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";

@@ -145,6 +145,22 @@ Result<EarlyCells> roomy(const fs::path& out, const TileHeader& header, const Ea
   return with_room(out, header, early, header.cells, options);
 }
 
+std::optional<HeightRange> heights_of(const TileMesh& mesh, const std::vector<Attribute>& schema,
+                                      const std::vector<std::vector<std::byte>>& columns) {
+  const auto z = std::find(schema.begin(), schema.end(), Attribute{"z", AttributeType::f64});
+  if (mesh.dimension != 2 || z == schema.end()) return std::nullopt;
+  const auto& column = columns[static_cast<std::size_t>(z - schema.begin())];
+  std::optional<HeightRange> range;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    double height = 0;
+    std::memcpy(&height, column.data() + i * sizeof height, sizeof height);
+    if (mesh.point_ghost[i] != 0 || !std::isfinite(height)) continue;
+    if (!range) range = HeightRange{height, height};
+    range = HeightRange{std::min(range->lo, height), std::max(range->hi, height)};
+  }
+  return range;
+}
+
 }  // namespace
 
 Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, std::span<const std::byte> rows,
@@ -195,6 +211,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
                                 : DirectWriter::create(temporary.path(), final_name, options.stop));
   BOOST_OUTCOME_TRY(written, write_file(std::move(file), header_text(header, header_bytes), header.offsets, arrays));
   entry.digest = digest.value();
+  entry.heights = heights_of(mesh, header.schema, columns);
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/files/checksum.h"
@@ -24,6 +25,11 @@
 
 namespace tessera {
 
+struct HeightRange {
+  double lo = 0, hi = 0;
+  friend bool operator==(const HeightRange&, const HeightRange&) = default;
+};
+
 // What the manifest says of one tile file.
 struct TileEntry {
   TileId tile;
@@ -34,6 +40,8 @@ struct TileEntry {
   std::uint64_t bytes = 0;
   std::uint64_t xxh3 = 0;        // checksum of the file: see data_sum_of()
   std::optional<Digest> digest;  // of main cells and own vertices; older software wrote none
+  // 2D: of own vertices, from their attribute z, those that are finite. Older software wrote none.
+  std::optional<HeightRange> heights = {};
   friend bool operator==(const TileEntry&, const TileEntry&) = default;
 };
 
@@ -106,6 +114,9 @@ struct Manifest {
   std::vector<Attribute> schema;
   std::vector<TileEntry> tiles;  // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
+  KeptPoint keep = KeptPoint::first;  // of equal points
+  std::optional<std::uint64_t>
+      other_heights;                      // 2D: duplicates not at the height of the kept point, if heights are known
   std::optional<Digest> digest;           // the sum of the tiles'; none when a tile has none
   std::uint64_t duplicates_xxh3 = 0;      // of duplicates.bin; 0 when there is none
   std::uint64_t master_xxh3 = 0;          // of the master file
@@ -132,6 +143,9 @@ Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::s
 void remove_side_files(const std::filesystem::path& out);
 // Error io when there is none, corrupt when it is damaged or from a future version.
 Result<Manifest> read_manifest(const std::filesystem::path& out);
-Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out);
+// `keep`: as the manifest has it; pairs that it cannot make are corrupt.
+Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, KeptPoint keep);
+// Of all vertices; nothing when no tile tells any.
+std::optional<HeightRange> heights_of(const Manifest& manifest);
 
 }  // namespace tessera

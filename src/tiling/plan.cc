@@ -210,6 +210,10 @@ class PlanReader {
       input.modified_ns = modified;
       run_.inputs.push_back(std::move(input));
     }
+    std::string keep(name_of(run_.keep));
+    const bool read = !root_.contains("keep") || read_string(at(root_, "keep"), keep);  // the first are not told
+    if (!read || !kept_point_of(keep)) return bad("keep is an unknown choice");
+    run_.keep = *kept_point_of(keep);
     if (!read_string(at(root_, "crs"), run_.crs) || !read_string(at(root_, "options_key"), run_.options_key)) {
       return bad("crs or options_key is not text");
     }
@@ -296,18 +300,18 @@ Result<std::uint64_t> write_plan(const RoutedRun& run) {
   for (const InputFile& i : run.inputs) {
     inputs.push_back({{"path", i.path}, {"bytes", i.bytes}, {"modified_ns", i.modified_ns}});
   }
-  const json plan{
-      {"version", format_version},
-      {"partition", json::parse(run.partition.to_json())},
-      {"counts", {{"read", run.counts.read}, {"invalid", run.counts.invalid}, {"filtered", run.counts.filtered}}},
-      {"tiles", std::move(tiles)},
-      {"bundles", std::move(bundles)},
-      {"segments_xxh3", checksum_text(checksum(segments))},
-      {"seeds", std::move(seeds)},
-      {"schema", std::move(schema)},
-      {"inputs", std::move(inputs)},
-      {"crs", run.crs},
-      {"options_key", run.options_key}};
+  json plan{{"version", format_version},
+            {"partition", json::parse(run.partition.to_json())},
+            {"counts", {{"read", run.counts.read}, {"invalid", run.counts.invalid}, {"filtered", run.counts.filtered}}},
+            {"tiles", std::move(tiles)},
+            {"bundles", std::move(bundles)},
+            {"segments_xxh3", checksum_text(checksum(segments))},
+            {"seeds", std::move(seeds)},
+            {"schema", std::move(schema)},
+            {"inputs", std::move(inputs)},
+            {"crs", run.crs},
+            {"options_key", run.options_key}};
+  if (run.keep != KeptPoint::first) plan["keep"] = name_of(run.keep);
   // File names and coordinate systems need not be UTF-8, which JSON is.
   const std::string text = sealed_plan(plan.dump(-1, ' ', false, json::error_handler_t::replace));
   BOOST_OUTCOME_TRYV(write_whole(plan_file(run.folder), text));

@@ -14,6 +14,7 @@
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
 #include "src/io/cloud/point_filter.h"
+#include "src/tiling/kept_points.h"
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"
 #include "src/tiling/routed_run.h"
@@ -166,6 +167,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
   RoutedRun run;
   run.folder = folder;
   run.dimension = cloud.options().dimension;
+  run.keep = cloud.options().keep;
   run.schema = cloud.schema();
   run.crs = cloud.crs();
   run.options_key = options.options_key;
@@ -213,6 +215,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
                                          budget::refine_bytes(options.memory_bytes), stop));
   }
   settle(run, routed);
+  BOOST_OUTCOME_TRYV(choose_kept_seeds(run, stop));
   progress.points_total = progress.points_routed.load();
   progress.tiles_total = run.partition.tiles();
   BOOST_OUTCOME_TRY(seal, write_plan(run));

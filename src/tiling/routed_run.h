@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
@@ -46,6 +47,7 @@ struct TileChecked {
 struct RoutedRun {
   std::filesystem::path folder;
   int dimension = 3;
+  KeptPoint keep = KeptPoint::first;  // of equal points
   Partition partition;
   std::vector<std::uint64_t> tile_points;  // by tile, duplicates included
   std::vector<Bounds> tile_bounds;         // by tile: of its points; empty for an empty tile
@@ -96,12 +98,14 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder);
 // A tile's points as the kernel wants them: distinct, in Hilbert order within their bounds.
 struct LoadedTile {
   std::vector<Point> points;
-  std::vector<PointId> ids;                             // of equal points, the lowest
+  std::vector<PointId> ids;                             // of equal points, that of the one that is kept
   std::vector<std::pair<PointId, PointId>> duplicates;  // (duplicate, kept), by ascending duplicate
+  std::uint64_t other_heights = 0;                      // duplicates whose height is not that of the kept point
 };
 // Error corrupt when the file is not the one that was written.
 Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile);
-// The same from memory (tests, harness). REQUIRES: finite coordinates without -0.
+// The same from memory (regions, tests, harness): of equal points the lowest id, and heights are not looked at.
+// REQUIRES: finite coordinates without -0.
 LoadedTile order_points(std::span<const LocalPoint> points, int dimension);
 
 // Points and attributes of a run's bundles as bytes in memory, each file opened once: the vertices of one tile are

@@ -8,6 +8,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/files/names.h"
+#include "src/tiling/kept_points.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -68,7 +69,10 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
     begin += part.size();
   }
   if (run.checked) (*run.checked)[tile.value].points = true;
-  return order_points(points, run.dimension);
+  LoadedTile loaded = order_points(points, run.dimension);
+  BigVector<LocalPoint>().swap(points);
+  BOOST_OUTCOME_TRYV(choose_kept(run, tile, loaded));
+  return loaded;
 }
 
 Result<const BundleMaps::Maps*> BundleMaps::of(std::uint32_t number) {

@@ -109,7 +109,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     report.cells += entry.main_cells;
     report.vertices += entry.own_points;
   }
-  BOOST_OUTCOME_TRY(duplicates, read_duplicates(out));
+  BOOST_OUTCOME_TRY(duplicates, read_duplicates(out, manifest.keep));
   BOOST_OUTCOME_TRYV(check_vertex_ids(own, manifest, std::move(duplicates), out));
   BOOST_OUTCOME_TRYV(check_cell_copies(copies, manifest.dimension, out));
   BOOST_OUTCOME_TRYV(check_claims(claims, out));
@@ -136,8 +136,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   };
   report.passed.emplace_back(
       "the tiles' boxes cover space without overlap, and each vertex is of the tile that the partition gives it to; "
-      "the "
-      "bounds are the vertices'");
+      "the bounds are the vertices'");
   if (manifest.digest) report.passed.push_back("the digest " + digest_text(*manifest.digest));
   if (cgal) {
     BOOST_OUTCOME_TRYV(cgal->compare(out));

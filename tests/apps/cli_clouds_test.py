@@ -110,5 +110,99 @@ class Descriptions(CloudTest):
         self.refused(USAGE, "info", f"{IGN}/*.las", "--without", "hidden", says="'hidden' is none of")
 
 
+class Columns(CloudTest):
+    SURVEY = "".join(f"{i},{6000084 + i * i % 17},{500013 + i * i * i % 23},{7 + i % 3},{'GND' if i % 2 else 'EP, EDGE'}\n"
+                     for i in range(100, 160)).replace("EP, EDGE", '"EP, EDGE"')
+
+    def test_a_file_of_surveyors_is_read_by_the_names_of_its_columns(self):
+        self.write("survey.txt", self.SURVEY)
+        done = self.run_tessera("triangulate", "survey.txt", "-o", "wrong", "--dim", "2")
+        self.assertRegex(done.stdout, "warning +survey.txt has no header that names x and y, .* by the option columns, as p,y,x,z")
+        self.assertIn("counts up by one", (self.folder / "wrong" / "report.html").read_text())
+        told = self.ok("info", "survey.txt")
+        self.assertRegex(told, r"columns +x is column 1, y 2, z 3, by their places, as no header names them\n")
+        self.assertIn("warning: survey.txt has no header", told)
+        told = self.ok("info", "survey.txt", "--columns", "p,y,x,z")
+        self.assertRegex(told, r"columns +x is column 3, y 2, z 4, as asked for\n +attributes +p\n")
+        self.assertNotIn("warning", told)
+        columns = self.info("survey.txt", "--columns", "p,y,x,z")["files"][0]["columns"]
+        self.assertEqual(columns, {"x": 3, "y": 2, "z": 4, "by": "option"})
+        self.write("named.csv", "number,northing,easting,height,code\n" + self.SURVEY)
+        self.assertIn("by the header", self.ok("info", "named.csv"))
+        with_names = ("triangulate", "survey.txt", "--dim", "2", "--columns", "p,y,x,z", "--attributes", "p")
+        self.assertNotIn("warning", self.ok(*with_names, "-o", self.out))
+        self.ok("triangulate", "named.csv", "--dim", "2", "-o", "named", "--quiet")
+        self.assertEqual(self.info(self.out)["digest"], self.info("named")["digest"])
+        self.assertEqual(self.info(self.out)["bounds"]["min"][:2], [500013, 6000084])
+        # A region reads it so, too.
+        self.ok("region", *with_names[1:], "--bbox", "0,0,1e9,1e9", "-o", "region.csv")
+        rows = (self.folder / "region.csv").read_text().splitlines()
+        self.assertEqual(len(rows) - 1, self.info(self.out)["cells"])
+
+    def test_names_that_make_no_points_are_sentences(self):
+        self.write("survey.txt", self.SURVEY)
+        for names, says in (("p,n,e,z", "--columns: no column is called x"), ("x,y,x", "--columns: 'x' is there twice"),
+                            ("x,,y", "--columns: "), ("p,y,x,z,_,_,q", "survey.txt, line 1: has 5 columns, and --columns names 7")):
+            with self.subTest(names=names):
+                self.refused(BAD_INPUT if "line" in says else USAGE, "triangulate", "survey.txt", "-o", self.out, "--columns", names, says=says)
+        self.las()
+        self.refused(USAGE, "info", "cloud.las", "--columns", "x,y,z", says="--columns: none of the input files is text or NumPy")
+        self.assertFalse(self.out.exists())
+
+    def test_a_run_is_resumed_with_the_same_names_alone(self):
+        self.write("survey.txt", self.SURVEY)
+        self.ok("triangulate", "survey.txt", "-o", self.out, "--dim", "2", "--columns", "p,y,x,z", "--quiet")
+        digest = self.info(self.out)["digest"]
+        self.ok("triangulate", "survey.txt", "-o", "other", "--dim", "2", "--columns", "_,x,y,z", "--quiet", env={"TESSERA_COLUMNS": "x,y"})
+        self.assertNotEqual(self.info("other")["digest"], digest)
+        self.ok("triangulate", "survey.txt", "-o", "third", "--dim", "2", "--quiet", env={"TESSERA_COLUMNS": "p,y,x,z"})
+        self.assertEqual(self.info("third")["digest"], digest)
+
+
+class EqualPoints(CloudTest):
+    def test_in_2d_the_summary_tells_of_other_heights_and_any_can_be_kept(self):
+        self.write("scan.csv", "x,y,z,i\n" + "".join(f"{x},{y},{z},{i}\n" for i, (x, y, z) in enumerate(
+            (x, y, (7 * x + 3 * y + k) % 5) for k in (2, 0, 0, 4) for x in range(12) for y in range(12))))
+        kept = {}
+        for keep in ("first", "last", "lowest", "highest"):
+            for tiles in (1, 6):
+                out = f"{keep}{tiles}"
+                done = self.ok("triangulate", "scan.csv", "-o", out, "--dim", "2", "--keep", keep, "--tiles", tiles, "--attributes", "i")
+                others = self.info(out)["duplicates_at_other_heights"]
+                self.assertRegex(done, rf"points +576, 432 duplicates, {others} of them at other heights \(the {keep} is kept\)\n")
+                self.assertIn(f"{others} of them at other heights (the {keep} is kept)", self.ok("info", out))
+                self.assertIn("at other heights", (self.folder / out / "report.html").read_text())
+                self.assertEqual(self.info(out)["keep"], keep)
+                self.ok("verify", out, "--against-cgal")
+            self.assertEqual(self.info(f"{keep}1")["digest"], self.info(f"{keep}6")["digest"])
+            self.ok("export", f"{keep}6", "-o", f"{keep}.csv")
+            kept[keep] = self.ok("query", f"{keep}6", "star", "0", "--json")
+        self.assertEqual(len({self.info(f"{keep}1")["digest"] for keep in kept}), 4)
+        # Source index 0 is x 0, y 0, z 2; the others there have 0, 0 and 4.
+        self.assertEqual([json.loads(star)["vertex"]["id"] for star in kept.values()], [0, 432, 144, 432])
+        self.assertRegex(self.ok("info", "highest6"), r"heights +z from 3 to 4\n")
+        self.assertRegex(self.ok("info", "lowest6"), r"heights +z from 0 to 1\n")
+        self.assertIn("heights", (self.folder / "lowest6" / "report.html").read_text())
+
+    def test_a_region_keeps_the_same_points_as_the_whole(self):
+        rows = [(x, y, (7 * x + 3 * y + k) % 5) for k in (2, 0, 0, 4) for x in range(12) for y in range(12)]
+        random.Random(3).shuffle(rows)
+        files = [self.write(f"{part}.csv", "x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in rows[part::4])) for part in range(4)]
+        for keep in ("first", "last", "lowest", "highest"):
+            self.ok("triangulate", *files, "-o", keep, "--dim", "2", "--keep", keep, "--quiet")
+            self.ok("region", *files, "--bbox", "0,0,11,11", "-o", f"all-{keep}", "--dim", "2", "--keep", keep)
+            self.assertEqual(self.info(f"all-{keep}")["digest"], self.info(keep)["digest"])
+            self.assertEqual(self.info(f"all-{keep}")["heights"], self.info(keep)["heights"])
+
+    def test_where_there_is_no_choice_it_is_a_sentence(self):
+        self.xyz(columns=2)
+        self.refused(USAGE, "triangulate", "cloud.xyz", "-o", self.out, "--keep", "lowest", says="--keep lowest: needs heights, and no input file has any")
+        self.xyz("solid.xyz")
+        self.refused(USAGE, "triangulate", "solid.xyz", "-o", self.out, "--keep", "last", says="--keep last: chooses among points of equal x and y")
+        self.refused(USAGE, "info", "solid.xyz", "--dim", "2", "--keep", "highest", "--no-z", says="--keep highest: needs the heights, which --no-z leaves out")
+        self.refused(USAGE, "info", "solid.xyz", "--keep", "middle", says="--keep: 'middle' is none of first, last, lowest and highest")
+        self.assertFalse(self.out.exists())
+
+
 if __name__ == "__main__":
     unittest.main()

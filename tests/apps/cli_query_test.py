@@ -46,6 +46,20 @@ class Query(CliTest):
         self.ok("query", self.out, "locate", "--points", "where.xyz", "-o", "where.csv")
         self.assertEqual((self.folder / "where.csv").read_text().splitlines(), table)
 
+    def test_columns_of_a_file_with_points_have_the_names_that_are_given(self):
+        self.ground()
+        self.write("plain.csv", "4.25,5.5\n2,7.5\n")
+        self.write("survey.csv", "P1,5.5,4.25,EP\nP2,7.5,2,GND\n")
+        self.assertEqual(self.ok("query", self.out, "locate", "--points", "survey.csv", "--columns", "_,y,x"),
+                         self.ok("query", self.out, "locate", "--points", "plain.csv"))
+        self.assertEqual(self.ok("query", self.out, "interpolate", "survey.csv", "--value", "z", "--columns", "_,y,x"),
+                         self.ok("query", self.out, "interpolate", "plain.csv", "--value", "z"))
+        self.refused(USAGE, "query", self.out, "star", "1", "--columns", "x,y", says="--columns belongs to a file with points")
+        self.refused(USAGE, "query", self.out, "locate", "1,2", "--columns", "x,y", says="--columns belongs to a file with points")
+        self.refused(USAGE, "query", self.out, "locate", "--points", "plain.csv", "--columns", "x,z", says="--columns: no column is called y")
+        self.write("counts.csv", "1,600,500,7\n2,601,500,8\n3,602,501,8\n")
+        self.assertIn("warning: counts.csv has no header", self.run_tessera("query", self.out, "locate", "--points", "counts.csv").stderr)
+
     def test_a_star_has_cells_neighbors_and_an_area(self):
         self.ground()
         inside = json.loads(self.ok("query", self.out, "star", "44", "--json"))

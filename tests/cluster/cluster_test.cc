@@ -53,6 +53,54 @@ TEST_F(ClusterTest, RoutesAnInputOnAllNodes) {
   }
 }
 
+// In 2D, of columns that have other names there, with ten points of different heights at each place.
+TEST_F(ClusterTest, ReadsColumnsAndKeepsEqualPointsAsOneNodeDoes) {
+  constexpr std::uint64_t rows = 400'000;
+  const auto input = (folder_.path() / "survey.npy").string();
+  {
+    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", 4), }";
+    header.resize(117, ' ');
+    std::ofstream out(input, std::ios::binary);
+    out.write("\x93NUMPY\x01\x00\x76\x00", 10);
+    out << header << '\n';
+    for (std::uint64_t i = 0; i < rows; ++i) {
+      const std::uint64_t place = i * 7919 % (rows / 10);
+      const double row[] = {double(i), double(place / 200), double(place % 200), double(i * 31 % 17)};
+      out.write(reinterpret_cast<const char*>(row), sizeof row);
+    }
+  }
+  for (const auto keep : {KeptPoint::lowest, KeptPoint::last}) {
+    const CloudOptions wanted{.dimension = 2, .keep = keep, .columns = {"_", "y", "x", "z"}};
+    const std::string name(name_of(keep));
+    Progress progress, other;
+    Engine alone(2, memory);
+    const auto one = routed_by(alone, input, "one-" + name, progress, {}, wanted);
+    ASSERT_TRUE(one) << one.error().where;
+    const auto first = coordinator();
+    const auto second = start(options("second"));
+    wait_for("node second", "has joined");
+    const auto many = routed_by(*first, input, "many-" + name, other, {}, wanted);
+    ASSERT_TRUE(many) << many.error().where;
+    EXPECT_GE(many.value().bundles.size(), 4U);
+    expect_same(one.value(), many.value());
+    EXPECT_EQ(run(*first, many.value()), run(alone, one.value()));
+    std::uint64_t vertices = 0, other_heights = 0;
+    for (std::uint32_t t = 0; t < many.value().partition.tiles(); ++t) {
+      const auto tile = load_tile(many.value(), TileId{t}).value();
+      vertices += tile.points.size();
+      other_heights += tile.other_heights;
+      for (const auto& [duplicate, kept] : tile.duplicates) {
+        const std::uint64_t a = duplicate.value * 31 % 17, b = kept.value * 31 % 17;
+        ASSERT_TRUE(keep == KeptPoint::last ? kept > duplicate : b < a || (b == a && kept < duplicate));
+      }
+    }
+    EXPECT_EQ(vertices, rows / 10);
+    EXPECT_GT(other_heights, rows / 2);
+    const std::lock_guard lock(mutex_);
+    said_.clear();
+  }
+}
+
 TEST_F(ClusterTest, RoutesWhileNodesComeAndGo) {
   const auto input = file();
   Progress progress;

@@ -111,10 +111,10 @@ class ClusterTest : public ::testing::Test {
     return path.string();
   }
   Result<RoutedRun> routed_by(const Engine& engine, const std::string& file, const std::string& name,
-                              Progress& progress, const std::stop_token& stop = {}) {
+                              Progress& progress, const std::stop_token& stop = {}, const CloudOptions& options = {}) {
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
-    BOOST_OUTCOME_TRY(cloud, Cloud::open({file}, {.dimension = 3}));
+    BOOST_OUTCOME_TRY(cloud, Cloud::open({file}, options));
     const auto router = engine.router(memory);
     return route(cloud, run_folder(out), {.tiles = 12}, progress, stop, router.get());
   }

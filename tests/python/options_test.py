@@ -101,6 +101,39 @@ class Options(unittest.TestCase):
         self.assertIn("plain.xyz", str(caught[0].message))
         self.assertEqual(caught[0].filename, __file__)
 
+    def test_columns_of_text_have_the_names_that_are_given(self):
+        (self.folder / "survey.txt").write_text("".join(f"{i},{600 + i * i % 17},{500 + i ** 3 % 23},{i % 3},GND\n" for i in range(40)))
+        with self.assertWarnsRegex(UserWarning, "counts up by one .* by the option columns"):
+            tessera.triangulate(self.folder / "survey.txt", dim=2)
+        for columns in ("p,y,x,z", ["p", "y", "x", "z"]):
+            t = tessera.triangulate(self.folder / "survey.txt", dim=2, columns=columns, attributes=["p"])
+            self.assertEqual(t.info()["bounds"]["min"][:2], [500, 600])
+            tile = t[0]
+            np.testing.assert_array_equal(tile.attributes["p"], tile.ids)
+        self.assertEqual(tessera.info(self.folder / "survey.txt", columns="_,y,x")["files"][0]["columns"], {"x": 3, "y": 2, "by": "option"})
+        with self.assertRaisesRegex(tessera.UsageError, "^columns: no column is called x"):
+            tessera.triangulate(self.folder / "survey.txt", columns="p,y,z")
+
+    def test_of_equal_points_in_2d_the_one_that_is_asked_for_is_kept(self):
+        rng = np.random.default_rng(1)
+        points = np.column_stack([rng.integers(0, 12, (2000, 2)), rng.integers(0, 9, 2000)]).astype(float)
+        place = {}
+        for i, (x, y, z) in enumerate(points):
+            place.setdefault((x, y), []).append((z, i))
+        right = {"first": lambda of: min(i for _, i in of), "last": lambda of: max(i for _, i in of),
+                 "lowest": lambda of: min(of)[1], "highest": lambda of: min((-z, i) for z, i in of)[1]}
+        for keep, choose in right.items():
+            expected = sorted(choose(of) for of in place.values())
+            others = sum(points[i, 2] != points[choose(of), 2] for of in place.values() for _, i in of)
+            for tiles in (1, 5):
+                t = tessera.triangulate(points, dim=2, keep=keep, tiles=tiles)
+                self.assertEqual(sorted(np.concatenate([tile.ids[~tile.foreign] for tile in t])), expected)
+                self.assertEqual((t.n_duplicates, t.n_duplicates_at_other_heights), (2000 - len(expected), others))
+                heights = points[expected, 2]
+                self.assertEqual(t.info()["heights"], {"min": heights.min(), "max": heights.max()})
+                t.verify()
+        self.assertIsNone(tessera.triangulate(points[:, :2]).n_duplicates_at_other_heights)
+
     def test_that_make_no_sense_are_refused_by_their_names(self):
         points = clouds.random(50, 3)
         for arguments, sentence in ((dict(crop=[1, 0, 0, 1]), "^crop: is an empty box"),
@@ -111,6 +144,9 @@ class Options(unittest.TestCase):
                                     (dict(partition="hexagons"), "^partition: "),
                                     (dict(crs="nonsense"), "^crs: 'nonsense' is no file: the coordinate system is neither"),
                                     (dict(resolution=-1), "^resolution is -1"),
+                                    (dict(columns="x,y"), "^columns are of files: choose and order"),
+                                    (dict(keep="lowest"), "^keep='lowest': chooses among points of equal x and y"),
+                                    (dict(dim=2, keep="both"), "^keep: 'both' is none of"),
                                     (dict(resume=True), "^resume: ")):
             with self.subTest(**arguments), self.assertRaisesRegex(tessera.UsageError, sentence):
                 tessera.triangulate(points, **arguments)

@@ -67,7 +67,14 @@ TEST(HtmlReport, SaysWhenWhereAndWhatWasTriangulated) {
   }
   data.crs_title.clear();
   data.summary.dimension = 2;
+  data.heights = {170.25, 215};
+  data.summary.duplicates = 12;
+  data.summary.other_heights = 7;
+  data.summary.keep = KeptPoint::lowest;
   const auto plane = html_report(data);
+  for (const char* text : {"z 170.25 to 215", ">10</span> by <span class=\"number\">10</span>",
+                           "<b>7</b><span>of them at other heights, the lowest kept"})
+    EXPECT_NE(plane.find(text), std::string::npos) << text;
   EXPECT_NE(plane.find("none in the input"), std::string::npos);
   EXPECT_EQ(plane.find("z 0 to 5"), std::string::npos);
 }
@@ -91,6 +98,37 @@ TEST(HtmlReport, TilesThatHardlyDifferLookAlike) {
   EXPECT_LE(fills(994, 1000), 4);
   EXPECT_GE(fills(500, 1000), 100);
   EXPECT_EQ(fills(0, 0), 0);
+}
+
+TEST(HtmlReport, CallsThePhasesAsTheSummaryDoes) {
+  auto data = two_tiles();
+  data.summary.seconds = {{"routing", 0.5}, {"triangulating", 1}, {"splaying", 1}, {"collecting", 0.5}};
+  data.spans.push_back({Phase::splaying, 0, 0, 1.0, 1.5});
+  const auto html = html_report(data);
+  for (const char* text : {"</i>reading ", "</i>joining tiles ", "</i>writing ", "<title>joining tiles, tile 0"})
+    EXPECT_NE(html.find(text), std::string::npos) << text;
+  for (const char* text : {">routing", ">splaying", ">collecting", "\"routing", "<title>splaying"})
+    EXPECT_EQ(html.find(text), std::string::npos) << text;
+}
+
+TEST(HtmlReport, TellsOfTheExchangeWithoutRiddles) {
+  auto data = two_tiles();
+  data.summary.tiles = 2;
+  data.summary.exchange.updates = 1;
+  data.summary.exchange.points = {.received = 2304, .inserted = 2371, .sent = 2304};
+  data.summary.exchange.sleeps = 1;
+  const auto html = html_report(data);
+  EXPECT_NE(html.find("<p><span class=\"number\">1</span> message carried "), std::string::npos) << html;
+  EXPECT_NE(html.find("Tiles received <span class=\"number\">2 304</span>, repeats counted"), std::string::npos);
+  EXPECT_NE(
+      html.find("With the points that they know from the start, they inserted <span class=\"number\">2 371</span>"),
+      std::string::npos);
+  EXPECT_NE(html.find("put to sleep <span class=\"number\">1</span> time."), std::string::npos);
+  data.summary.tiles = 1;
+  EXPECT_NE(html_report(data).find("There is one tile, which has nobody to exchange points with."), std::string::npos);
+  EXPECT_EQ(summary_text(data.summary).find("messages"), std::string::npos);
+  data.summary.tiles = 2;
+  EXPECT_NE(summary_text(data.summary).find("messages      1 between tiles, with 2 304 points\n"), std::string::npos);
 }
 
 TEST(HtmlReport, NumbersStayInOneLine) {

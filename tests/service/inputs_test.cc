@@ -130,6 +130,9 @@ TEST_F(Inputs, EveryRefusalOfASubmissionNamesTheField) {
   EXPECT_EQ(detail([](Fields& of) { of.set_returns("second"); }),
             "returns: 'second' is none of all, first, last and single");
   EXPECT_NE(detail([](Fields& of) { of.add_without("x"); }).find("without: "), std::string::npos);
+  EXPECT_EQ(detail([](Fields& of) { of.add_columns("x"), of.add_columns("z"); }), "columns: no column is called y");
+  EXPECT_EQ(detail([](Fields& of) { of.set_keep("middle"); }),
+            "keep: 'middle' is none of first, last, lowest and highest");
   EXPECT_NE(detail([](Fields& of) { of.set_partition("x"); }).find("partition: "), std::string::npos);
   EXPECT_EQ(detail([](Fields& of) { of.clear_inputs(); }), "inputs: none is given");
   EXPECT_NE(detail([](Fields& of) { of.set_memory("1"); }, 422).find("memory"), std::string::npos);

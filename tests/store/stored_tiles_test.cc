@@ -1,8 +1,10 @@
 // How a resumed run knows which tiles are stored.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +31,33 @@ TEST(StoredTiles, AreSeenByARunThatIsResumed) {
   EXPECT_EQ(stored_tiles(folder.path()).value(), std::vector{entry.value()});
   store_sample(folder.path(), meshes);
   EXPECT_TRUE(stored_tiles(folder.path()).value().empty()) << "finish_store removes the side files";
+}
+
+// Of its own vertices, but for what is no number; a run that is resumed knows it, too.
+TEST(StoredTiles, TellTheHeightsOfAPlane) {
+  const TemporaryFolder folder;
+  const auto meshes = sample_tiles(sample_points(Shape::uniform, 2, 300), 2, 3);
+  StoreOptions options;
+  options.schema = {{"a", AttributeType::u8}, {"z", AttributeType::f64}};
+  std::vector<TileEntry> entries;
+  for (std::uint32_t t = 0; t < 3; ++t) {
+    std::vector<std::byte> rows;
+    HeightRange expected{1e9, -1e9};
+    for (std::size_t i = 0; i < meshes[t].points.size(); ++i) {
+      const bool own = meshes[t].point_ghost[i] == 0;
+      double z = own ? 0.1 * static_cast<double>(meshes[t].ids[i].value) - 7 : 1e6;
+      if (own && i > 0) expected = {std::min(expected.lo, z), std::max(expected.hi, z)};
+      if (i == 0) z = std::numeric_limits<double>::quiet_NaN();
+      rows.push_back(std::byte{1});
+      const auto* bytes = reinterpret_cast<const std::byte*>(&z);
+      rows.insert(rows.end(), bytes, bytes + sizeof z);
+    }
+    const auto entry = write_tile(folder.path(), TileId{t}, meshes[t], rows, options);
+    ASSERT_TRUE(entry) << entry.error().where;
+    EXPECT_EQ(entry.value().heights, expected);
+    entries.push_back(entry.value());
+  }
+  EXPECT_EQ(stored_tiles(folder.path()).value(), entries);
 }
 
 TEST(StoredTiles, AreToldByEachNodeForItself) {

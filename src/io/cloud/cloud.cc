@@ -89,6 +89,37 @@ Status check_units(const FileInfo& file) {
                                     option("dim", "2"));
 }
 
+Status check_use_of_columns(const std::vector<FileInfo>& files, const CloudOptions& options) {
+  const auto has_columns = [](const FileInfo& file) { return file.columns.has_value(); };
+  if (options.columns.empty() || std::any_of(files.begin(), files.end(), has_columns)) return success();
+  return error(Errc::usage, option("columns") + ": none of the input files is text or NumPy, whose columns it names");
+}
+
+// Numbers of points are taken for coordinates without anybody noticing.
+void warn_of_counting(const std::vector<FileInfo>& files, std::vector<std::string>& warnings) {
+  const auto first = std::find_if(files.begin(), files.end(), [](const FileInfo& file) { return file.counts_up; });
+  if (first == files.end()) return;
+  const auto count = std::count_if(first, files.end(), [](const FileInfo& file) { return file.counts_up; });
+  warnings.push_back((count == 1 ? first->path.string() + " has"
+                                 : std::to_string(count) + " files, " + first->path.string() + " the first, have") +
+                     " no header that names x and y, and a first column that counts up by one from line to line, which "
+                     "is taken for x; if it numbers the points, name the columns by the option columns, as p,y,x,z");
+}
+
+// `carried`: the points have heights, as attributes. `has_z`: the files have some.
+Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
+  if (options.keep == KeptPoint::first) return success();
+  const auto refuse = [&](const std::string& reason) {
+    return error(Errc::usage, option("keep", name_of(options.keep)) + ": " + reason);
+  };
+  if (options.dimension != 2)
+    return refuse("chooses among points of equal x and y, which are one vertex in 2D alone (see " + option("dim") +
+                  ")");
+  if (!is_by_height(options.keep) || carried) return success();
+  return refuse(has_z ? "needs the heights, which " + option("z", "false") + " leaves out"
+                      : "needs heights, and no input file has any");
+}
+
 // The schema: of what there is what is asked for, and in 2D the heights.
 Result<std::vector<Attribute>> choose_with_heights(const CloudOptions& options, std::vector<Attribute> available,
                                                    bool has_z) {
@@ -98,6 +129,7 @@ Result<std::vector<Attribute>> choose_with_heights(const CloudOptions& options, 
   BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
   if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
     schema.push_back(height);
+  BOOST_OUTCOME_TRYV(check_keep(options, std::find(schema.begin(), schema.end(), height) != schema.end(), has_z));
   return std::move(schema);
 }
 
@@ -110,7 +142,7 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
   Spool spool(options.spool_folder, stop, options.spool_bytes_max);
   BOOST_OUTCOME_TRY(
       inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
-  const ReadHints hints{.crop = options.crop, .resolution = options.resolution};
+  const ReadHints hints{.crop = options.crop, .resolution = options.resolution, .columns = options.columns};
   const auto open_one = [&](std::size_t i) -> Result<Opened> {
     // No thread may wait for standard input while there is an error to tell.
     if (inputs[i].standard_input) return Opened{};
@@ -138,18 +170,20 @@ Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions
     if (status.has_error()) return inputs[i].explained(status.error());
     add_available(cloud.files_[i], available);
   }
+  BOOST_OUTCOME_TRYV(check_use_of_columns(cloud.files_, options));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
   cloud.schema_ = std::move(schema);
   BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
   cloud.crs_ = std::move(settled.crs);
   cloud.warnings_ = std::move(settled.warnings);
+  warn_of_counting(cloud.files_, cloud.warnings_);
   cloud.options_ = std::move(options);
   return cloud;
 }
 
 Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
   Cloud cloud;
-  BOOST_OUTCOME_TRY(reader, open_reader(share(source)));
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, {.columns = options.columns}));
   BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
   BOOST_OUTCOME_TRY(schema, choose_with_heights(options, reader->info().attributes, reader->info().dimension == 3));
   cloud.files_.push_back(reader->info());
@@ -187,7 +221,8 @@ Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std:
 }
 
 Result<std::unique_ptr<PointReader>> Cloud::reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
-                                                         const ReadHints& hints) const {
+                                                         ReadHints hints) const {
+  hints.columns = options_.columns;
   BOOST_OUTCOME_TRY(bytes, source(index));
   return open_reader(std::move(bytes), schema, hints);
 }

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "src/base/kept_point.h"
 #include "src/io/bytes/byte_source.h"
 #include "src/io/reader.h"
 
@@ -23,6 +24,7 @@ enum class Returns : std::uint8_t { all, first, last, single };
 struct CloudOptions {
   // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
   int dimension = 3;
+  KeptPoint keep = KeptPoint::first;         // 2D: which of the points of equal x and y
   bool heights = true;                       // 2D: carry z as the attribute "z", if any file has it
   bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
   std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
@@ -30,6 +32,7 @@ struct CloudOptions {
   Returns returns = Returns::all;            // keep these echoes of each pulse only
   std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
   std::vector<std::string> attributes = {};  // names to carry, or {"all"}
+  std::vector<std::string> columns = {};     // text, NumPy: what their columns are called; see ReadHints
   double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
   std::uint32_t threads = 1;                 // that may open, read and unpack files at once
   std::string crs = {};                      // WKT or "EPSG:n" of all files, whatever they say; empty: what they say
@@ -124,7 +127,7 @@ class Cloud {
                                               ReadHints hints) const;
   // The same of the whole file, whatever the options say; and what its bytes are read from.
   Result<std::unique_ptr<PointReader>> reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
-                                                    const ReadHints& hints) const;
+                                                    ReadHints hints) const;
   Result<std::unique_ptr<ByteSource>> source(std::size_t index) const;
 
   std::vector<FileInfo> files_;

@@ -186,6 +186,7 @@ std::string settle_fields(const ArrayLiteral& literal, NpyHeader& header) {
     if (header.row_bytes > row_bytes_max) return "has rows of more than " + std::to_string(row_bytes_max) + " bytes";
   }
   header.rows = literal.shape[0];
+  header.named = true;
   header.detail = "NumPy, " + std::to_string(header.columns.size()) + " named columns";
   return "";
 }

@@ -24,6 +24,7 @@ struct NpyHeader {
   std::uint64_t rows = 0;
   std::size_t row_bytes = 0;
   std::vector<NpyColumn> columns;  // of an array without names: x, y, z, column_4, ...
+  bool named = false;              // by the array
   std::string detail;              // "NumPy <f8, n x 3"
 };
 

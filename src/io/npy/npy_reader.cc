@@ -1,5 +1,6 @@
 #include "src/io/npy/npy_reader.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "src/io/bytes/fields.h"
 #include "src/io/bytes/record_stream.h"
+#include "src/io/column_names.h"
 #include "src/io/npy/npy_header.h"
 
 namespace tessera {
@@ -22,6 +24,15 @@ struct NpyRoles {
   };
   std::vector<Extra> extras;
 };
+
+NpyRoles roles_by_option(const std::vector<NpyColumn>& columns, const std::vector<std::string>& names,
+                         const ColumnNames& named) {
+  NpyRoles roles;
+  std::copy(named.coordinates.begin(), named.coordinates.end(), roles.coordinates.begin());
+  AttributeNames unique;
+  for (const std::size_t i : named.others) roles.extras.push_back({{unique.make(names[i]), columns[i].type}, i});
+  return roles;
+}
 
 NpyRoles roles_of(const std::vector<NpyColumn>& columns) {
   NpyRoles roles;
@@ -105,16 +116,29 @@ class NpyReader : public PointReader {
 }  // namespace
 
 Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes) {
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints) {
+  using By = CoordinateColumns::By;
   BOOST_OUTCOME_TRY(header, read_npy_header(*source));
-  const NpyRoles roles = roles_of(header.columns);
   FileInfo info = info_of(*source, "npy");
+  const bool by_option = !hints.columns.empty();
+  NpyRoles roles;
+  if (by_option) {
+    const ColumnNames named = find_columns(hints.columns);
+    if (const std::string wrong = too_few_columns(header.columns.size(), named); !wrong.empty())
+      return error(Errc::bad_input, info.path.string() + ": " + wrong);
+    roles = roles_by_option(header.columns, hints.columns, named);
+  } else {
+    roles = roles_of(header.columns);
+  }
   if (const std::string wrong = check_coordinates(header.columns, roles); !wrong.empty())
     return error(Errc::bad_input, info.path.string() + ": " + wrong);
   info.detail = header.detail;
   info.dimension = roles.coordinates[2] ? 3 : 2;
   info.points = header.rows;
   for (const auto& extra : roles.extras) info.attributes.push_back(extra.attribute);
+  info.columns = CoordinateColumns{{}, by_option ? By::option : header.named ? By::header : By::place};
+  for (const auto& column : roles.coordinates)
+    if (column) info.columns->numbers.push_back(*column + 1);
   RecordStream records(std::move(source), header.body_at, header.row_bytes, header.rows);
   BOOST_OUTCOME_TRYV(records.check_size());
   return std::unique_ptr<PointReader>(

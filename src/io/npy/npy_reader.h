@@ -11,8 +11,9 @@
 namespace tessera {
 
 // Without names the columns are x, y, z, column_4, ..., with two of them x and y. Of named ones x, y and z (or X, Y
-// and Z) are the coordinates; without z the dimension is 2. The other columns are attributes of their own types.
+// and Z) are the coordinates; without z the dimension is 2. The other columns are attributes of their own types. The
+// hints' columns take the place of these names.
 Result<std::unique_ptr<PointReader>> open_npy(std::unique_ptr<ByteSource> source,
-                                              const std::vector<Attribute>& attributes);
+                                              const std::vector<Attribute>& attributes, const ReadHints& hints = {});
 
 }  // namespace tessera

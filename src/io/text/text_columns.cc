@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "src/io/bytes/fields.h"
 #include "src/io/bytes/number.h"
+#include "src/io/column_names.h"
 
 namespace tessera {
 namespace {
@@ -67,6 +71,7 @@ void coordinates_by_name(const std::vector<std::string_view>& names, TextColumns
     columns.coordinates = {*x, *y};
     if (z) columns.coordinates.push_back(*z);
     columns.degrees = family.degrees;
+    columns.found_by = CoordinateColumns::By::header;
     return;
   }
 }
@@ -117,17 +122,59 @@ void split_line(std::string_view line, Delimiter delimiter, std::size_t most, st
   }
 }
 
-bool is_header(std::string_view line) {
+bool is_header(std::string_view line, std::span<const std::string> names) {
+  const auto named = names.empty() ? std::vector<std::size_t>{0, 1} : find_columns(names).coordinates;
   std::vector<std::string_view> fields;
-  split_line(line, delimiter_of(line), 2, fields);
+  split_line(line, delimiter_of(line), std::max(named[0], named[1]) + 1, fields);
   // What begins like a number is a wrong number ("1,5" between semicolons), not a name.
-  return std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+  return std::any_of(named.begin(), named.begin() + 2, [&](std::size_t column) {
+    const auto field = column < fields.size() ? fields[column] : std::string_view();
     return !field.empty() && std::string_view("0123456789+-.").find(field[0]) == std::string_view::npos &&
            !parse_number(field);
   });
 }
 
-std::string settle_columns(std::string_view header, std::string_view numbers, TextColumns& columns) {
+bool counts_up(std::span<const std::string> lines, Delimiter delimiter) {
+  constexpr std::size_t least = 3;
+  std::vector<std::string_view> fields;
+  std::optional<std::int64_t> last;
+  std::string first_of_second;
+  bool varies = false;
+  for (const std::string& line : lines) {
+    split_line(line, delimiter, 2, fields);
+    if (fields.size() < 2) return false;
+    std::int64_t number = 0;
+    const char* const end = fields[0].data() + fields[0].size();
+    const auto [at, failed] = std::from_chars(fields[0].data(), end, number);
+    if (failed != std::errc() || at != end) return false;
+    if (last && (*last == std::numeric_limits<std::int64_t>::max() || number != *last + 1)) return false;
+    if (!last) first_of_second = fields[1];
+    varies = varies || fields[1] != first_of_second;
+    last = number;
+  }
+  return varies && lines.size() >= least;
+}
+
+namespace {
+
+// By the user's names.
+std::string columns_by_option(std::span<const std::string> names, const std::vector<std::string_view>& values,
+                              TextColumns& columns) {
+  const ColumnNames named = find_columns(names);
+  if (auto wrong = too_few_columns(values.size(), named); !wrong.empty()) return wrong;
+  columns.coordinates = named.coordinates;
+  columns.found_by = CoordinateColumns::By::option;
+  AttributeNames unique;
+  for (const std::size_t i : named.others)
+    if (values[i].empty() || parse_number(values[i]))
+      columns.extras.push_back({{unique.make(names[i]), AttributeType::f64}, i});
+  return "";
+}
+
+}  // namespace
+
+std::string settle_columns(std::string_view header, std::string_view numbers, std::span<const std::string> given,
+                           TextColumns& columns) {
   columns.has_header = !header.empty();
   columns.delimiter = delimiter_of(numbers);
   std::vector<std::string_view> names, values;
@@ -136,6 +183,7 @@ std::string settle_columns(std::string_view header, std::string_view numbers, Te
   split_line(numbers, columns.delimiter, columns_max + 1, values);
   if (values.size() > columns_max || names.size() > columns_max)
     return "has more than " + std::to_string(columns_max) + " columns";
+  if (!given.empty()) return columns_by_option(given, values, columns);
 
   coordinates_by_name(names, columns);
   if (columns.coordinates.empty()) {

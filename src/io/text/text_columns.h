@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/io/reader.h"
 
 namespace tessera {
 
@@ -24,19 +26,25 @@ struct TextColumns {
   Delimiter delimiter = Delimiter::blanks;
   bool has_header = false;
   std::vector<std::size_t> coordinates;  // 2 or 3 columns: x, y and perhaps z
-  bool degrees = false;                  // the header calls x and y longitude and latitude
+  CoordinateColumns::By found_by = CoordinateColumns::By::place;
+  bool degrees = false;  // the header calls x and y longitude and latitude
   struct Extra {
     Attribute attribute;
     std::size_t column;
   };
-  std::vector<Extra> extras;  // numeric columns that are no coordinates
+  std::vector<Extra> extras;  // columns of numbers that are no coordinates
 };
 
 // Settles the columns from a file's first line and, if that is a header, its first line of numbers (else `header` is
-// empty). Returns what is wrong, or "" if nothing is.
-std::string settle_columns(std::string_view header, std::string_view numbers, TextColumns& columns);
+// empty). `names`: of the columns, whatever the header says; may be empty. Returns what is wrong, or "" if nothing is.
+std::string settle_columns(std::string_view header, std::string_view numbers, std::span<const std::string> names,
+                           TextColumns& columns);
 
-// True if one of the first two fields is a word and no number: the line names columns.
-bool is_header(std::string_view line);
+// True if the field of x or of y, by `names` or the first two, is a word and no number: the line names columns.
+bool is_header(std::string_view line, std::span<const std::string> names);
+
+// Whether the first fields of these lines are numbers of points: they go up by one from line to line, and the second
+// ones are not the same all along, as they are in a row of a raster.
+bool counts_up(std::span<const std::string> lines, Delimiter delimiter);
 
 }  // namespace tessera

@@ -130,6 +130,18 @@ class TextReader : public PointReader {
   std::vector<std::uint64_t> numbers_;  // the lines of the last batch's points
 };
 
+// Of a line of numbers and some that follow it, see counts_up().
+Result<bool> looks_counted(LineReader& lines, std::string first, Delimiter delimiter) {
+  constexpr std::size_t looked_at = 32, begin_bytes = 256;
+  std::vector<std::string> some{std::move(first)};
+  while (some.size() < looked_at) {
+    BOOST_OUTCOME_TRY(line, next_content(lines));
+    if (!line) break;
+    some.emplace_back(line->substr(0, begin_bytes));
+  }
+  return counts_up(some, delimiter);
+}
+
 // The lines that end before `end`.
 Result<std::uint64_t> count_lines(const ByteSource& source, std::uint64_t end) {
   std::vector<std::byte> block(std::size_t{1} << 18);
@@ -157,15 +169,19 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
   const std::uint64_t header_at = lines.line_at();
   std::string header;
   std::string numbers(*first);
-  if (is_header(*first)) {
+  if (is_header(*first, hints.columns)) {
     header = std::move(numbers);
     BOOST_OUTCOME_TRY(second, next_content(lines));
     if (!second) return lines.bad_line("the file ends after its header, or the line before is not numbers");
     numbers = std::string(*second);
   }
   TextColumns columns;
-  const std::string wrong = settle_columns(header, numbers, columns);
+  const std::string wrong = settle_columns(header, numbers, hints.columns, columns);
   if (!wrong.empty()) return lines.bad_line(wrong);
+  if (!hints.part && columns.found_by == CoordinateColumns::By::place && columns.coordinates.size() == 3) {
+    BOOST_OUTCOME_TRY(counting, looks_counted(lines, std::move(numbers), columns.delimiter));
+    info.counts_up = counting;
+  }
   lines.rewind();
   const std::uint64_t end = hints.part ? (*hints.part + 1) * part_bytes : UINT64_MAX;
   if (hints.part.value_or(0) > 0) {
@@ -185,6 +201,8 @@ Result<std::unique_ptr<PointReader>> open_text(std::unique_ptr<ByteSource> sourc
                        : columns.delimiter == Delimiter::semicolon ? "semicolons"
                        : columns.delimiter == Delimiter::tab       ? "tabs"
                                                                    : "blanks";
+  info.columns = CoordinateColumns{{}, columns.found_by};
+  for (const auto column : columns.coordinates) info.columns->numbers.push_back(column + 1);
   info.detail = std::string("text, columns parted by ") + parted + (columns.has_header ? ", with header" : "");
   for (const auto& extra : columns.extras) info.attributes.push_back(extra.attribute);
   return std::unique_ptr<PointReader>(
