@@ -25,7 +25,8 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
   for (const auto& attribute : manifest.schema) names.push_back(attribute.name);
   const auto& box = manifest.bounds;
   Json region;
-  if (const auto& part = manifest.region) {
+  const auto& part = manifest.region;
+  if (part) {
     const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
     const auto corner = [&](const Point& p) { return Json{finite(p.x), finite(p.y), finite(p.z)}; };
     region = Json{{"min", corner(part->box.lo)}, {"max", corner(part->box.hi)}, {"complete", part->complete}};
@@ -41,9 +42,10 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"bounds", {{"min", {box.lo.x, box.lo.y, box.lo.z}}, {"max", {box.hi.x, box.hi.y, box.hi.z}}}},
               {"partition", manifest.partition_kind},
               {"points", manifest.points_read},
-              {"invalid", manifest.invalid},
-              {"filtered", manifest.filtered},
-              {"duplicates", manifest.duplicates},
+              // Nobody has counted those of a region: what it does not need was not read.
+              {"invalid", part ? Json() : Json(manifest.invalid)},
+              {"filtered", part ? Json() : Json(manifest.filtered)},
+              {"duplicates", part ? Json() : Json(manifest.duplicates)},
               {"vertices", manifest.vertices},
               {"cells", manifest.cells},
               {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
