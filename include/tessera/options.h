@@ -114,7 +114,8 @@ class TESSERA_PUBLIC ExportRequest {
   // Leave out cells with an edge longer than this, in units of the coordinates (2D: in the plane), and vertices that no
   // cell has then. Finite and above 0.
   ExportRequest& max_edge(double length);
-  // ply, obj, off: coordinates count from the whole-numbered corner of the box, for programs that keep floats of 32 bits.
+  // ply, obj, off: coordinates count from the whole-numbered corner of the box, for programs that keep floats of 32
+  // bits.
   ExportRequest& local(bool local);
   // Replace files of the same names.
   ExportRequest& overwrite(bool overwrite);
