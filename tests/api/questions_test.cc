@@ -197,8 +197,9 @@ TEST(Lines, OfRowsWithHeightsAreArraysAndFiles) {
   EXPECT_NE(write_raster(t, home.path() / "shade.tif", RasterRequest(1).hillshade(90, 30)), "");
   const Raster lit = draw_raster(t, RasterRequest(1).hillshade(270, 45));
   EXPECT_GT(lit.pixels, 300u);
-  // A slope of one in one that faces the light.
-  for (const double pixel : lit.values) EXPECT_TRUE(std::isnan(pixel) || pixel == 255) << pixel;
+  // A slope of one in one that faces the light; less beside pixels without a height.
+  EXPECT_GT(std::count(lit.values.begin(), lit.values.end(), 255.0), 250);
+  for (const double pixel : lit.values) EXPECT_TRUE(std::isnan(pixel) || (pixel > 200 && pixel <= 255)) << pixel;
 }
 
 }  // namespace
