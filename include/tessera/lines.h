@@ -4,46 +4,39 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "tessera/failure.h"
+#include "tessera/surface_request.h"
 #include "tessera/triangulation.h"
 #include "tessera/visibility.h"
 
 namespace tessera {
 
-class TESSERA_PUBLIC ContourRequest {
+class ContourRequest;
+class ProfileRequest;
+extern template class TESSERA_PUBLIC SurfaceRequest<ContourRequest>;
+extern template class TESSERA_PUBLIC SurfaceRequest<ProfileRequest>;
+
+class TESSERA_PUBLIC ContourRequest : public SurfaceRequest<ContourRequest> {
  public:
   // `interval`: between levels, in units of the heights, above 0.
   explicit ContourRequest(double interval);
-  ContourRequest(const ContourRequest&);
-  ContourRequest& operator=(const ContourRequest&);
-  ~ContourRequest();
 
   // A level; 0 by default.
   ContourRequest& base(double level);
   // xmin, ymin, xmax, ymax: only lines in the cells that meet it, uncut; default: all.
   ContourRequest& bbox(const std::array<double, 4>& box);
-  // No lines in cells with a longer edge in the plane.
-  ContourRequest& max_edge(double length);
-  // An attribute of the vertices; "z", the heights, by default.
-  ContourRequest& value(const std::string& name);
-  // Replace a file of the same name.
-  ContourRequest& overwrite(bool overwrite);
-  // For tiles and lines; 0: 70 % of what is free.
-  ContourRequest& memory_bytes(std::uint64_t bytes);
+  // Lines of a smooth surface, for maps: means of the surface in squares of this size, in units of the coordinates.
+  ContourRequest& smooth(double size);
+  // Without lines that are shorter in the plane, closed or not.
+  ContourRequest& min_length(double length);
+  // Level base + k interval is an index line when this divides k; 5 by default.
+  ContourRequest& index_every(std::uint32_t levels);
   // 0: all processors.
   ContourRequest& threads(unsigned threads);
-  ContourRequest& stop(std::stop_token stop);
-
- private:
-  friend struct OptionsInside;
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 // Programs have its size compiled in: it stays as it is.
@@ -51,6 +44,7 @@ struct LineSet {
   std::vector<double> values;          // the level of each of n lines, ascending
   std::vector<std::uint64_t> offsets;  // n + 1: line i has the points offsets[i] to offsets[i + 1] - 1
   std::vector<double> points;          // x, y of each; the last one of a closed line is its first
+  std::vector<std::uint8_t> index;     // 1 for each index line, else 0
 };
 
 // The lines are a function of the triangulation alone. Failure: usage for a 3D result, and when there is no such
@@ -61,27 +55,14 @@ TESSERA_PUBLIC LineSet draw_contours(const Triangulation& triangulation, const C
 TESSERA_PUBLIC std::string write_contours(const Triangulation& triangulation, const std::filesystem::path& target,
                                           const ContourRequest& request);
 
-class TESSERA_PUBLIC ProfileRequest {
+class TESSERA_PUBLIC ProfileRequest : public SurfaceRequest<ProfileRequest> {
  public:
   ProfileRequest();
-  ProfileRequest(const ProfileRequest&);
-  ProfileRequest& operator=(const ProfileRequest&);
-  ~ProfileRequest();
 
-  // Nothing in cells with a longer edge in the plane.
-  ProfileRequest& max_edge(double length);
-  // An attribute of the vertices; "z", the heights, by default.
-  ProfileRequest& value(const std::string& name);
-  // Replace a file of the same name.
-  ProfileRequest& overwrite(bool overwrite);
-  // For tiles and what is found in them; 0: 70 % of what is free.
-  ProfileRequest& memory_bytes(std::uint64_t bytes);
-  ProfileRequest& stop(std::stop_token stop);
-
- private:
-  friend struct OptionsInside;
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  // Of CSV: so many decimals of all numbers, 0 to 17; by default as many as the data carry.
+  ProfileRequest& digits(int decimals);
+  // Of CSV: the digits that read back as the same doubles.
+  ProfileRequest& all_digits();
 };
 
 // Where the line begins, bends and ends on the surface, and where it meets edges and vertices, in this order. Programs
@@ -97,8 +78,9 @@ struct ProfileTable {
 // is none; corrupt, io, memory, interrupted.
 TESSERA_PUBLIC ProfileTable draw_profile(const Triangulation& triangulation, std::span<const double> line,
                                          const ProfileRequest& request = {});
-// The same as CSV, whole or not at all. Failure: also usage when `target` exists.
-TESSERA_PUBLIC void write_profile(const Triangulation& triangulation, std::span<const double> line,
-                                  const std::filesystem::path& target, const ProfileRequest& request = {});
+// The same as CSV, whole or not at all. Returns a sentence when there is no surface below some of the line, else "".
+// Failure: also usage when `target` exists.
+TESSERA_PUBLIC std::string write_profile(const Triangulation& triangulation, std::span<const double> line,
+                                         const std::filesystem::path& target, const ProfileRequest& request = {});
 
 }  // namespace tessera

@@ -4,49 +4,33 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <optional>
-#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "tessera/failure.h"
+#include "tessera/surface_request.h"
 #include "tessera/triangulation.h"
 #include "tessera/visibility.h"
 
 namespace tessera {
 
-class TESSERA_PUBLIC RasterRequest {
+class RasterRequest;
+extern template class TESSERA_PUBLIC SurfaceRequest<RasterRequest>;
+
+class TESSERA_PUBLIC RasterRequest : public SurfaceRequest<RasterRequest> {
  public:
   // `res`: the width and height of a pixel, in units of the coordinates, above 0.
   explicit RasterRequest(double res);
-  RasterRequest(const RasterRequest&);
-  RasterRequest& operator=(const RasterRequest&);
-  ~RasterRequest();
 
   // xmin, ymin, xmax, ymax: what the raster covers; default: the bounds of the result.
   RasterRequest& bbox(const std::array<double, 4>& box);
-  // No pixels in cells with a longer edge in the plane.
-  RasterRequest& max_edge(double length);
-  // An attribute of the vertices; "z", the heights, by default.
-  RasterRequest& value(const std::string& name);
   // A hillshade of the heights, as gdaldem hillshade -compute_edges makes it of the raster, with light from `azimuth`
-  // (degrees from north, clockwise), `altitude` degrees above the horizon. Of write_raster() alone.
+  // (degrees from north, clockwise), `altitude` degrees above the horizon: whole numbers from 1 to 255.
   RasterRequest& hillshade(double azimuth = 315, double altitude = 45);
   // Pixels of 64 bits; of 32 by default.
   RasterRequest& doubles(bool doubles);
-  // Replace a file of the same name.
-  RasterRequest& overwrite(bool overwrite);
-  // For tiles and pixels that are drawn; 0: 70 % of what is free.
-  RasterRequest& memory_bytes(std::uint64_t bytes);
   // 0: all processors.
   RasterRequest& threads(unsigned threads);
-  RasterRequest& stop(std::stop_token stop);
-
- private:
-  friend struct OptionsInside;
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
 };
 
 // Programs have its size compiled in: it stays as it is.

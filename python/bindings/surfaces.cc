@@ -44,20 +44,23 @@ std::string write(const Triangulation& self, const std::filesystem::path& target
 }
 
 ContourRequest contour_request(double interval, double base, const std::optional<std::array<double, 4>>& bbox,
-                               std::optional<double> max_edge, const std::string& value) {
+                               std::optional<double> max_edge, const std::string& value, std::optional<double> smooth,
+                               std::optional<double> min_length, std::uint32_t index_every) {
   ContourRequest request(interval);
   if (bbox) request.bbox(*bbox);
   if (max_edge) request.max_edge(*max_edge);
-  request.value(value).base(base);
+  if (smooth) request.smooth(*smooth);
+  if (min_length) request.min_length(*min_length);
+  request.value(value).base(base).index_every(index_every);
   return request;
 }
 
-// (values, offsets, n x 2 points)
+// (values, offsets, n x 2 points, whether they are index lines)
 py::tuple contours(const Triangulation& self, ContourRequest request) {
   auto lines =
       run_interruptible([&](std::stop_token stop) { return draw_contours(self, request.stop(std::move(stop))); });
   return py::make_tuple(given<double>(std::move(lines.values)), given<std::int64_t>(std::move(lines.offsets)),
-                        rows<double>(std::move(lines.points), 2));
+                        rows<double>(std::move(lines.points), 2), given<std::uint8_t>(std::move(lines.index)));
 }
 
 std::string write_lines(const Triangulation& self, const std::filesystem::path& target, ContourRequest request,
@@ -67,8 +70,11 @@ std::string write_lines(const Triangulation& self, const std::filesystem::path& 
       [&](std::stop_token stop) { return write_contours(self, target, request.stop(std::move(stop))); });
 }
 
-ProfileRequest profile_request(std::optional<double> max_edge, const std::string& value) {
+// `digits`: none, as the data carry; below 0: all.
+ProfileRequest profile_request(std::optional<double> max_edge, const std::string& value, std::optional<int> digits) {
   ProfileRequest request;
+  if (digits && *digits < 0) request.all_digits();
+  if (digits && *digits >= 0) request.digits(*digits);
   if (max_edge) request.max_edge(*max_edge);
   request.value(value);
   return request;
@@ -83,14 +89,12 @@ py::tuple profile(const Triangulation& self, const Coordinates& line, ProfileReq
                         given<double>(std::move(table.values)), given<std::int64_t>(std::move(table.parts)));
 }
 
-void write_table(const Triangulation& self, const Coordinates& line, const std::filesystem::path& target,
-                 ProfileRequest request, bool overwrite) {
+std::string write_table(const Triangulation& self, const Coordinates& line, const std::filesystem::path& target,
+                        ProfileRequest request, bool overwrite) {
   request.overwrite(overwrite);
   const auto span = span_of(line);
-  run_interruptible([&](std::stop_token stop) {
-    write_profile(self, span, target, request.stop(std::move(stop)));
-    return true;
-  });
+  return run_interruptible(
+      [&](std::stop_token stop) { return write_profile(self, span, target, request.stop(std::move(stop))); });
 }
 
 Triangulation region(const std::vector<std::string>& inputs, const std::vector<double>& box,

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from . import _tessera
 from ._arrays import exact_float64
 from ._errors import UsageError
-from ._options import Path
+from ._options import Path, index
 
 
 class Raster(typing.NamedTuple):
@@ -34,6 +34,8 @@ class Contour(typing.NamedTuple):
     """Its height, or what else `value` asked for."""
     points: npt.NDArray[np.float64]
     """n x 2; a closed line ends with its first point."""
+    index: bool = False
+    """Whether it is an index line, of each fifth level."""
 
 
 class Profile(typing.NamedTuple):
@@ -56,8 +58,8 @@ class Surfaces:
 
     @typing.overload
     def dem(self, path: None = ..., *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
-            value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: typing.Literal[False] = ...,
-            azimuth: None = ..., altitude: None = ...) -> Raster: ...
+            value: str = ..., doubles: bool = ..., overwrite: bool = ..., hillshade: bool = ...,
+            azimuth: float | None = ..., altitude: float | None = ...) -> Raster: ...
 
     @typing.overload
     def dem(self, path: Path, *, res: float, bbox: npt.ArrayLike | None = ..., max_edge: float | None = ...,
@@ -83,8 +85,8 @@ class Surfaces:
         overwrite
             Replace a file of the same name. Otherwise that is an error.
         hillshade
-            Of files: a hillshade of the surface, bytes from 1 to 255 and 0 where there is none, as
-            `gdaldem hillshade -compute_edges` makes it of the raster.
+            A hillshade of the surface, from 1 to 255, as `gdaldem hillshade -compute_edges` makes it of the raster. In files
+            its pixels are bytes, and 0 where there is none.
         azimuth, altitude
             The light of a hillshade: degrees from north, clockwise, and above the horizon. None: 315 and 45.
 
@@ -104,13 +106,16 @@ class Surfaces:
 
     @typing.overload
     def contours(self, path: None = ..., *, interval: float, base: float = ..., bbox: npt.ArrayLike | None = ...,
-                 max_edge: float | None = ..., value: str = ..., overwrite: bool = ...) -> list[Contour]: ...
+                 max_edge: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
+                 index_every: int = ..., overwrite: bool = ...) -> list[Contour]: ...
 
     @typing.overload
     def contours(self, path: Path, *, interval: float, base: float = ..., bbox: npt.ArrayLike | None = ...,
-                 max_edge: float | None = ..., value: str = ..., overwrite: bool = ...) -> None: ...
+                 max_edge: float | None = ..., value: str = ..., smooth: float | None = ..., min_length: float | None = ...,
+                 index_every: int = ..., overwrite: bool = ...) -> None: ...
 
-    def contours(self, path=None, *, interval, base=0.0, bbox=None, max_edge=None, value="z", overwrite=False):
+    def contours(self, path=None, *, interval, base=0.0, bbox=None, max_edge=None, value="z", smooth=None, min_length=None,
+                 index_every=5, overwrite=False):
         """The contour lines of a 2D result: written to `path`, a .gpkg or .geojson, or, without one, returned as a list.
 
         Parameters
@@ -125,16 +130,23 @@ class Surfaces:
             No lines in cells with a longer edge in the plane.
         value
             An attribute of the vertices; "z" are the heights.
+        smooth
+            Lines of a smooth surface, for maps: means of the surface in squares of this size, in units of the coordinates.
+        min_length
+            Without lines that are shorter in the plane, closed or not.
+        index_every
+            Level base + k interval is an index line when this divides k.
         overwrite
             Replace a file of the same name. Otherwise that is an error.
 
         Lines come by level, always in the same order. Warns with a UserWarning when the coordinates have no system and a
         file is written. The GIL is released; Ctrl-C leaves nothing half-written.
         """
-        request = _tessera.ContourRequest(float(interval), float(base), plane_box(bbox), number_or_none(max_edge), value)
+        request = _tessera.ContourRequest(float(interval), float(base), plane_box(bbox), number_or_none(max_edge), value,
+                                          number_or_none(smooth), number_or_none(min_length), index(index_every, "index_every", 1_000_001))
         if path is None:
-            values, offsets, points = _tessera.draw_contours(self._triangulation, request)
-            return [Contour(*line) for line in zip(values.tolist(), np.split(points, offsets[1:-1]))]
+            values, offsets, points, flags = _tessera.draw_contours(self._triangulation, request)
+            return [Contour(*line) for line in zip(values.tolist(), np.split(points, offsets[1:-1]), flags.astype(bool).tolist())]
         note = _tessera.write_contours(self._triangulation, os.fspath(path), request, bool(overwrite))
         if note:
             warnings.warn(note, stacklevel=2)
@@ -142,13 +154,13 @@ class Surfaces:
 
     @typing.overload
     def profile(self, line: npt.ArrayLike, path: None = ..., *, max_edge: float | None = ..., value: str = ...,
-                overwrite: bool = ...) -> Profile: ...
+                digits: None = ..., overwrite: bool = ...) -> Profile: ...
 
     @typing.overload
     def profile(self, line: npt.ArrayLike, path: Path, *, max_edge: float | None = ..., value: str = ...,
-                overwrite: bool = ...) -> None: ...
+                digits: int | typing.Literal["all"] | None = ..., overwrite: bool = ...) -> None: ...
 
-    def profile(self, line, path=None, *, max_edge=None, value="z", overwrite=False):
+    def profile(self, line, path=None, *, max_edge=None, value="z", digits=None, overwrite=False):
         """The surface of a 2D result along a line: written to `path` as CSV, or, without one, returned.
 
         Parameters
@@ -159,18 +171,25 @@ class Surfaces:
             Cells with a longer edge in the plane are not part of the surface.
         value
             An attribute of the vertices; "z" are the heights.
+        digits
+            Of files: decimals of all numbers, 0 to 17, or "all": those of the doubles themselves. None: as the data carry.
         overwrite
             Replace a file of the same name. Otherwise that is an error.
 
+        Warns with a UserWarning when a file is written and there is no surface below some of the line: it tells the gaps.
         Raises UsageError for a line that meets no cell. The GIL is released; Ctrl-C leaves nothing half-written.
         """
         given = exact_float64(line, "line")
         if given.ndim != 2 or given.shape[1] != 2 or len(given) < 2:
             raise UsageError(f"line has the shape {given.shape}: it must be (n, 2), of two points or more")
-        request = _tessera.ProfileRequest(number_or_none(max_edge), value)
+        if digits not in (None, "all"):
+            digits = index(digits, "digits", 18)
+        request = _tessera.ProfileRequest(number_or_none(max_edge), value, -1 if digits == "all" else digits)
         if path is None:
             return Profile(*_tessera.draw_profile(self._triangulation, given, request))
-        _tessera.write_profile(self._triangulation, given, os.fspath(path), request, bool(overwrite))
+        note = _tessera.write_profile(self._triangulation, given, os.fspath(path), request, bool(overwrite))
+        if note:
+            warnings.warn(note, stacklevel=2)
         return None
 
 

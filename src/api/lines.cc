@@ -5,31 +5,28 @@
 
 #include "src/api/errors.h"
 #include "src/api/options_inside.h"
+#include "src/api/surface_request_inside.h"
 #include "src/base/option.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
-#include "src/job/machine.h"
 #include "src/query/stored_triangulation.h"
 #include "src/terrain/contours.h"
 #include "src/terrain/profile.h"
 
 namespace tessera {
 
-struct ContourRequest::Impl {
-  ContourOptions options;
-  std::stop_token stop;
+template <>
+struct AskedOfEngine<ContourRequest> {
+  using Options = ContourOptions;
 };
+template <>
+struct AskedOfEngine<ProfileRequest> {
+  using Options = ProfileOptions;
+};
+template class SurfaceRequest<ContourRequest>;
+template class SurfaceRequest<ProfileRequest>;
 
-ContourRequest::ContourRequest(double interval) : impl_(std::make_unique<Impl>()) {
-  impl_->options = {.interval = interval, .memory_bytes = 0, .threads = 0};
-}
-ContourRequest::ContourRequest(const ContourRequest& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
-ContourRequest& ContourRequest::operator=(const ContourRequest& other) {
-  *impl_ = *other.impl_;
-  return *this;
-}
-ContourRequest::~ContourRequest() = default;
-
+ContourRequest::ContourRequest(double interval) { impl_->options.interval = interval; }
 ContourRequest& ContourRequest::base(double level) {
   impl_->options.base = level;
   return *this;
@@ -38,70 +35,33 @@ ContourRequest& ContourRequest::bbox(const std::array<double, 4>& box) {
   impl_->options.box = Bounds{{box[0], box[1], 0}, {box[2], box[3], 0}};
   return *this;
 }
-ContourRequest& ContourRequest::max_edge(double length) {
-  impl_->options.max_edge = length;
+ContourRequest& ContourRequest::smooth(double size) {
+  impl_->options.smooth = size;
   return *this;
 }
-ContourRequest& ContourRequest::value(const std::string& name) {
-  impl_->options.value = name;
+ContourRequest& ContourRequest::min_length(double length) {
+  impl_->options.min_length = length;
   return *this;
 }
-ContourRequest& ContourRequest::overwrite(bool overwrite) {
-  impl_->options.overwrite = overwrite;
-  return *this;
-}
-ContourRequest& ContourRequest::memory_bytes(std::uint64_t bytes) {
-  impl_->options.memory_bytes = bytes;
+ContourRequest& ContourRequest::index_every(std::uint32_t levels) {
+  impl_->options.index_every = levels;
   return *this;
 }
 ContourRequest& ContourRequest::threads(unsigned threads) {
   impl_->options.threads = threads;
   return *this;
 }
-ContourRequest& ContourRequest::stop(std::stop_token stop) {
-  impl_->stop = std::move(stop);
-  return *this;
-}
 
-struct ProfileRequest::Impl {
-  ProfileOptions options;
-  bool overwrite = false;
-};
-
-ProfileRequest::ProfileRequest() : impl_(std::make_unique<Impl>()) { impl_->options.memory_bytes = 0; }
-ProfileRequest::ProfileRequest(const ProfileRequest& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
-ProfileRequest& ProfileRequest::operator=(const ProfileRequest& other) {
-  *impl_ = *other.impl_;
+ProfileRequest::ProfileRequest() = default;
+ProfileRequest& ProfileRequest::digits(int decimals) {
+  impl_->options.digits = decimals;
   return *this;
 }
-ProfileRequest::~ProfileRequest() = default;
-
-ProfileRequest& ProfileRequest::max_edge(double length) {
-  impl_->options.max_edge = length;
-  return *this;
-}
-ProfileRequest& ProfileRequest::value(const std::string& name) {
-  impl_->options.value = name;
-  return *this;
-}
-ProfileRequest& ProfileRequest::overwrite(bool overwrite) {
-  impl_->overwrite = overwrite;
-  return *this;
-}
-ProfileRequest& ProfileRequest::memory_bytes(std::uint64_t bytes) {
-  impl_->options.memory_bytes = bytes;
-  return *this;
-}
-ProfileRequest& ProfileRequest::stop(std::stop_token stop) {
-  impl_->options.stop = std::move(stop);
-  return *this;
-}
+ProfileRequest& ProfileRequest::all_digits() { return digits(digits_all); }
 
 namespace {
 
-ContourOptions chosen(ContourOptions options) {
-  if (options.memory_bytes == 0) options.memory_bytes = default_memory();
-  if (options.threads == 0) options.threads = usable_processors();
+ContourOptions checked(ContourOptions options) {
   if (options.box) {
     const Bounds& box = *options.box;
     for (const double bound : {box.lo.x, box.lo.y, box.hi.x, box.hi.y})
@@ -123,11 +83,10 @@ std::vector<Point> line_of(std::span<const double> coordinates) {
   return line;
 }
 
-std::vector<ProfilePoint> profile_of(const Triangulation& triangulation, std::span<const double> line,
+std::vector<ProfilePoint> profile_of(const Triangulation& triangulation, std::span<const Point> points,
                                      ProfileOptions options) {
-  const std::vector<Point> points = line_of(line);
   // Half for tiles, half for what is found in them.
-  options.memory_bytes = (options.memory_bytes > 0 ? options.memory_bytes : default_memory()) / 2;
+  options.memory_bytes /= 2;
   const auto stored =
       value_or_throw(query::StoredTriangulation::open(triangulation.folder(), {.memory_bytes = options.memory_bytes}));
   return value_or_throw(profile(stored, triangulation.folder(), points, options));
@@ -138,13 +97,14 @@ std::vector<ProfilePoint> profile_of(const Triangulation& triangulation, std::sp
 LineSet draw_contours(const Triangulation& triangulation, const ContourRequest& request) {
   return guarded([&] {
     const auto& asked = OptionsInside::of(request);
-    ContourOptions options = chosen(asked.options);
+    ContourOptions options = checked(asked.chosen());
     options.vertices_max = options.memory_bytes / 4 / (2 * sizeof(double));
     LineSet lines;
     lines.offsets.push_back(0);
-    const auto take = [&](double value, std::span<const Point> points) {
-      for (const Point& p : points) lines.points.insert(lines.points.end(), {p.x, p.y});
-      lines.values.push_back(value);
+    const auto take = [&](const ContourLine& line) {
+      for (const Point& p : line.points) lines.points.insert(lines.points.end(), {p.x, p.y});
+      lines.values.push_back(line.value);
+      lines.index.push_back(line.index ? 1 : 0);
       lines.offsets.push_back(lines.points.size() / 2);
     };
     or_throw(trace_contours(triangulation.folder(), options, take, asked.stop));
@@ -156,7 +116,7 @@ std::string write_contours(const Triangulation& triangulation, const std::filesy
                            const ContourRequest& request) {
   return guarded([&] {
     const auto& asked = OptionsInside::of(request);
-    return value_or_throw(write_contours(triangulation.folder(), target, chosen(asked.options), asked.stop)).note;
+    return value_or_throw(write_contours(triangulation.folder(), target, checked(asked.chosen()), asked.stop)).note;
   });
 }
 
@@ -164,7 +124,7 @@ ProfileTable draw_profile(const Triangulation& triangulation, std::span<const do
                           const ProfileRequest& request) {
   return guarded([&] {
     ProfileTable table;
-    for (const ProfilePoint& p : profile_of(triangulation, line, OptionsInside::of(request).options)) {
+    for (const ProfilePoint& p : profile_of(triangulation, line_of(line), OptionsInside::of(request).chosen())) {
       table.distances.push_back(p.distance);
       table.points.insert(table.points.end(), {p.x, p.y});
       table.values.push_back(p.value);
@@ -174,14 +134,17 @@ ProfileTable draw_profile(const Triangulation& triangulation, std::span<const do
   });
 }
 
-void write_profile(const Triangulation& triangulation, std::span<const double> line,
-                   const std::filesystem::path& target, const ProfileRequest& request) {
-  guarded([&] {
+std::string write_profile(const Triangulation& triangulation, std::span<const double> line,
+                          const std::filesystem::path& target, const ProfileRequest& request) {
+  return guarded([&] {
     const auto& asked = OptionsInside::of(request);
     if (value_or_throw(is_there(target)) && !asked.overwrite)
       throw_failure(
           error(Errc::usage, target.string() + ": exists already; " + option("overwrite", "true") + " replaces it"));
-    or_throw(write_whole(target, to_csv(profile_of(triangulation, line, asked.options), asked.options.value)));
+    const std::vector<Point> points = line_of(line);
+    const auto profile = profile_of(triangulation, points, asked.chosen());
+    or_throw(write_whole(target, to_csv(profile, asked.options)));
+    return gaps_note(gaps_of(profile, points));
   });
 }
 

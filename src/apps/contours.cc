@@ -39,6 +39,14 @@ Status run_contours(Settings& settings, const std::string& folder) {
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
   options.max_edge = max_edge;
   options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(smooth, settings.get("smooth", [](const std::string& text) { return parse_distance(text); }));
+  options.smooth = smooth;
+  BOOST_OUTCOME_TRY(shortest, settings.get("min-length", [](const std::string& text) { return parse_distance(text); }));
+  options.min_length = shortest;
+  BOOST_OUTCOME_TRY(every, settings.get("index-every", [](const std::string& text) {
+    return parse_integer(text, 1, index_every_max);
+  }));
+  options.index_every = every.value_or(options.index_every);
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
   BOOST_OUTCOME_TRY(memory,
@@ -65,8 +73,9 @@ Status run_contours(Settings& settings, const std::string& folder) {
 Command add_contours(CLI::App& root) {
   auto command = new_command(
       root, "contours", "Writes the contour lines of a 2D result",
-      "  tessera contours ground/ --interval 1 -o lines.gpkg                  (for QGIS, with the attribute "
-      "elevation)\n"
+      "  tessera contours ground/ --interval 1 -o lines.gpkg                  (for QGIS, with the attributes "
+      "elevation and index)\n"
+      "  tessera contours ground/ --interval 1 --smooth 2 --min-length 20 -o map.gpkg    (smooth lines, for maps)\n"
       "  tessera contours ground/ --interval 5 --base 2.5 -o lines.geojson    (levels ..., -2.5, 2.5, 7.5, ...)\n"
       "  tessera contours ground/ --interval 1 --max-edge 5 -o lines.gpkg     (without what bridges gaps)\n"
       "  tessera contours ground/ --interval 1 --bbox 885000,629000,885100,629100 -o part.gpkg");
@@ -75,6 +84,10 @@ Command add_contours(CLI::App& root) {
   add_value(command, "bbox", "BOX", "xmin,ymin,xmax,ymax: only lines in the cells that meet it; default: all", 0, true);
   add_value(command, "max-edge", "LENGTH", "no lines in cells with a longer edge in the plane; default: none");
   add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "smooth", "LENGTH",
+            "lines of a smooth surface: means of the surface in squares of this size; default: of the surface itself");
+  add_value(command, "min-length", "LENGTH", "leave out lines that are shorter in the plane; default: none");
+  add_value(command, "index-every", "N", "each how manieth level, from --base on, is an index line; default: 5");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .gpkg or .geojson", 'o', true);
   add_value(command, "memory", "SIZE", "memory for tiles and lines, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");

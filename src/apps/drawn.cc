@@ -56,6 +56,7 @@ Contours contours_of(const Json& outcome) {
           .vertices = number(outcome, "vertices"),
           .levels = number(outcome, "levels"),
           .left_out = number(outcome, "left_out"),
+          .shorter = number(outcome, "shorter"),
           .bytes = number(outcome, "bytes"),
           .note = text(outcome, "note")};
 }
@@ -99,6 +100,7 @@ void print_drawn(const Contours& contours, const OutputOptions& output) {
     say("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
         grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
         grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
+    if (contours.shorter > 0) say("%s shorter lines are left out\n", grouped(contours.shorter).c_str());
     print_rest(contours.left_out, contours.note);
   }
 }

@@ -78,6 +78,15 @@ std::optional<Exported> exported_of(const Json& outcome) {
       !read(outcome, "note", exported.note))
     return std::nullopt;
   exported.path = output;
+  if (const auto corner = outcome.find("corner"); corner != outcome.end()) {
+    if (!corner->is_array() || corner->size() != 3) return std::nullopt;
+    exported.corner.emplace();
+    for (int axis = 0; axis < 3; ++axis) {
+      const Json& number = (*corner)[static_cast<std::size_t>(axis)];
+      if (!number.is_number()) return std::nullopt;
+      (*exported.corner)[axis] = number.get<double>();
+    }
+  }
   return exported;
 }
 

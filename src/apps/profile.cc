@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +14,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/say.h"
 #include "src/apps/terrain_commands.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -19,6 +22,7 @@
 #include "src/job/machine.h"
 #include "src/query/geojson.h"
 #include "src/query/stored_triangulation.h"
+#include "src/report/human.h"
 
 namespace tessera {
 namespace {
@@ -46,6 +50,24 @@ Status write(const std::string& csv, const std::string& target, bool overwrite) 
   return write_whole(target, csv);
 }
 
+// Without a file the table is on standard output, so that nothing else is.
+void tell(std::span<const ProfilePoint> points, std::span<const Point> line, const std::string& target,
+          const OutputOptions& output) {
+  const ProfileGaps gaps = gaps_of(points, line);
+  if (output.json && !target.empty()) {
+    const nlohmann::ordered_json object{
+        {"event", "profile"},    {"output", target},    {"points", points.size()}, {"parts", points.back().part + 1},
+        {"before", gaps.before}, {"after", gaps.after}, {"gaps", gaps.count},      {"between", gaps.between}};
+    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    return;
+  }
+  if (output.quiet || output.json) return;
+  if (!target.empty())
+    say("%s: %s points, %s\n", target.c_str(), grouped(points.size()).c_str(),
+        gaps.count == 0 ? "in one part" : ("in " + grouped(gaps.count + 1) + " parts").c_str());
+  if (const std::string note = gaps_note(gaps); !note.empty()) say_beside("note: %s\n", note.c_str());
+}
+
 Status run_profile(Settings& settings, const std::string& folder) {
   if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera profile --help'");
   const auto text = settings.text("line");
@@ -57,6 +79,8 @@ Status run_profile(Settings& settings, const std::string& folder) {
   BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& given) { return parse_distance(given); }));
   options.max_edge = max_edge;
   options.value = settings.text("value").value_or("z");
+  BOOST_OUTCOME_TRY(digits, settings.get("digits", parse_digits));
+  options.digits = digits.value_or(options.digits);
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(memory,
                     settings.get("memory", or_auto([](const std::string& given) { return parse_memory(given); }, 0)));
@@ -70,7 +94,10 @@ Status run_profile(Settings& settings, const std::string& folder) {
     BOOST_OUTCOME_TRYV(given.place.check_in(result.manifest().crs, result.manifest().bounds));
   }
   BOOST_OUTCOME_TRY(points, profile(result, folder, given.lists[0], options));
-  return write(to_csv(points, options.value), settings.text("output").value_or(""), overwrite);
+  const std::string target = settings.text("output").value_or("");
+  BOOST_OUTCOME_TRYV(write(to_csv(points, options), target, overwrite));
+  tell(points, given.lists[0], target, output);
+  return success();
 }
 
 }  // namespace
@@ -83,11 +110,15 @@ Command add_profile(CLI::App& root) {
                   "bridges gaps)\n\n"
                   "There is a point wherever the line bends or crosses an edge: distance,x,y,z,part. The surface joins "
                   "points of one "
-                  "part\nby straight lines, and there is none between one part and the next.");
+                  "part\nby straight lines, and there is none between one part and the next: gaps, and ends of the "
+                  "line beside the surface, "
+                  "are\ntold on standard error.");
   add_value(command, "line", "LINE",
             "x,y x,y ... in quotes, or a GeoJSON file with one line, in the result's coordinates", 0, true);
   add_value(command, "max-edge", "LENGTH", "nothing in cells with a longer edge in the plane; default: none");
   add_value(command, "value", "NAME", "an attribute of the vertices; default: z, the heights", 0, true);
+  add_value(command, "digits", "N",
+            "decimals of all numbers, 0 to 17, or all: those of the doubles themselves; default: as the data carry");
   add_value(command, "output", "PATH", "the file to write, as CSV; without it, standard output", 'o', true);
   add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
   add_switch(command, "overwrite", "replace a file that exists", 0, true);

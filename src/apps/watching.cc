@@ -17,6 +17,7 @@
 #include "src/apps/server_options.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
+#include "src/client/messages.h"
 #include "src/job/describe.h"
 #include "src/job/job_report.h"
 #include "src/report/progress_display.h"
@@ -79,7 +80,7 @@ class Watch {
       print_json_line(job_json(job));
       std::fflush(stdout);
     } else if (!output_.quiet && job.status() == "accepted") {
-      say_beside("job %s waits for its turn\n", job.job_id().c_str());
+      say_beside("job %s is accepted\n", job.job_id().c_str());
     }
   }
 
@@ -125,7 +126,7 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
 Error problem_of(const proto::StatusInfo& job) {
   const int cause = job.problem().cause();
   const bool known = cause >= static_cast<int>(Errc::usage) && cause <= static_cast<int>(Errc::internal);
-  const auto& said = job.problem().detail().empty() ? job.message() : job.problem().detail();
+  const auto& said = job.problem().detail().empty() ? job.message() : sentence_of(job.problem());
   return error(known ? static_cast<Errc>(cause) : Errc::internal,
                said.empty() ? "job " + job.job_id() + " has failed, and the daemon does not say why" : said);
 }

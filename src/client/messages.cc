@@ -13,4 +13,8 @@ bool read_message(std::string_view json, google::protobuf::Message& message) {
   return google::protobuf::util::JsonStringToMessage(std::string(json), &message, options).ok();
 }
 
+const std::string& sentence_of(const proto::Problem& problem) {
+  return problem.marked().empty() ? problem.detail() : problem.marked();
+}
+
 }  // namespace tessera

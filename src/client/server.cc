@@ -67,7 +67,7 @@ Error Server::refusal(const HttpAnswer& answer) const {
   if (!is_json(answer)) return no_tessera();
   proto::Problem problem;
   if (!read_message(answer.body, problem)) return no_tessera();
-  const auto& said = problem.detail().empty() ? problem.title() : problem.detail();
+  const auto said = problem.detail().empty() ? problem.title() : sentence_of(problem);
   if (answer.status == 401) {
     return error(Errc::usage, options_.address.text() +
                                   (options_.token.empty() ? ": the server wants a token"

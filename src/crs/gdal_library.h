@@ -43,7 +43,7 @@ namespace tessera {
   F(OCTNewCoordinateTransformation) F(OCTTransform) F(OGR_FD_GetFieldCount) F(OGR_FD_GetFieldDefn) F(OGR_FD_GetFieldIndex) \
   F(OGR_F_Create) F(OGR_F_Destroy) F(OGR_F_GetFID) F(OGR_F_GetFieldAsDouble) F(OGR_F_GetFieldAsInteger64) \
   F(OGR_F_GetGeometryRef) F(OGR_F_SetFID) F(OGR_F_SetFieldDouble) \
-  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) \
+  F(OGR_F_SetFieldInteger64) F(OGR_F_SetGeometryDirectly) F(OGR_Fld_Create) F(OGR_Fld_Destroy) F(OGR_Fld_GetNameRef) F(OGR_Fld_SetSubType) \
   F(OGR_G_CreateFromWkb) F(OGR_G_GetPointCount) F(OGR_G_GetPoints) F(OGR_L_CreateFeature) F(OGR_L_CreateField) \
   F(OGR_L_GetFeatureCount) F(OGR_L_GetGeomType) F(OGR_L_GetLayerDefn) F(OGR_L_GetNextFeature) F(OGR_L_SyncToDisk) \
   F(OSRDestroySpatialReference) F(OSREPSGTreatsAsLatLong) F(OSREPSGTreatsAsNorthingEasting) F(OSRExportToWkt) F(OSRFindMatches) F(OSRFreeSRSArray) F(OSRGetAttrValue) \

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "src/base/option.h"
+
 namespace tessera::exports {
 
 double longest_edge(const TileMesh& mesh, std::size_t cell) {
@@ -30,6 +32,12 @@ double longest_edge(std::span<const Point> corners, bool flat) {
   const double square = longest([](double x, double y, double z) { return x * x + y * y + z * z; });
   if (square > least && square < most) return std::sqrt(square);
   return longest([](double x, double y, double z) { return std::hypot(x, y, z); });
+}
+
+Status check_max_edge(const std::optional<double>& max_edge) {
+  if (max_edge && !(std::isfinite(*max_edge) && *max_edge > 0))
+    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  return success();
 }
 
 }  // namespace tessera::exports

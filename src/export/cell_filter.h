@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "src/base/result.h"
 #include "src/mesh/tile_mesh.h"
 
 namespace tessera::exports {
@@ -15,6 +16,9 @@ namespace tessera::exports {
 double longest_edge(const TileMesh& mesh, std::size_t cell);
 // The same of any points: in the plane if `flat`.
 double longest_edge(std::span<const Point> corners, bool flat);
+
+// Error usage when there is one, and it is no length, finite and above 0.
+Status check_max_edge(const std::optional<double>& max_edge);
 
 class CellFilter {
  public:

@@ -60,8 +60,9 @@ Result<GeoPackage::Layer> GeoPackage::add_layer(const char* name, OGRwkbGeometry
   Layer to;
   to.layer = gdal_.GDALDatasetCreateLayer(dataset_, name, reference_.get(), type, spatial_index ? nullptr : choices);
   if (to.layer == nullptr) return refused("cannot create its table");
-  for (const auto& [title, kind] : fields) {
+  for (const auto& [title, kind, subtype] : fields) {
     const OGRFieldDefnH field = gdal_.OGR_Fld_Create(title.c_str(), kind);
+    gdal_.OGR_Fld_SetSubType(field, subtype);
     const bool added = gdal_.OGR_L_CreateField(to.layer, field, 0) == OGRERR_NONE;
     gdal_.OGR_Fld_Destroy(field);
     if (!added) return refused("cannot create its table");

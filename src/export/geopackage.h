@@ -18,6 +18,7 @@ class GeoPackage {
   struct Field {
     std::string name;
     OGRFieldType type;
+    OGRFieldSubType subtype = OFSTNone;
   };
   struct Layer {
     OGRLayerH layer = nullptr;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <string>
 #include <utility>
 
 #include "src/base/option.h"
+#include "src/export/cell_filter.h"
 #include "src/files/there.h"
 
 namespace tessera::exports {
@@ -93,8 +93,7 @@ fs::path index_beside(const Target& target) {
 Result<Target> find_free_target(const fs::path& path, const ExportOptions& options) {
   BOOST_OUTCOME_TRY(target, find_target(path, options.format));
   BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  BOOST_OUTCOME_TRYV(check_max_edge(options.max_edge));
   if (options.local && !target.format->local)
     return error(Errc::usage, option("local", "true") + ": is for ply, obj and off; " + target.format->name +
                                   " keeps coordinates as they are");

@@ -68,6 +68,8 @@ const char* help_of(const std::string& field) {
       {"triangulation", "The name of a result."},
       {"against_cgal", "Also compare with CGAL."},
       {"format", "The format of the file; else its ending says."},
+      {"local",
+       "Coordinates that count from a corner of the result, for programs that keep floats; of ply, obj and off."},
       {"spatial_index", "Also write a spatial index."},
       {"max_edge", "Cells with a longer edge are left out."},
       {"stats", "Also read the points, for their statistics."},
@@ -84,7 +86,10 @@ const char* help_of(const std::string& field) {
       {"azimuth", "Of the light, in degrees clockwise from north; 315 when it is not given."},
       {"altitude", "Of the light above the horizon, in degrees; 45 when it is not given."},
       {"interval", "The distance of levels, in units of the heights."},
-      {"base", "A level; 0 when it is not given."}};
+      {"base", "A level; 0 when it is not given."},
+      {"smooth", "Lines of a smooth surface: means of the surface in squares of this size."},
+      {"min_length", "Lines that are shorter in the plane are left out."},
+      {"index_every", "Each how manieth level, from base on, is an index line; 5 when it is not given."}};
   const auto text = texts.find(field);
   return text == texts.end() ? nullptr : text->second;
 }

@@ -175,15 +175,20 @@ void add_question_routes(std::vector<Route>& routes) {
                           {"base", "number", "A level; 0"},
                           max_edge,
                           value,
+                          {"smooth", "number", "Lines of a smooth surface: means in squares of this size"},
+                          {"min-length", "number", "Lines that are shorter in the plane are left out"},
+                          {"index-every", "integer", "Each how manieth level is an index line; 5"},
                           {"f", "string", "geojson or gpkg"}}));
   const std::vector<Response> heights{{200, csv, "", "A line for each place where the profile bends"},
                                       {200, json, "Profile", "The same"},
                                       {200, geojson, "", "Lines with the value as third coordinate"}};
+  const Parameter digits{"digits", "string", "Of csv: decimals, 0 to 17, or all; as the data carry"};
   const Parameter profile_format{"f", "string", "csv, json or geojson; csv, or as Accept says"};
   routes.push_back(route("GET", "profile", "getProfile", "The heights of a 2D result along a line", heights,
-                         asks(About::profile), {{"line", "string", "x,y x,y ..."}, max_edge, value, profile_format}));
+                         asks(About::profile),
+                         {{"line", "string", "x,y x,y ..."}, max_edge, value, digits, profile_format}));
   Route profile = route("POST", "profile", "getProfileOfLine", "The heights of a 2D result along a line", heights,
-                        asks_with_body(About::profile, {geojson, json}), {max_edge, value, profile_format});
+                        asks_with_body(About::profile, {geojson, json}), {max_edge, value, digits, profile_format});
   profile.body = "Document";
   profile.body_types = {geojson};
   routes.push_back(std::move(profile));

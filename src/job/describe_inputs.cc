@@ -95,8 +95,11 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
     BOOST_OUTCOME_TRY(described, count_points(inputs, options, cloud, stop));
     counted = std::move(described);
   }
-  const auto points = expected_points(cloud.files());
-  BOOST_OUTCOME_TRY(expected, forecast(options, cloud, points));
+  // All of them were counted, and those that filters keep: nothing is left to guess.
+  const auto of_count = [&](const char* key) { return counted.at(key).get<std::uint64_t>(); };
+  const auto points = counted.is_null() ? expected_points(cloud.files()) : of_count("points");
+  const auto kept = counted.is_null() ? points : points - of_count("invalid") - of_count("filtered");
+  BOOST_OUTCOME_TRY(expected, forecast(options, cloud, kept));
   const auto& cost = expected.cost;
   Json files = Json::array();
   for (const auto& file : cloud.files()) files.push_back(to_json(file));

@@ -26,7 +26,8 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
   const auto& box = manifest.bounds;
   const auto heights = heights_of(manifest);
   Json region;
-  if (const auto& part = manifest.region) {
+  const auto& part = manifest.region;
+  if (part) {
     const auto finite = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
     const auto corner = [&](const Point& p) { return Json{finite(p.x), finite(p.y), finite(p.z)}; };
     region = Json{{"min", corner(part->box.lo)}, {"max", corner(part->box.hi)}, {"complete", part->complete}};
@@ -43,10 +44,11 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"heights", heights ? Json{{"min", heights->lo}, {"max", heights->hi}} : Json()},
               {"partition", manifest.partition_kind},
               {"points", manifest.points_read},
-              {"invalid", manifest.invalid},
-              {"filtered", manifest.filtered},
-              {"duplicates", manifest.duplicates},
-              {"duplicates_at_other_heights", manifest.other_heights ? Json(*manifest.other_heights) : Json()},
+              // Nobody has counted those of a region: what it does not need was not read.
+              {"invalid", part ? Json() : Json(manifest.invalid)},
+              {"filtered", part ? Json() : Json(manifest.filtered)},
+              {"duplicates", part ? Json() : Json(manifest.duplicates)},
+              {"duplicates_at_other_heights", !part && manifest.other_heights ? Json(*manifest.other_heights) : Json()},
               {"keep", name_of(manifest.keep)},
               {"vertices", manifest.vertices},
               {"cells", manifest.cells},

@@ -253,9 +253,14 @@ std::string result_text(const Json& result, bool counters) {
   Lines lines(20);
   lines.add("made by", "Tessera " + text_of(result, "software_version") + " from " + grouped(inputs.size()) +
                            (inputs.size() == 1 ? " file" : " files"));
-  lines.add("points", grouped(count_of(result, "points")) + ", " + grouped(count_of(result, "duplicates")) +
-                          duplicates_text_of(result) + ", " + grouped(count_of(result, "invalid")) + " invalid, " +
-                          grouped(count_of(result, "filtered")) + " filtered out");
+  // Of a region what was not needed was not read, so that nobody knows how many of them count.
+  const auto region = result.find("region");
+  const bool part = region != result.end() && !region->is_null();
+  lines.add("points", grouped(count_of(result, "points")) +
+                          (part ? " in the files, of which the region takes what it needs"
+                                : ", " + grouped(count_of(result, "duplicates")) + duplicates_text_of(result) + ", " +
+                                      grouped(count_of(result, "invalid")) + " invalid, " +
+                                      grouped(count_of(result, "filtered")) + " filtered out"));
   lines.add("vertices", grouped(count_of(result, "vertices")));
   lines.add(dimension == 3 ? "tetrahedra" : "triangles", grouped(count_of(result, "cells")));
   lines.add("box", box_text(result.at("bounds"), dimension));
@@ -263,8 +268,7 @@ std::string result_text(const Json& result, bool counters) {
     lines.add("heights", "z from " + coordinate(heights->at("min").get<double>()) + " to " +
                              coordinate(heights->at("max").get<double>()));
   if (const std::string density = density_text(result); !density.empty()) lines.add("density", density);
-  if (const auto region = result.find("region"); region != result.end() && !region->is_null())
-    lines.add("a region", region_text(*region, dimension));
+  if (part) lines.add("a region", region_text(*region, dimension));
   lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
                          (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));

@@ -129,8 +129,10 @@ Result<QuestionAnswer> Answering::features() const {
     BOOST_OUTCOME_TRYV(lines->for_each(begin, near, [&](terrain::LineReader::Line& line) -> Result<bool> {
       if (ask_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while reading lines");
       if (only && line.number != *only) return false;
-      return page.add(line.number, Json{{lines->value_name(), line.value}}, FeaturePage::Kind::line,
-                      std::move(line.points), heights ? std::optional(line.value) : std::nullopt);
+      Json properties{{lines->value_name(), line.value}};
+      if (line.index) properties["index"] = *line.index;
+      return page.add(line.number, properties, FeaturePage::Kind::line, std::move(line.points),
+                      heights ? std::optional(line.value) : std::nullopt);
     }));
   }
   QuestionAnswer answer{.type = "application/geo+json", .final = !is_part()};

@@ -104,14 +104,25 @@ Result<QuestionAnswer> Answering::contours() const {
     BOOST_OUTCOME_TRY(base, read("base", [](const std::string& text) { return parse_finite(text); }));
     options.base = base;
   }
+  for (const auto& [key, to] : {std::pair("smooth", &options.smooth), std::pair("min-length", &options.min_length)}) {
+    if (!question_.options.contains(key)) continue;
+    BOOST_OUTCOME_TRY(length, read(key, [](const std::string& text) { return parse_distance(text); }));
+    *to = length;
+  }
+  if (question_.options.contains("index-every")) {
+    BOOST_OUTCOME_TRY(
+        every, read("index-every", [](const std::string& text) { return parse_integer(text, 1, index_every_max); }));
+    options.index_every = every;
+  }
   BOOST_OUTCOME_TRYV(read_surface(options));
   options.vertices_max = limits_.line_vertices;
+  options.samples_max = limits_.pixels;
   const std::string format = word("f", "geojson");
   if (format != "geojson" && format != "gpkg")
     return error(Errc::usage, "f: '" + format + "' is no format of lines; there are geojson and gpkg");
   BOOST_OUTCOME_TRY(
       made, write_contours(path_of(reader_.held.folder), answer_file(folder_, "." + format), options, ask_.stop));
-  return file(made.path, reader_.stored.knows(options.box.value_or(reader_.stored.manifest().bounds)));
+  return file(made.path, reader_.stored.knows(source_box(options).value_or(reader_.stored.manifest().bounds)));
 }
 
 Result<QuestionAnswer> Answering::profile() const {
@@ -129,6 +140,10 @@ Result<QuestionAnswer> Answering::profile() const {
   }
   ProfileOptions options{.memory_bytes = memory_bytes(), .stop = ask_.stop};
   BOOST_OUTCOME_TRYV(read_surface(options));
+  if (question_.options.contains("digits")) {
+    BOOST_OUTCOME_TRY(digits, read("digits", parse_digits));
+    options.digits = digits;
+  }
   const std::string format = word("f", "csv");
   if (format != "csv" && format != "json" && format != "geojson")
     return error(Errc::usage, "f: '" + format + "' is no format of profiles; there are csv, json and geojson");
@@ -137,7 +152,7 @@ Result<QuestionAnswer> Answering::profile() const {
   for (const Point& p : line) box.add(p);
   if (question_.as_message) return in_bytes(message_of(points).SerializeAsString(), reader_.stored.knows(box));
   QuestionAnswer answer{.type = "text/csv", .final = reader_.stored.knows(box)};
-  if (format == "csv") answer.text = to_csv(points, options.value);
+  if (format == "csv") answer.text = to_csv(points, options);
   if (format == "json") answer.text = json_of(points, options.value);
   if (format == "geojson") answer.text = geojson_of(points);
   if (format != "csv") answer.type = format == "json" ? "application/json" : "application/geo+json";

@@ -208,6 +208,7 @@ Result<ExportOptions> export_options(const proto::ExportInputs& inputs) {
     BOOST_OUTCOME_TRY(edge, length_of("max-edge", inputs.max_edge()));
     options.max_edge = edge;
   }
+  options.local = inputs.local();
   options.overwrite = inputs.overwrite();
   return options;
 }

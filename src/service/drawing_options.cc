@@ -66,6 +66,19 @@ Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, cons
     if (!std::isfinite(inputs.base())) return refuse("base", "must be finite");
     options.base = inputs.base();
   }
+  if (inputs.has_smooth()) {
+    BOOST_OUTCOME_TRY(smooth, length_of("smooth", inputs.smooth()));
+    options.smooth = smooth;
+  }
+  if (inputs.has_min_length()) {
+    BOOST_OUTCOME_TRY(shortest, length_of("min-length", inputs.min_length()));
+    options.min_length = shortest;
+  }
+  if (inputs.has_index_every()) {
+    if (inputs.index_every() < 1 || inputs.index_every() > index_every_max)
+      return refuse("index-every", "must be from 1 to " + std::to_string(index_every_max));
+    options.index_every = inputs.index_every();
+  }
   return options;
 }
 

@@ -79,6 +79,7 @@ proto::Problem problem(int status, std::string_view detail, Errc cause) {
   problem.set_title(title_of(status));
   problem.set_status(status);
   problem.set_detail(as_utf8(render(detail, field_name)));
+  if (!option_keys(detail).empty()) problem.set_marked(as_utf8(detail));
   problem.set_cause(static_cast<int>(cause));
   return problem;
 }

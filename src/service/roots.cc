@@ -221,6 +221,29 @@ Result<Roots> Roots::open(const std::vector<fs::path>& roots, const fs::path& up
   return opened;
 }
 
+std::string Roots::named(std::string sentence) const {
+  const auto replace = [&](const fs::path& folder, std::string_view name) {
+    const std::string begin = folder.string() == "/" ? "/" : folder.string() + "/";
+    const auto in_word = [](char c) { return c != ' ' && c != '\'' && c != '"' && c != '(' && c != ':'; };
+    for (auto at = sentence.find(begin); at != sentence.npos; at = sentence.find(begin, at + name.size())) {
+      if (at > 0 && in_word(sentence[at - 1])) {  // the same below another folder
+        ++at;
+        continue;
+      }
+      sentence.replace(at, begin.size(), name);
+    }
+  };
+  for (const auto& root : uploads_) {
+    replace(root.real, upload_begin);
+    replace(root.given, upload_begin);
+  }
+  for (const auto& root : roots_) {
+    replace(root.real, "");
+    replace(root.given, "");
+  }
+  return sentence;
+}
+
 Result<std::vector<std::string>> Roots::files_of(const std::string& input, bool recursive) const {
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, "inputs: '" + input + "' " + reason);

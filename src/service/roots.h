@@ -26,6 +26,9 @@ class Roots {
   // (src/base/ledger.h), from which each name that is looked at is drawn.
   Result<std::vector<std::string>> files(const std::vector<std::string>& inputs, bool recursive) const;
 
+  // A sentence with the files in these folders named as callers name them: from the root on, or "upload:NAME/FILE".
+  std::string named(std::string sentence) const;
+
  private:
   struct Root {
     std::filesystem::path given, real;

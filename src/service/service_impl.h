@@ -93,7 +93,9 @@ struct Service::Impl {
   enum class Need : bool { written, done };  // or nothing changes; or it changes, and is written as soon as can be
   Status change(Job& job, Need need, const std::function<void(proto::JobRecord&)>& how);
   Status forget(const std::shared_ptr<Job>& job);
-  void log(const std::string& id, const std::string& line);
+  void log(const std::string& id, const std::string& text);
+  // Of inputs: by the names that callers have for them, not by where they lie on this machine.
+  proto::Problem in_callers_words(proto::Problem problem) const;
   proto::StatusInfo status_of(const Job& job) const;
   Reply<std::shared_ptr<Job>> find(std::string_view id) const;
   void tell_status(const Job& job);

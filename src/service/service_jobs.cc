@@ -106,7 +106,8 @@ void Service::Impl::tell_status(const Job& job) {
   events->tell(std::move(event));
 }
 
-void Service::Impl::log(const std::string& id, const std::string& line) {
+void Service::Impl::log(const std::string& id, const std::string& text) {
+  const std::string line = roots.named(text);
   store.log(id, line);
   proto::Event event;
   event.set_job_id(id);

@@ -101,7 +101,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::Inputs& inputs, std::op
   if (inputs.has_triangulate()) return costs(inputs.triangulate(), refused);
   if (inputs.has_region()) {
     auto told = region_estimate(shop, inputs.region());
-    return told ? Reply<proto::Estimate>(std::move(told).value()) : problem_of_inputs(told.error());
+    return told ? Reply<proto::Estimate>(std::move(told).value()) : in_callers_words(problem_of_inputs(told.error()));
   }
   const std::string name = result_read(inputs);
   const auto manifest = results.manifest(name);
@@ -151,7 +151,7 @@ Reply<proto::Estimate> Service::Impl::costs(const proto::TriangulateInputs& inpu
     refused = check_costs(cloud, options.value(), shop.limits, shop.data, estimate, engine->shares());
     return success();
   }();
-  if (!looked && !Ledger::reason_of_thread()) return problem_of_inputs(looked.error());
+  if (!looked && !Ledger::reason_of_thread()) return in_callers_words(problem_of_inputs(looked.error()));
   if (!looked) estimate.set_reason("files that take so long are measured when the job runs");
   if (refused) estimate.set_reason(refused->detail());
   estimate.set_accepted(!refused);
@@ -335,7 +335,9 @@ Reply<proto::Estimate> Service::estimate(const proto::Inputs& inputs, const Call
 Reply<std::string> Service::info(const proto::InfoInputs& inputs, const Caller& caller) {
   if (caller.role < (inputs.triangulation().empty() ? Role::submit : Role::read))
     return problem(403, "to be told of inputs takes the role submit", Errc::usage);
-  const auto refuse = inputs.triangulation().empty() ? problem_of_inputs : problem_of;
+  const auto refuse = [&](const Error& failed) {
+    return impl_->in_callers_words(inputs.triangulation().empty() ? problem_of_inputs(failed) : problem_of(failed));
+  };
   WhileAnyoneWaits waited(caller.stop);
   const auto late = takes_too_long(impl_->shop, inputs, info_points_max);
   if (!late) return refuse(late.error());

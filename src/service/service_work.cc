@@ -175,6 +175,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
     }
     if (record.state() == job_state::running && !stays) {
       done = finish(record, std::move(done), replaced);
+      if (!done) done = in_callers_words(std::move(done).error());
       const auto changed = change(*job, Need::done, [&](proto::JobRecord& ended) {
         ended.set_deaths(0);
         ended.set_finished(time_text(system_clock::now()));
@@ -205,6 +206,12 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
   }
   waiting_changed.notify_all();
   if (const auto discarded = Results::discard(replaced); !discarded) tell(discarded.error().where);
+}
+
+proto::Problem Service::Impl::in_callers_words(proto::Problem problem) const {
+  problem.set_detail(roots.named(problem.detail()));
+  if (problem.has_marked()) problem.set_marked(roots.named(problem.marked()));
+  return problem;
 }
 
 }  // namespace tessera

@@ -83,8 +83,8 @@ std::function<void(double)> percentage(const JobWork& work) {
 
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().export_();
-  if (inputs.has_heights() || inputs.has_spatial_index())
-    return problem(400, "format: 3dtiles takes neither heights nor spatial_index", Errc::usage);
+  if (inputs.has_heights() || inputs.has_spatial_index() || inputs.local())
+    return problem(400, "format: 3dtiles takes neither heights nor spatial_index nor local", Errc::usage);
   TilesetOptions options{.memory_bytes = shop.share.memory_bytes, .progress = percentage(work)};
   if (inputs.has_max_edge()) options.max_edge = inputs.max_edge();
   const auto folder = shop.results.unfinished_export(inputs.triangulation(), work.job.id());

@@ -1,16 +1,17 @@
 #include "src/terrain/cog_file.h"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "src/base/ledger.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/terrain/gdal_choices.h"
+#include "src/terrain/hillshade.h"
 
 namespace tessera::terrain {
 
@@ -138,14 +139,10 @@ Status CogFile::add_block(std::int64_t x, std::int64_t y, Block& block) {
 Status CogFile::shade(const std::function<bool(double)>& go_on) {
   const GdalQuiet quiet(gdal_);
   const std::string side = std::to_string(block_side);
-  const auto number = [](double degrees) {
-    char digits[32];
-    return std::string(digits, std::to_chars(digits, digits + sizeof digits, degrees).ptr);
-  };
-  // As `gdaldem hillshade -compute_edges`: Horn's formula, with pixels beside those without a height, too.
-  Choices choices({"-of", "GTiff", "-compute_edges", "-az", number(options_.light->azimuth), "-alt",
-                   number(options_.light->altitude), "-co", "TILED=YES", "-co", "BLOCKXSIZE=" + side, "-co",
-                   "BLOCKYSIZE=" + side, "-co", "SPARSE_OK=TRUE", "-co", "BIGTIFF=IF_SAFER"});
+  std::vector<std::string> words = hillshade_words(*options_.light);
+  words.insert(words.end(), {"-of", "GTiff", "-co", "TILED=YES", "-co", "BLOCKXSIZE=" + side, "-co",
+                             "BLOCKYSIZE=" + side, "-co", "SPARSE_OK=TRUE", "-co", "BIGTIFF=IF_SAFER"});
+  Choices choices(std::move(words));
   GDALDEMProcessingOptions* options = gdal_.GDALDEMProcessingOptionsNew(choices.get(), nullptr);
   if (options == nullptr) return refused(quiet);
   bool stopped = false;

@@ -55,6 +55,7 @@ class ContourCells {
   // Where the level passes the edge; z is its height.
   Point crossing(const TileEdge& edge, std::int64_t level) const;
   double value(std::int32_t vertex) const { return values_[static_cast<std::size_t>(vertex)]; }
+  PointId id_of(std::int32_t vertex) const { return tile_.id_of(vertex); }
   std::uint64_t left_out() const { return left_out_; }  // main cells, for their edges
 
   // Calls give(piece) for all pieces of levels from `begin` on to below `end` that are this tile's: every piece is one

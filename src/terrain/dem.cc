@@ -1,9 +1,7 @@
 #include "src/terrain/dem.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -12,16 +10,13 @@
 
 #include "src/base/option.h"
 #include "src/crs/crs.h"
-#include "src/export/cell_filter.h"
-#include "src/files/names.h"
-#include "src/mesh/tile_mesh.h"
 #include "src/query/column.h"
-#include "src/query/on_threads.h"
 #include "src/store/tile_store.h"
 #include "src/terrain/blocks.h"
-#include "src/terrain/cell_raster.h"
 #include "src/terrain/cog_file.h"
+#include "src/terrain/drawing.h"
 #include "src/terrain/ending.h"
+#include "src/terrain/hillshade.h"
 #include "src/terrain/tiles.h"
 
 namespace tessera {
@@ -33,130 +28,12 @@ namespace {
 
 // Of the whole, drawing; the rest is compressing.
 constexpr double drawing_part = 0.6;
-constexpr std::size_t cells_a_look = 4096;  // at whether to stop
 
 Status check_target(const fs::path& target, bool overwrite) {
   if (const std::string ending = ending_of(target); ending != ".tif" && ending != ".tiff")
     return error(Errc::usage, target.string() + ": will be a GeoTIFF, so give a name that ends in .tif");
   return check_free(target, overwrite);
 }
-
-// Takes the pixels that were drawn. Called by several threads.
-using Take = std::function<Status(Blocks&)>;
-
-class Drawing {
- public:
-  Drawing(const fs::path& out, const Manifest& manifest, const query::Column& column, const Grid& grid,
-          const DemOptions& options, const std::stop_token& stop, Take take)
-      : out_(out),
-        manifest_(manifest),
-        column_(column),
-        row_bytes_(row_bytes(manifest.schema)),
-        grid_(grid),
-        options_(options),
-        stop_(stop),
-        take_(std::move(take)),
-        filter_(options.max_edge) {}
-
-  // Of cells that are in memory, all that may have a pixel.
-  Status run(const StoredTile& cells) {
-    Blocks blocks(grid_);
-    blocks_bytes_ = std::max<std::uint64_t>(options_.memory_bytes, 16 * sizeof(Block));
-    BOOST_OUTCOME_TRYV(draw(cells, out_, blocks));
-    return take_(blocks);
-  }
-  Status run(TileQueue& tiles) {
-    // As a mesh with attributes, and what reading takes beside it.
-    constexpr double tile_factor = 1.25;
-    constexpr std::uint64_t blocks_least = 16 * sizeof(Block);
-    const unsigned threads = tiles.threads(options_.threads, options_.memory_bytes, tile_factor, blocks_least);
-    const std::uint64_t share = options_.memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
-    blocks_bytes_ = std::max<std::uint64_t>(share - std::min(share, tile_bytes), blocks_least);
-    std::atomic<bool> failed{false};
-    return query::on_threads(threads, failed, [&]() -> Status {
-      Blocks blocks(grid_);
-      while (!failed) {
-        BOOST_OUTCOME_TRY(entry, tiles.next());
-        if (entry == nullptr) break;
-        BOOST_OUTCOME_TRYV(draw(*entry, blocks));
-        tiles.done();
-      }
-      return take_(blocks);
-    });
-  }
-  std::uint64_t left_out() const { return left_out_; }
-
- private:
-  static Error corrupt(const fs::path& file, const std::string& what) {
-    return error(Errc::corrupt, file.string() + ": " + what);
-  }
-
-  Result<StoredTile> load(const TileEntry& entry) const {
-    BOOST_OUTCOME_TRY(tile, read_tile(out_, entry.tile, true));
-    const TileMesh& mesh = tile.mesh;
-    if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.points.size() != entry.points ||
-        mesh.cell_ghost.size() != entry.cells)
-      return corrupt(tile_file(out_, entry.tile), "is not what the manifest says");
-    const Bounds& bounds = manifest_.bounds;
-    for (const Point& p : mesh.points)
-      if (!(p.x >= bounds.lo.x && p.x <= bounds.hi.x && p.y >= bounds.lo.y && p.y <= bounds.hi.y))
-        return corrupt(tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
-    return tile;
-  }
-
-  Status draw(const TileEntry& entry, Blocks& blocks) {
-    BOOST_OUTCOME_TRY(tile, load(entry));
-    return draw(tile, tile_file(out_, entry.tile), blocks);
-  }
-
-  // `from`: whose cells they are, for errors.
-  Status draw(const StoredTile& tile, const fs::path& from, Blocks& blocks) {
-    const TileMesh& mesh = tile.mesh;
-    std::uint64_t left_out = 0;
-    bool apart = true;
-    for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
-      if (i % cells_a_look == 0 && stop_.stop_requested()) return error(Errc::interrupted, "interrupted while drawing");
-      if (!filter_.keeps(mesh, i)) {
-        left_out += mesh.cell_ghost[i] == 0 ? 1 : 0;
-        continue;
-      }
-      Triangle cell;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto v = static_cast<std::size_t>(mesh.cells[3 * i + k]);
-        cell[k] = {mesh.points[v], mesh.ids[v], column_.value(tile.rows.data() + v * row_bytes_)};
-      }
-      const auto put = [&](std::int64_t column, std::int64_t row, double value) {
-        apart =
-            blocks.put(column, row, options_.doubles ? value : static_cast<double>(static_cast<float>(value))) && apart;
-      };
-      // Of a cell that has most of a large raster, too, there are only so many pixels in memory, and a stop is heard.
-      BOOST_OUTCOME_TRYV(for_each_part(grid_, cell, [&](const Grid& part) -> Status {
-        if (part.width * part.height != grid_.width * grid_.height && stop_.stop_requested())
-          return error(Errc::interrupted, "interrupted while drawing");
-        for_each_pixel(part, cell, put);
-        if (blocks.bytes() > blocks_bytes_) {
-          BOOST_OUTCOME_TRYV(take_(blocks));
-        }
-        return success();
-      }));
-    }
-    if (!apart) return corrupt(from, "its cells overlap each other, or those of other tiles");
-    left_out_ += left_out;
-    return success();
-  }
-
-  const fs::path& out_;
-  const Manifest& manifest_;
-  query::Column column_;
-  std::size_t row_bytes_;
-  Grid grid_;
-  const DemOptions& options_;
-  std::stop_token stop_;
-  Take take_;
-  exports::CellFilter filter_;
-  std::uint64_t blocks_bytes_ = 0;
-  std::atomic<std::uint64_t> left_out_{0};
-};
 
 // What a raster of this result will be; errors: those of write_dem() before anything is written.
 struct Asked {
@@ -166,11 +43,7 @@ struct Asked {
 };
 
 Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOptions& options) {
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
-  if (manifest.dimension != 2)
-    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
-                                  option("dim", "2"));
+  BOOST_OUTCOME_TRYV(check_surface(out, manifest, options.max_edge));
   if (options.light && options.doubles)
     return error(Errc::usage, option("hillshade", "true") + ": its pixels are bytes, whatever " + option("type"));
   if (options.light) {
@@ -180,6 +53,13 @@ Result<Asked> read_request(const fs::path& out, Manifest manifest, const DemOpti
   BOOST_OUTCOME_TRY(grid, grid_over(options.res, options.box.value_or(manifest.bounds), manifest.bounds));
   BOOST_OUTCOME_TRYV(check_meets(manifest, options.box));
   return Asked{std::move(manifest), column, grid};
+}
+
+DrawingOptions drawing_options(const DemOptions& options, std::uint64_t memory_bytes) {
+  return {.max_edge = options.max_edge,
+          .doubles = options.doubles,
+          .memory_bytes = memory_bytes,
+          .threads = options.threads};
 }
 
 // The tiles with cells that may have a pixel.
@@ -222,8 +102,6 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
   const auto& [manifest, column, grid] = asked;
 
   // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
-  DemOptions drawing_options = options;
-  drawing_options.memory_bytes = options.memory_bytes / 4 * 3;
   BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, grid,
                                                    {.crs = crs_or_none(manifest.crs),
                                                     .name = options.value,
@@ -232,8 +110,8 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
                                                     .light = options.light,
                                                     .cache_bytes = options.memory_bytes / 4,
                                                     .threads = options.threads}));
-  terrain::Drawing drawing(out, manifest, column, grid, drawing_options, stop,
-                           [&](terrain::Blocks& blocks) { return file->add(blocks); });
+  terrain::Drawing drawing(out, manifest, column, grid, terrain::drawing_options(options, options.memory_bytes / 4 * 3),
+                           stop, [&](terrain::Blocks& blocks) { return file->add(blocks); });
   if (cells) {
     BOOST_OUTCOME_TRYV(drawing.run(*cells));
   } else {
@@ -305,9 +183,13 @@ Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::u
   };
   BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, out, options, stop));
   terrain::TileQueue tiles(std::move(entries), stop, [](double) {});
-  terrain::Drawing drawing(out, asked.manifest, asked.column, grid, options, stop, take);
+  terrain::Drawing drawing(out, asked.manifest, asked.column, grid,
+                           terrain::drawing_options(options, options.memory_bytes), stop, take);
   BOOST_OUTCOME_TRYV(drawing.run(tiles));
   array.left_out = drawing.left_out();
+  if (options.light) {
+    BOOST_OUTCOME_TRYV(terrain::shade(array, grid.res, *options.light, stop));
+  }
   return array;
 }
 

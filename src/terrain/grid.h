@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -27,7 +28,8 @@ struct Grid {
 inline constexpr double pixels_max = 0x1p40;
 
 // All pixels that meet the inside of `box`. `vertices`: bounds of all. Error usage: a res that is not finite and above
-// 0, or too small for them; an empty box; more pixels than GDAL can count.
-Result<Grid> grid_over(double res, const Bounds& box, const Bounds& vertices);
+// 0, or too small for them; an empty box; more pixels than GDAL can count. `key`: of the option that gives `res`, or a
+// number of it.
+Result<Grid> grid_over(double res, const Bounds& box, const Bounds& vertices, std::string_view key = "res");
 
 }  // namespace tessera::terrain

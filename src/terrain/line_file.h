@@ -15,7 +15,7 @@ namespace tessera::terrain {
 struct LineFileOptions {
   std::string crs;         // as a manifest has it
   std::string layer;       // its name
-  std::string value;       // the name of the lines' only attribute
+  std::string value;       // the name of the lines' attribute beside `index`
   bool heights = true;     // whether that is the lines' height, too
   bool overwrite = false;  // a file that exists
 };
@@ -28,7 +28,7 @@ class LineFile {
   // Errors, here and below: io; bad_input when GDAL does not understand the system.
   static Result<std::unique_ptr<LineFile>> create(const std::filesystem::path& target, const LineFileOptions& options);
   virtual ~LineFile() = default;
-  virtual Status add(double value, std::span<const Point> points) = 0;
+  virtual Status add(double value, bool index, std::span<const Point> points) = 0;
   virtual Result<std::uint64_t> finish() = 0;  // the size in bytes
 };
 

@@ -47,9 +47,10 @@ Result<std::unique_ptr<LineReader>> LineReader::open(const std::filesystem::path
   if (reader->layer_ == nullptr) return refused();
   const OGRFeatureDefnH definition = gdal->OGR_L_GetLayerDefn(reader->layer_);
   const auto type = gdal->OGR_L_GetGeomType(reader->layer_);
-  if ((type != wkbLineString && type != wkbLineString25D) || gdal->OGR_FD_GetFieldCount(definition) != 1)
-    return refused();
+  const int fields = gdal->OGR_FD_GetFieldCount(definition);
+  if ((type != wkbLineString && type != wkbLineString25D) || fields < 1 || fields > 2) return refused();
   reader->value_name_ = gdal->OGR_Fld_GetNameRef(gdal->OGR_FD_GetFieldDefn(definition, 0));
+  if (fields == 2) reader->index_name_ = gdal->OGR_Fld_GetNameRef(gdal->OGR_FD_GetFieldDefn(definition, 1));
   return reader;
 }
 
@@ -63,8 +64,9 @@ Status LineReader::for_each(std::uint64_t after, const std::optional<Bounds>& bo
   const DefaultArithmetic kept;
   const GdalQuiet quiet(gdal_);
   // The names of columns are those that GDAL gives in the files that we write.
-  std::string sql = "SELECT fid AS line_number, " + quoted(value_name_) +
-                    " AS line_value, geom FROM contours WHERE fid > " + text_of(after);
+  std::string sql = "SELECT fid AS line_number, " + quoted(value_name_) + " AS line_value, " +
+                    (index_name_.empty() ? "NULL" : quoted(index_name_)) +
+                    " AS line_index, geom FROM contours WHERE fid > " + text_of(after);
   if (box)
     sql += " AND fid IN (SELECT id FROM rtree_contours_geom WHERE maxx >= " + text_of(box->lo.x) +
            " AND minx <= " + text_of(box->hi.x) + " AND maxy >= " + text_of(box->lo.y) +
@@ -75,6 +77,7 @@ Status LineReader::for_each(std::uint64_t after, const std::optional<Bounds>& bo
   const OGRFeatureDefnH definition = gdal_.OGR_L_GetLayerDefn(found);
   const int number = gdal_.OGR_FD_GetFieldIndex(definition, "line_number");
   const int value = gdal_.OGR_FD_GetFieldIndex(definition, "line_value");
+  const int index = gdal_.OGR_FD_GetFieldIndex(definition, "line_index");
   Status status = success();
   Line line;
   for (OGRFeatureH feature = gdal_.OGR_L_GetNextFeature(found); feature != nullptr;
@@ -82,6 +85,7 @@ Status LineReader::for_each(std::uint64_t after, const std::optional<Bounds>& bo
     line.number = number < 0 ? static_cast<std::uint64_t>(gdal_.OGR_F_GetFID(feature))
                              : static_cast<std::uint64_t>(gdal_.OGR_F_GetFieldAsInteger64(feature, number));
     line.value = gdal_.OGR_F_GetFieldAsDouble(feature, value);
+    if (!index_name_.empty()) line.index = gdal_.OGR_F_GetFieldAsInteger64(feature, index) != 0;
     const OGRGeometryH geometry = gdal_.OGR_F_GetGeometryRef(feature);
     line.points.assign(geometry == nullptr ? 0 : static_cast<std::size_t>(gdal_.OGR_G_GetPointCount(geometry)),
                        Point{});

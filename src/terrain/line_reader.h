@@ -23,12 +23,13 @@ class LineReader {
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
 
-  const std::string& value_name() const { return value_name_; }  // of the lines' only attribute
+  const std::string& value_name() const { return value_name_; }  // of the lines' attribute beside `index`
   std::uint64_t lines() const;                                   // all
 
   struct Line {
     std::uint64_t number = 0;  // ascending, by level
     double value = 0;
+    std::optional<bool> index = {};  // none in files of releases before it was there
     std::vector<Point> points;
   };
   // Gives `visit` the lines whose number is above `after`, ascending, those alone whose box meets `box`, if there is
@@ -42,7 +43,7 @@ class LineReader {
   const GdalLibrary& gdal_;
   GDALDatasetH dataset_;
   OGRLayerH layer_ = nullptr;
-  std::string value_name_;
+  std::string value_name_, index_name_;
 };
 
 }  // namespace tessera::terrain

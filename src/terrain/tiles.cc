@@ -7,6 +7,7 @@
 
 #include "src/base/option.h"
 #include "src/crs/crs.h"
+#include "src/export/cell_filter.h"
 #include "src/query/part.h"
 #include "src/query/stored_triangulation.h"
 
@@ -26,6 +27,14 @@ Error nothing_there(const Bounds& all) {
 }
 
 }  // namespace
+
+Status check_surface(const std::filesystem::path& out, const Manifest& manifest,
+                     const std::optional<double>& max_edge) {
+  if (manifest.dimension != 2)
+    return error(Errc::usage, out.string() + ": is a 3D result, which has no heights over a plane; triangulate with " +
+                                  option("dim", "2"));
+  return exports::check_max_edge(max_edge);
+}
 
 Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box) {
   const Bounds& all = manifest.bounds;

@@ -17,6 +17,9 @@
 
 namespace tessera::terrain {
 
+// Error usage for a 3D result, whose cells are no surface over a plane, and for a longest edge that is no length.
+Status check_surface(const std::filesystem::path& out, const Manifest& manifest, const std::optional<double>& max_edge);
+
 // Error usage, which says where the points are, when the box is outside of all of them.
 Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box);
 

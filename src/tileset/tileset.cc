@@ -238,8 +238,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
                               std::stop_token stop) {
   const fs::path path = target.has_filename() ? target : target.parent_path();
   BOOST_OUTCOME_TRYV(tileset::check_target(path, options.overwrite));
-  if (options.max_edge && !(std::isfinite(*options.max_edge) && *options.max_edge > 0))
-    return error(Errc::usage, option("max-edge") + ": must be a length, finite and above 0");
+  BOOST_OUTCOME_TRYV(exports::check_max_edge(options.max_edge));
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));
   BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));

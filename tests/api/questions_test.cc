@@ -169,7 +169,11 @@ TEST(Lines, OfRowsWithHeightsAreArraysAndFiles) {
   const TemporaryHome home;
   const Triangulation t = slope();
   ASSERT_EQ(t.tile(0).attributes().size(), 2u);
-  const LineSet lines = draw_contours(t, ContourRequest(5).base(2.5));
+  const LineSet lines = draw_contours(t, ContourRequest(5).base(2.5).index_every(2));
+  EXPECT_EQ(lines.index, (std::vector<std::uint8_t>{1, 0, 1, 0}));
+  const LineSet smooth = draw_contours(t, ContourRequest(5).base(2.5).smooth(1.5));
+  EXPECT_EQ(smooth.values, lines.values);
+  EXPECT_EQ(draw_contours(t, ContourRequest(5).base(2.5).min_length(50)).values.size(), 0u);
   EXPECT_EQ(lines.values, (std::vector<double>{2.5, 7.5, 12.5, 17.5}));
   ASSERT_EQ(lines.offsets.size(), 5u);
   EXPECT_EQ(lines.offsets.back() * 2, lines.points.size());
@@ -191,8 +195,11 @@ TEST(Lines, OfRowsWithHeightsAreArraysAndFiles) {
             csv.string() + ": exists already; overwrite(true) replaces it");
   EXPECT_NE(write_contours(t, home.path() / "lines.geojson", ContourRequest(5)), "");
   EXPECT_NE(write_raster(t, home.path() / "shade.tif", RasterRequest(1).hillshade(90, 30)), "");
-  EXPECT_STREQ(failure_of([&] { draw_raster(t, RasterRequest(1).hillshade()); }).what(),
-               "hillshade(true): is written to a file; give its name");
+  const Raster lit = draw_raster(t, RasterRequest(1).hillshade(270, 45));
+  EXPECT_GT(lit.pixels, 300u);
+  // A slope of one in one that faces the light; less beside pixels without a height.
+  EXPECT_GT(std::count(lit.values.begin(), lit.values.end(), 255.0), 250);
+  for (const double pixel : lit.values) EXPECT_TRUE(std::isnan(pixel) || (pixel > 200 && pixel <= 255)) << pixel;
 }
 
 }  // namespace

@@ -71,6 +71,16 @@ class Descriptions(CloudTest):
         self.assertEqual(ground["classification"]["2"], info["classification"]["2"])
         self.assertIn("2 ground: ", self.ok("info", f"{IGN}/*.las", "--stats"))
 
+    def test_what_was_counted_is_not_guessed(self):
+        cloud = self.write("long.csv", "".join(f"{i % 37}.1234567890123456 {i % 41}.12345678901234 {i}.123456789012345\n" for i in range(3000)))
+        self.assertNotEqual(self.info(cloud)["points"], 3000)  # text leaves it open
+        counted = self.info(cloud, "--stats")
+        self.assertEqual((counted["points"], counted["statistics"]["points"]), (3000, 3000))
+        said = self.ok("info", cloud, "--stats")
+        self.assertEqual(said.count("3 000"), 2)
+        ground = self.info(f"{IGN}/*.las", "--stats", "--class", "2", "--dim", "2")
+        self.assertLess(ground["estimate"]["cells"], 2 * ground["statistics"]["classification"]["2"] + 1)
+
     def test_a_result_is_told_in_words_of_its_users(self):
         self.ok("triangulate", f"{IGN}/*.las", "-o", self.out, "--dim", "2", "--quiet")
         told = self.ok("info", self.out)

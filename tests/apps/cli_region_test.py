@@ -114,6 +114,10 @@ class RegionTest(CliTest):
         self.assertEqual(info["region"]["min"], [*BOX[:2], None])
         self.assertTrue(info["region"]["complete"])
         self.assertIn("all cells that meet it", self.ok("info", self.out))
+        # What a region does not need was not read: nobody has counted what filters drop.
+        self.assertEqual([info[key] for key in ("filtered", "invalid", "duplicates")], [None] * 3)
+        self.assertNotIn("filtered out", self.ok("info", self.out))
+        self.assertIn(f"{info['points']:,}".replace(",", " ") + " in the files, of which", self.ok("info", self.out))
         self.refused(USAGE, "verify", self.out, says="holds a region of a triangulation")
 
     def test_equal_regions_are_equal_files(self):

@@ -145,7 +145,7 @@ class Export(ServerTest):
         process = subprocess.Popen([TESSERA, "export", "block", "-o", "mesh.off"], cwd=self.folder, text=True,
                                    stderr=subprocess.PIPE, env=os.environ | self.asking)
         self.addCleanup(process.stderr.close)
-        self.assertEqual(process.stderr.readline(), "job j1 waits for its turn\n")
+        self.assertEqual(process.stderr.readline(), "job j1 is accepted\n")
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate(timeout=60)
         self.assertEqual(process.returncode, INTERRUPTED)

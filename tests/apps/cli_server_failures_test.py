@@ -16,6 +16,15 @@ class Failures(ServerTest):
             self.server.on_submit = lambda job: (job.tell("running"), job.tell("failed", problem=problem))
             self.refused(cause, "triangulate", "a", "-o", "x", says=f"tessera: memory: too small for {cause}")
 
+    def test_options_in_a_sentence_are_called_as_in_the_command(self):
+        problem = {"detail": "two systems: say with crs what all are in, or overwrite: true", "cause": BAD_INPUT, "status": 422,
+                   "marked": "two systems: say with \0crs\x01 what all are in, or \0overwrite=true\x01"}
+        says = "two systems: say with --crs what all are in, or --overwrite"
+        self.server.on_submit = lambda job: (job.tell("running"), job.tell("failed", problem=problem))
+        self.refused(BAD_INPUT, "triangulate", "a", "-o", "x", says=says)
+        self.server.refusals["POST", "/v1/processes/triangulate/execution"] = (422, problem)
+        self.refused(BAD_INPUT, "triangulate", "a", "-o", "x", says=says)
+
     def test_a_refused_job_says_why(self):
         path = "/v1/processes/triangulate/execution"
         self.server.refusals["POST", path] = (422, {"detail": "memory: 1 GiB is too little, 5 GiB are needed", "cause": MEMORY})

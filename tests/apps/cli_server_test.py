@@ -139,7 +139,7 @@ class Watch(ServerTest):
 
     def test_a_daemon_that_is_killed_and_comes_back_is_waited_for(self):
         process = self.watch()
-        self.assertEqual(process.stderr.readline(), "job j1 waits for its turn\n")
+        self.assertEqual(process.stderr.readline(), "job j1 is accepted\n")
         self.job.tell("running", phase="routing")
         with self.server.changed:
             self.assertTrue(self.server.changed.wait_for(lambda: self.server.last_sent == 1, 60))

@@ -1,5 +1,6 @@
 """What happens to the real daemon: a full disk, a folder that cannot be written, a stop, jumping clocks, deadly jobs."""
 import http.client
+import json
 import os
 import pathlib
 import signal
@@ -33,6 +34,25 @@ class Faults(DaemonTest):
                                         {"inputs": {"inputs": [f"{cloud}.npy"], "output": output, **more}})
         self.assertEqual(status, 201, job)
         return job["jobID"]
+
+    def test_inputs_are_named_from_their_folder_on(self):
+        """In answers, jobs and their logs: where they lie on the machine is nobody's business."""
+        (self.inputs / "block").mkdir()
+        (self.inputs / "block/torn.npy").write_bytes((self.inputs / "small.npy").read_bytes()[:1000])
+        daemon = self.start()
+        body = {"inputs": {"inputs": ["block/torn.npy"], "output": "torn"}}
+        said = [daemon.request("POST", "/v1/processes/info/execution", {"inputs": {"inputs": ["block/torn.npy"]}}),
+                daemon.request("POST", "/v1/processes/triangulate/estimate", body)]
+        self.assertEqual([status for status, _, _ in said], [422, 422])
+        status, _, job = daemon.request("POST", "/v1/processes/triangulate/execution", body)
+        if status == 201:
+            said.append((0, {}, daemon.wait(job["jobID"])["problem"]))
+        else:
+            said.append((status, {}, job))
+        for _, _, problem in said:
+            self.assertRegex(problem["detail"], "(^|[ '\"])block/torn.npy[,:] ")
+            self.assertNotIn(str(self.folder), json.dumps(problem))
+        self.assertEqual(daemon.end(), 0, daemon.messages())
 
     def until(self, daemon, job, *states, phase=None):
         """The job's status once it is one of those, and in that phase."""

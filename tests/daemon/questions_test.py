@@ -120,6 +120,15 @@ class Questions(DaemonTest):
         self.tessera("dem", self.result("flat"), "--res", "0.5", "--bbox", box, "--max-edge", "5", "-o", out)
         status, headers, body = self.ask("GET", "flat", f"dem?res=0.5&bbox={box}&max-edge=5")
         self.assertEqual((status, headers["Content-Type"].split(";")[0], body), (200, "image/tiff", out.read_bytes()))
+        out = self.folder / "lines.geojson"
+        self.tessera("contours", self.result("flat"), "--interval", "0.5", "--bbox", box, "--smooth", "1", "--min-length", "2", "--index-every", "3", "-o", out)
+        status, _, body = self.ask("GET", "flat", f"contours?interval=0.5&bbox={box}&smooth=1&min-length=2&index-every=3")
+        self.assertEqual((status, body), (200, json.loads(out.read_bytes())))
+        self.assertEqual(self.ask("GET", "flat", f"contours?interval=0.5&smooth=0.001")[0], 422)
+        line = f"{x - 9},{y - 9} {x + 9},{y + 9}"
+        for digits in ("all", "2", "data"):
+            status, _, body = self.ask("GET", "flat", f"profile?line={line.replace(' ', '%20')}&digits={digits}")
+            self.assertEqual((status, body.decode()), (200, self.tessera("profile", self.result("flat"), "--line", line, "--digits", digits)))
 
     def test_wrong_questions_are_refused_with_a_sentence(self):
         csv, npy = "text/csv", "application/x-npy"

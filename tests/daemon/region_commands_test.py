@@ -30,7 +30,8 @@ class Commands(regions_test.WithDaemon):
 
     def test_drawings_are_told_and_written_as_here(self):
         for near, far, args in (("a.tif", "b.tif", ("--res", 0.5, "--max-edge", 1)), ("a.tif", "b.tif", ("--res", 1, "--hillshade", "--bbox", ",".join(map(repr, self.middle())))),
-                                ("a.geojson", "b.geojson", ("--interval", 1, "--max-edge", 1)), ("a.geojson", "b.geojson", ("--interval", 2, "--base", 0.25))):
+                                ("a.geojson", "b.geojson", ("--interval", 1, "--max-edge", 1)), ("a.geojson", "b.geojson", ("--interval", 2, "--base", 0.25)),
+                                ("a.geojson", "b.geojson", ("--interval", 0.5, "--smooth", 1, "--min-length", 3, "--index-every", 2))):
             command = "dem" if near.endswith(".tif") else "contours"
             for also in ((), ("--json",)):
                 with self.subTest(f"{command} {args} {also}"):
@@ -53,6 +54,14 @@ class Commands(regions_test.WithDaemon):
         self.assertEqual((self.folder / "fetched.tif").read_bytes(), (self.folder / "dem.tif").read_bytes())
         self.assertEqual(self.exports(), ["dem.tif", "later.tif"])
         self.says_no("exists already", "fetch", job, "-o", "fetched.tif")
+        self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
+
+    def test_an_export_in_local_coordinates_is_that_of_here(self):
+        here = self.tessera("export", self.result, "-o", "a.ply", "--local")
+        there = self.tessera("export", "ground", "-o", "b.ply", "--local", *self.server)
+        self.assertEqual(there, here.replace("a.ply", "b.ply"))
+        self.assertEqual((self.folder / "b.ply").read_bytes(), (self.folder / "a.ply").read_bytes())
+        self.says_no("--local: is for ply, obj and off; vtu keeps coordinates as they are", "export", "ground", "-o", "b.vtu", "--local")
         self.assertEqual(self.daemon.end(), 0, self.daemon.messages())
 
     def test_a_region_is_told_as_here(self):

@@ -9,6 +9,9 @@ import warnings
 
 import numpy as np
 import tessera
+from osgeo import gdal
+
+gdal.UseExceptions()
 
 IGN = pathlib.Path(os.environ["IGN"])
 
@@ -56,14 +59,31 @@ class Lines(unittest.TestCase):
 
     def test_a_profile_is_that_of_the_command(self):
         text = " ".join(f"{x!r},{y!r}" for x, y in self.line.tolist())
-        path = self.same_as_of_the_command("profile.csv", lambda path: self.ground.profile(self.line, path, max_edge=5),
-                                           "profile", "--line", text, "--max-edge", 5)
+        path = self.same_as_of_the_command("profile.csv", lambda path: self.ground.profile(self.line, path, max_edge=5, digits="all"),
+                                           "profile", "--line", text, "--max-edge", 5, "--digits", "all")
         table = np.loadtxt(path, delimiter=",", skiprows=1)
         profile = self.ground.profile(self.line, max_edge=5)
         self.assertGreater(len(table), 20)
         np.testing.assert_array_equal(np.column_stack(profile[:3] + (profile.parts,)), table)
         np.testing.assert_allclose(self.ground.interpolate(profile.points), profile.values, atol=1e-6)
         self.assertEqual(profile.points[0].tolist(), self.line[0].tolist())
+
+        for digits in (None, 2):
+            self.same_as_of_the_command(f"rounded{digits}.csv", lambda path: self.ground.profile(self.line, path, digits=digits),
+                                        "profile", "--line", text, "--digits", "data" if digits is None else digits)
+        with self.assertWarnsRegex(UserWarning, "^the surface begins .* after the line's beginning"):
+            self.ground.profile(self.line - [[100, 0], [0, 0], [0, 0]], self.folder / "outside.csv")
+
+    def test_lines_for_maps_are_those_of_the_command(self):
+        path = self.same_as_of_the_command(
+            "map.geojson", lambda path: self.ground.contours(path, interval=0.25, smooth=1, min_length=5, index_every=2),
+            "contours", "--interval", 0.25, "--smooth", 1, "--min-length", 5, "--index-every", 2)
+        features = json.loads(path.read_text())["features"]
+        lines = self.ground.contours(interval=0.25, smooth=1, min_length=5, index_every=2)
+        self.assertEqual([(line.value, line.index) for line in lines],
+                         [(each["properties"]["elevation"], each["properties"]["index"]) for each in features])
+        self.assertEqual({line.index for line in lines}, {False, True})
+        self.assertGreater(min(np.hypot(*np.diff(line.points, axis=0).T).sum() for line in lines), 5)
 
     def test_a_hillshade_is_that_of_the_command(self):
         plain = self.same_as_of_the_command("a.tif", lambda path: self.ground.dem(path, res=1, hillshade=True),
@@ -72,6 +92,14 @@ class Lines(unittest.TestCase):
             "b.tif", lambda path: self.ground.dem(path, res=1, bbox=self.box, hillshade=True, azimuth=90, altitude=30),
             "dem", "--res", 1, "--bbox", ",".join(map(repr, self.box)), "--hillshade", "--azimuth", 90, "--altitude", 30)
         self.assertNotEqual(plain.read_bytes(), lit.read_bytes())
+        with self.assertRaisesRegex(tessera.UsageError, "^hillshade=True: its pixels are bytes"):
+            self.ground.dem(res=1, hillshade=True, doubles=True)
+        for path, more in ((plain, {}), (lit, {"bbox": self.box, "azimuth": 90, "altitude": 30})):
+            raster = self.ground.dem(res=1, hillshade=True, **more)
+            bytes_of_file = gdal.Open(str(path)).ReadAsArray()
+            np.testing.assert_array_equal(np.nan_to_num(raster.values, nan=0), bytes_of_file)
+            self.assertEqual(np.isnan(raster.values).sum(), (bytes_of_file == 0).sum())
+            self.assertGreater(len(np.unique(raster.values)), 50)
 
     def test_rasters_have_the_system_of_the_result(self):
         raster = self.ground.dem(res=5)
@@ -103,6 +131,11 @@ class Lines(unittest.TestCase):
         refused("^bbox: is an empty box", t.contours, interval=1, bbox=[1, 1, 0, 0])
         refused("^bbox: must be finite", t.contours, interval=1, bbox=[0, 0, np.nan, 1])
         refused("^max_edge: must be a length", t.contours, interval=1, max_edge=-1)
+        refused("^smooth: must be a length", t.contours, interval=1, smooth=0)
+        refused("^smooth: is too small", t.contours, interval=1, smooth=1e-9)
+        refused("^min_length: must be a length", t.contours, interval=1, min_length=-1)
+        refused("^index_every: must be from 1", t.contours, interval=1, index_every=0)
+        refused("^digits is 18", t.profile, self.line, self.folder / "a.csv", digits=18)
         refused("'colour'", t.contours, interval=1, value="colour")
         refused("png", t.contours, self.folder / "a.png", interval=1)
         refused("^line has the shape", t.profile, [[0, 0]])
@@ -114,7 +147,6 @@ class Lines(unittest.TestCase):
         self.assertEqual(out.read_text(), "mine")
         t.profile(self.line, out, overwrite=True)
         self.assertTrue(out.read_text().startswith("distance,x,y,z,part\n"))
-        refused("^hillshade=True: is written to a file; give its name", t.dem, res=1, hillshade=True)
         refused("^hillshade=True: its pixels are bytes, whatever doubles", t.dem, self.folder / "a.tif", res=1, hillshade=True, doubles=True)
         refused("^azimuth and altitude are of a hillshade", t.dem, self.folder / "a.tif", res=1, azimuth=3)
         refused("^altitude", t.dem, self.folder / "a.tif", res=1, hillshade=True, altitude=91)

@@ -102,7 +102,7 @@ class Profile(CliTest):
                 out = self.triangulate(self.cloud(kind), *tiles)
                 told = []
                 for line in moved:
-                    order = ["profile", out, "--line", " ".join(f"{x!r},{y!r}" for x, y in line), *(("--max-edge", str(max_edge)) if max_edge else ())]
+                    order = ["profile", out, "--digits", "all", "--line", " ".join(f"{x!r},{y!r}" for x, y in line), *(("--max-edge", str(max_edge)) if max_edge else ())]
                     done = self.run_tessera(*order)
                     told.append(done.stdout if done.returncode == 0 else "nothing")
                     self.assertIn(done.returncode, (0, USAGE), done.stderr)
@@ -125,6 +125,43 @@ class Profile(CliTest):
                             self.assertLess(abs(u - v), 1e-9 * max(1, abs(v)))
                     met += 1
             self.assertGreater(met, 5)
+
+    def test_numbers_are_rounded_to_what_data_carry(self):
+        for kind, line, most in (("far", "885003,6290003 885033.3,6290029.7", 4), ("uniform", "-8,-5 8.7,5.1", 9)):
+            out = self.triangulate(self.cloud(kind), "7")
+            def rows(*options):
+                return list(csv.reader(io.StringIO(self.ok("profile", out, "--line", line, *options))))[1:]
+            exact = rows("--digits", "all")
+            self.assertGreater(max(len(number) for row in exact for number in row), 15)
+            highest = max(abs(float(row[3])) for row in exact)
+            least = 4 if highest >= 1 else 4 - math.floor(math.log10(highest))
+            for options, places, values in (((), most, least), (("--digits", "data"), most, least), (("--digits", "2"), 2, 2), (("--digits", "0"), 0, 0)):
+                rounded = rows(*options)
+                self.assertEqual(len(rounded), len(exact))
+                for a, b in zip(rounded, exact):
+                    self.assertEqual(a[4], b[4])
+                    for column, decimals in enumerate((places, places, places, values)):
+                        self.assertRegex(a[column], rf"^-?[0-9]+(\.[0-9]{{0,{max(decimals - 1, 0)}}}[1-9])?$" if decimals else "^-?[0-9]+$")
+                        self.assertNotEqual(a[column], "-0")
+                        self.assertLessEqual(abs(float(a[column]) - float(b[column])), 0.5000001 * 10.0 ** -decimals)
+            for wrong in ("18", "-1", "x", "1.5", ""):
+                self.refused(USAGE, "profile", out, "--line", line, "--digits", wrong, says="--digits")
+
+    def test_ends_and_gaps_are_told(self):
+        rows = [(x, y, x) for x in range(20) for y in range(5) if not 6 < x < 12]
+        out = self.triangulate(self.write("gap.csv", "x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in rows)), "3")
+        order = ("profile", out, "--max-edge", "2", "--line", "-3,2.5 23.5,2.5")
+        done = self.run_tessera(*order)
+        self.assertEqual(done.stderr, "note: the surface begins 3 after the line's beginning, ends 4.5 before its end, has 1 gap of 6\n")
+        self.assertEqual(self.run_tessera(*order, "--quiet").stderr, "")
+        done = self.run_tessera(*order, "-o", "a.csv")
+        self.assertRegex(done.stdout, "^a.csv: [0-9]+ points, in 2 parts\n$")
+        self.assertIn("has 1 gap of 6", done.stderr)
+        facts = json.loads(self.ok(*order, "-o", "a.csv", "--overwrite", "--json"))
+        self.assertEqual([facts[key] for key in ("parts", "before", "after", "gaps", "between")], [2, 3, 4.5, 1, 6])
+        inside = self.run_tessera("profile", out, "--line", "1,1 5,3", "-o", "b.csv")
+        self.assertEqual((inside.returncode, inside.stderr), (0, ""))
+        self.assertRegex(inside.stdout, "^b.csv: [0-9]+ points, in one part\n$")
 
     def test_a_line_of_a_file(self):
         out = self.triangulate(self.cloud("uniform"), "7")

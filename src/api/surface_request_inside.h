@@ -1,0 +1,79 @@
+// What the requests for surfaces hold, and their common functions; each of them is made in one file of the library.
+#pragma once
+
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <utility>
+
+#include "src/job/machine.h"
+#include "tessera/surface_request.h"
+
+namespace tessera {
+
+// Specialised with the `Options` that the engine has for it.
+template <class Request>
+struct AskedOfEngine;
+
+template <class Request>
+struct SurfaceRequest<Request>::Impl {
+  // As it was set; 0 threads and 0 bytes stand for a choice of the library.
+  typename AskedOfEngine<Request>::Options options = {};
+  bool overwrite = false;
+  std::stop_token stop;
+
+  // All choices made.
+  auto chosen() const {
+    auto all = options;
+    if (all.memory_bytes == 0) all.memory_bytes = default_memory();
+    if constexpr (requires { all.threads; }) {
+      if (all.threads == 0) all.threads = usable_processors();
+    }
+    if constexpr (requires { all.overwrite; }) all.overwrite = overwrite;
+    if constexpr (requires { all.stop; }) all.stop = stop;
+    return all;
+  }
+};
+
+template <class Request>
+SurfaceRequest<Request>::SurfaceRequest() : impl_(std::make_unique<Impl>()) {
+  impl_->options.memory_bytes = 0;
+  if constexpr (requires { impl_->options.threads; }) impl_->options.threads = 0;
+}
+template <class Request>
+SurfaceRequest<Request>::SurfaceRequest(const SurfaceRequest& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+template <class Request>
+SurfaceRequest<Request>& SurfaceRequest<Request>::operator=(const SurfaceRequest& other) {
+  *impl_ = *other.impl_;
+  return *this;
+}
+template <class Request>
+SurfaceRequest<Request>::~SurfaceRequest() = default;
+
+template <class Request>
+Request& SurfaceRequest<Request>::max_edge(double length) {
+  impl_->options.max_edge = length;
+  return static_cast<Request&>(*this);
+}
+template <class Request>
+Request& SurfaceRequest<Request>::value(const std::string& name) {
+  impl_->options.value = name;
+  return static_cast<Request&>(*this);
+}
+template <class Request>
+Request& SurfaceRequest<Request>::overwrite(bool overwrite) {
+  impl_->overwrite = overwrite;
+  return static_cast<Request&>(*this);
+}
+template <class Request>
+Request& SurfaceRequest<Request>::memory_bytes(std::uint64_t bytes) {
+  impl_->options.memory_bytes = bytes;
+  return static_cast<Request&>(*this);
+}
+template <class Request>
+Request& SurfaceRequest<Request>::stop(std::stop_token stop) {
+  impl_->stop = std::move(stop);
+  return static_cast<Request&>(*this);
+}
+
+}  // namespace tessera
