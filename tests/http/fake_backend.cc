@@ -253,24 +253,6 @@ Reply<void> FakeBackend::remove_triangulation(std::string_view name, const Calle
   return refused(409, "a job works on it");
 }
 
-Reply<proto::ExportList> FakeBackend::exports(std::string_view name, std::uint32_t, std::string_view) {
-  if (name != "block") return refused(404, "there is no such triangulation");
-  proto::ExportList list;
-  proto::ExportInfo& mesh = *list.add_exports();
-  mesh.set_name("mesh.ply");
-  mesh.set_bytes(7);
-  mesh.set_files(1);
-  list.set_number_matched(1);
-  return list;
-}
-
-Reply<proto::InputList> FakeBackend::inputs(std::string_view folder, std::uint32_t, std::string_view, const Caller&) {
-  proto::InputList list;
-  list.set_folder(std::string(folder));
-  list.set_number_matched(0);
-  return list;
-}
-
 Reply<void> FakeBackend::remove_export(std::string_view name, std::string_view file, const Caller&) {
   if (name != "block" || file != "mesh.ply") return refused(404, "there is no such export");
   return success();
