@@ -144,6 +144,16 @@ class Client:
         """What the daemon has made: "name", "dimension", "vertices", "cells", "tiles", "bytes", "digest", ... of each."""
         return self._http.ask_for_all("/triangulations", "triangulations")
 
+    def inputs(self, folder: str = "") -> list[dict[str, typing.Any]]:
+        """The point files and folders that jobs may read: "name", "folder", "bytes", "points", "bounds", "crs", ... of each.
+
+        Parameters
+        ----------
+        folder
+            As the "name" of one that was listed; "upload:NAME" for what was sent there. All that the daemon reads from by default.
+        """
+        return self._http.ask_for_all(f"/inputs?folder={quoted(folder)}", "inputs")
+
     def nodes(self) -> list[dict[str, typing.Any]]:
         """Who works on the jobs: "name", "address", "state", "threads", "memoryBytes", "memoryUsedBytes", ... of each node."""
         try:

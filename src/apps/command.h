@@ -40,6 +40,7 @@ Command add_watch(CLI::App& root);
 Command add_cancel(CLI::App& root);
 Command add_resume(CLI::App& root);
 Command add_results(CLI::App& root);
+Command add_inputs(CLI::App& root);
 Command add_fetch(CLI::App& root);
 Command add_upload(CLI::App& root);
 Command add_nodes(CLI::App& root);

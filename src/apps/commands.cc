@@ -35,6 +35,7 @@ std::vector<Command> add_commands(CLI::App& root) {
   commands.push_back(add_watch(root));
   commands.push_back(add_cancel(root));
   commands.push_back(add_resume(root));
+  commands.push_back(add_inputs(root));
   commands.push_back(add_results(root));
   commands.push_back(add_fetch(root));
   commands.push_back(add_upload(root));

@@ -60,6 +60,24 @@ std::string results_text(const std::vector<proto::TriangulationInfo>& results) {
   return table(rows);
 }
 
+std::string inputs_text(const std::vector<proto::InputInfo>& inputs, const std::string& folder) {
+  if (inputs.empty())
+    return folder.empty() ? "there are no point files and no folders to choose from\n"
+                          : "there are no point files and no folders in " + printable(folder) + "\n";
+  std::vector<Row> rows{{"INPUT", "SIZE", "POINTS", "SYSTEM"}};
+  std::string notes;
+  for (const auto& input : inputs) {
+    if (input.folder()) {
+      rows.push_back({input.name() + "/", "", "", ""});
+      continue;
+    }
+    rows.push_back({input.name(), human_bytes(input.bytes()), input.has_points() ? grouped(input.points()) : "-",
+                    input.crs().empty() ? "-" : input.crs()});
+    if (!input.note().empty()) notes += printable(input.note()) + "\n";
+  }
+  return table(rows) + notes;
+}
+
 std::string nodes_text(const std::vector<proto::NodeInfo>& nodes) {
   if (nodes.empty()) return "there are no nodes\n";
   std::vector<Row> rows{
@@ -162,6 +180,19 @@ nlohmann::ordered_json result_json(const proto::TriangulationInfo& result) {
           {"crs", result.crs()},
           {"bounds", std::vector<double>(result.bounds().begin(), result.bounds().end())},
           {"created", result.created()}};
+}
+
+nlohmann::ordered_json input_json(const proto::InputInfo& input) {
+  nlohmann::ordered_json json{{"event", "input"}, {"name", input.name()}, {"folder", input.folder()}};
+  json["modified"] = input.modified();
+  if (input.folder()) return json;
+  json["bytes"] = input.bytes();
+  json["format"] = input.format();
+  if (input.has_points()) json["points"] = input.points();
+  if (input.bounds_size() > 0) json["bounds"] = std::vector<double>(input.bounds().begin(), input.bounds().end());
+  if (!input.crs().empty()) json["crs"] = input.crs();
+  if (!input.note().empty()) json["note"] = input.note();
+  return json;
 }
 
 nlohmann::ordered_json node_json(const proto::NodeInfo& node) {

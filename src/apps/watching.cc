@@ -118,7 +118,8 @@ Status show_outcome(Server& server, const proto::StatusInfo& job, const OutputOp
   } else if (described) {
     say_whole(*described, false);
   } else {
-    say("job %s: %s: %s\n", job.job_id().c_str(), job.status().c_str(), job.message().c_str());
+    say("job %s: %s%s\n", job.job_id().c_str(), job.status().c_str(),
+        job.message().empty() ? "" : (": " + job.message()).c_str());
   }
   return success();
 }

@@ -113,6 +113,7 @@ namespace {
 
 const auto& members(const proto::JobList& list) { return list.jobs(); }
 const auto& members(const proto::TriangulationList& list) { return list.triangulations(); }
+const auto& members(const proto::InputList& list) { return list.inputs(); }
 
 }  // namespace
 
@@ -204,6 +205,11 @@ Result<nlohmann::ordered_json> Server::outcome(const std::string& id, const std:
 
 Result<std::vector<proto::TriangulationInfo>> Server::triangulations(const std::stop_token& stop) {
   return ask_for_all<proto::TriangulationList, proto::TriangulationInfo>(target("/triangulations"), SIZE_MAX, stop);
+}
+
+Result<std::vector<proto::InputInfo>> Server::inputs(const std::string& folder, const std::stop_token& stop) {
+  return ask_for_all<proto::InputList, proto::InputInfo>(target("/inputs?folder=" + percent_encoded(folder)), SIZE_MAX,
+                                                         stop);
 }
 
 Result<std::vector<proto::NodeInfo>> Server::nodes(const std::stop_token& stop) {

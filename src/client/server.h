@@ -68,6 +68,8 @@ class Server {
   Result<std::vector<proto::TriangulationInfo>> triangulations(const std::stop_token& stop);
   // Nothing when there is none of this name.
   Result<std::optional<proto::TriangulationInfo>> triangulation(const std::string& name, const std::stop_token& stop);
+  // What a folder holds that jobs may read, by name; "": of all that the server reads from.
+  Result<std::vector<proto::InputInfo>> inputs(const std::string& folder, const std::stop_token& stop);
   // Who works on the jobs, in order of coming.
   Result<std::vector<proto::NodeInfo>> nodes(const std::stop_token& stop);
   // Takes all work from a node, by its name or id, and lets its process end. What it was.

@@ -21,6 +21,32 @@ std::optional<LengthUnit> length_unit(double metres) {
 
 }  // namespace
 
+CoordinateUnits coordinate_units(const std::string& crs) {
+  CoordinateUnits units;
+  const auto gdal = gdal_library();
+  if (crs.empty() || !gdal) return units;
+  const auto reference = SpatialReference::parse(*gdal.value(), crs);
+  if (!reference) return units;
+  const GdalQuiet quiet(*gdal.value());
+  char* name = nullptr;
+  const auto told = [&](double metres) -> std::string {
+    const auto known = length_unit(metres);
+    if (!known) return name == nullptr ? "" : name;
+    return *known == LengthUnit::metre ? "metre" : *known == LengthUnit::foot ? "foot" : "US survey foot";
+  };
+  const auto& library = *gdal.value();
+  OGRSpatialReferenceH system = reference.value().get();
+  if (library.OSRIsGeographic(system) != 0) {
+    units.horizontal = "degree";
+  } else {
+    units.horizontal = told(library.OSRGetLinearUnits(system, &name));
+    units.vertical = units.horizontal;
+  }
+  if (library.OSRGetAttrValue(system, "VERT_CS", 0) != nullptr)
+    units.vertical = told(library.OSRGetTargetLinearUnits(system, "VERT_CS", &name));
+  return units;
+}
+
 Result<SurveySystem> survey_system(const std::string& crs) {
   SurveySystem system;
   if (crs.empty()) return system;

@@ -29,6 +29,7 @@ constexpr Entry entries[] = {
     {"/v1/processes", "http://www.opengis.net/def/rel/ogc/1.0/processes", json, "What can be done"},
     {"/v1/jobs", "http://www.opengis.net/def/rel/ogc/1.0/job-list", json, "The jobs"},
     {"/v1/triangulations", "triangulations", json, "The results"},
+    {"/v1/inputs", "inputs", json, "The files that jobs may read"},
     {"/v1/collections", "data", json, "The results on maps"},
     {"/v1/nodes", "nodes", json, "Who works on the jobs"},
     {"/v1/caller", "caller", json, "Who you are"},
@@ -206,6 +207,7 @@ std::vector<Route> all_routes(Shared& shared, Backend& backend) {
   add_session_routes(routes, shared);
   add_job_routes(routes, shared);
   add_result_routes(routes);
+  add_listing_routes(routes);
   add_question_routes(routes);
   add_map_routes(routes);
   add_node_routes(routes);

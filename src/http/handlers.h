@@ -39,6 +39,7 @@ void add_common_routes(std::vector<Route>& routes, Shared& shared);
 void add_session_routes(std::vector<Route>& routes, Shared& shared);
 void add_job_routes(std::vector<Route>& routes, Shared& shared);
 void add_result_routes(std::vector<Route>& routes);
+void add_listing_routes(std::vector<Route>& routes);
 void add_question_routes(std::vector<Route>& routes);
 void add_map_routes(std::vector<Route>& routes);
 void add_node_routes(std::vector<Route>& routes);

@@ -68,6 +68,7 @@ void Links::add(const Request& request, proto::TriangulationInfo& triangulation)
                                     json, "Its manifest, which names its files");
   *triangulation.add_links() = link(request, file_path(triangulation.name(), master_file({}).string()), "item",
                                     "application/xml", "Its master file, for ParaView");
+  *triangulation.add_links() = link(request, self + "/exports", "exports", json, "What it was made into");
 }
 
 }  // namespace tessera::http

@@ -164,7 +164,7 @@ void add_question_routes(std::vector<Route>& routes) {
                           {"max-edge", "number", "No pixels in cells with a longer edge"},
                           {"value", "string", "An attribute of the vertices; z"},
                           {"type", "string", "float32 or float64"}}));
-  const Parameter max_edge{"max-edge", "number", "Nothing in cells with a longer edge"};
+  const Parameter max_edge{"max-edge", "number", "Cells with a longer edge are left out"};
   const Parameter value{"value", "string", "An attribute of the vertices; z"};
   routes.push_back(route("GET", "contours", "getContours", "The contour lines of a 2D result",
                          {{200, geojson, "", "The lines, in the coordinates of the result"},
@@ -195,17 +195,19 @@ void add_question_routes(std::vector<Route>& routes) {
 
   const std::string place = "x,y,z";
   const std::vector<Response> shape{{200, gltf, "", "Binary glTF, quantised and compressed; each cell by itself"}};
-  routes.push_back(route("GET", "shapes/hull", "getHull", "The hull of a 3D result, to be shown", shape,
-                         asks(About::hull), {limit}));
+  routes.push_back(route("GET", "shapes/hull", "getHull",
+                         "The hull of a 3D result, or the border of its cells without long edges, to be shown", shape,
+                         asks(About::hull), {max_edge, limit}));
   routes.push_back(route("GET", "shapes/section", "getSection", "What a plane cuts out of a 3D result, to be shown",
                          shape, asks(About::section),
                          {{"through", "string", place + ": a point of the plane"},
                           {"normal", "string", place + ": upright on it"},
                           bbox,
+                          max_edge,
                           limit}));
   routes.push_back(route(
       "GET", "shapes/cells", "getSolids", "The tetrahedra that meet a box, to be shown", shape, asks(About::solids),
-      {bbox, {"shrink", "number", "Each towards its mean; from 0.01 to 1, which is the usual"}, limit}));
+      {bbox, {"shrink", "number", "Each towards its mean; from 0.01 to 1, which is the usual"}, max_edge, limit}));
 }
 
 }  // namespace tessera::http

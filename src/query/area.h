@@ -86,6 +86,8 @@ struct Area {
   // Of 3D results: cells that meet the box, and have vertices on both sides of the plane or as near to it as rounding
   // is: all that meet the plane inside the box, and it may be others beside them.
   std::optional<Plane> plane = {};
+  // Cells with a longer edge are left out: in the plane in 2D.
+  std::optional<double> max_edge = {};
 };
 
 }  // namespace tessera::query

@@ -1,10 +1,15 @@
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "src/base/option.h"
+#include "src/export/cell_filter.h"
 #include "src/query/impl.h"
 #include "src/query/search.h"
 #include "src/verify/match_facets.h"
@@ -64,6 +69,42 @@ unsigned facet_bit(const QueryTile& main, std::int32_t main_cell, const QueryTil
   return 0;
 }
 
+// How many cells there are of which longest edge, in steps of a thirty-second of an octave: however many there are.
+class Lengths {
+ public:
+  void add(double length) {
+    if (length > 0 && std::isfinite(length)) ++steps_[static_cast<int>(std::ceil(std::log2(length) * steps_of_octave))];
+  }
+  // Every hundredth of them, ascending.
+  std::vector<double> parts() const {
+    std::uint64_t all = 0, before = 0;
+    for (const auto& [step, count] : steps_) all += count;
+    std::vector<double> parts;
+    for (const auto& [step, count] : steps_) {
+      before += count;
+      while (parts.size() <= 100 && before * 100 >= all * parts.size())
+        parts.push_back(std::exp2(step / steps_of_octave));
+    }
+    return parts;
+  }
+
+ private:
+  static constexpr double steps_of_octave = 32;
+  std::map<int, std::uint64_t> steps_;
+};
+
+// Of each cell of a tile, whether it has no longer edge; main ones are counted.
+std::vector<bool> kept_of(const QueryTile& tile, std::optional<double> max_edge, Lengths& lengths) {
+  const TileMesh& mesh = tile.mesh();
+  std::vector<bool> kept(mesh.cell_ghost.size());
+  for (std::size_t cell = 0; cell < kept.size(); ++cell) {
+    const double longest = exports::longest_edge(mesh, cell);
+    kept[cell] = !max_edge || longest <= *max_edge;
+    if (mesh.cell_ghost[cell] == 0) lengths.add(longest);
+  }
+  return kept;
+}
+
 // How many cells an answer may have.
 struct Room {
   Room(const CellLimits& limits, const Manifest& manifest)
@@ -110,20 +151,26 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
   return set;
 }
 
-Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskOptions& options) const {
+Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskOptions& options,
+                                            std::optional<double> max_edge) const {
   const Manifest& manifest = impl_->manifest;
   const Room room(limits, manifest);
   Walker walker(impl_->cache, manifest, !manifest.schema.empty());
   std::map<TileId, std::map<std::int32_t, std::uint8_t>> found;  // bits of facets by main tile and place in it
   std::uint64_t count = 0;
+  Lengths lengths;
   for (const TileEntry& entry : manifest.tiles) {
     if (options.stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for the hull");
     walker.keep_only(nullptr);
     BOOST_OUTCOME_TRY(tile, walker.tile(entry.tile));
-    for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(tile->mesh().cell_ghost.size()); ++cell) {
+    const std::vector<bool> kept = kept_of(*tile, max_edge, lengths);
+    for (std::int32_t cell = 0; cell < static_cast<std::int32_t>(kept.size()); ++cell) {
+      if (!kept[static_cast<std::size_t>(cell)]) continue;
       for (std::size_t k = 0; k < tile->corners(); ++k) {
+        const std::int32_t beyond = tile->neighbor(cell, k);
+        if (beyond >= 0 && kept[static_cast<std::size_t>(beyond)]) continue;
         // What is beyond a facet a tile knows when it owns a vertex of it: of several the first one tells.
-        if (tile->neighbor(cell, k) != -1 || first_owner(*tile, cell, k) != tile->id()) continue;
+        if (first_owner(*tile, cell, k) != tile->id()) continue;
         BOOST_OUTCOME_TRY(main, walker.main_place({tile, cell}));
         auto& facets = found[main.tile->id()][main.cell];
         count += facets == 0 ? 1 : 0;
@@ -144,6 +191,7 @@ Result<HullCells> StoredTriangulation::hull(const CellLimits& limits, const AskO
     }
   }
   hull.set = collector.take();
+  hull.lengths = lengths.parts();
   hull.set.final = !manifest.region;
   return hull;
 }

@@ -81,10 +81,13 @@ struct CellSet {
   bool final = true;                 // these are all cells of the whole triangulation there, and no others
 };
 
-// The cells with a facet on the hull.
+// The cells with a facet on the hull, or on the border of those without long edges.
 struct HullCells {
   CellSet set;
-  std::vector<std::uint8_t> facets;  // by cell, bit k: the facet opposite its vertex k is on the hull
+  std::vector<std::uint8_t> facets;  // by cell, bit k: the facet opposite its vertex k is on it
+  // Of the longest edges of all cells of the result: p % are not longer than lengths[p], which is rounded up, by 3 % at
+  // most. 101 of them, or none when there are no cells.
+  std::vector<double> lengths;
 };
 
 enum class Method : std::uint8_t {
@@ -135,8 +138,10 @@ class StoredTriangulation {
   // is known; usage for a plane and a 2D result.
   Result<CellSet> cells(const Area& area, const CellLimits& limits, const AskOptions& options) const;
 
-  // The cells that are on the hull, by tile; all tiles are read. Errors as of cells().
-  Result<HullCells> hull(const CellLimits& limits, const AskOptions& options) const;
+  // The cells that are on the hull, by tile; all tiles are read. With `max_edge` cells with a longer edge are left out,
+  // and it is the border of the others. Errors as of cells().
+  Result<HullCells> hull(const CellLimits& limits, const AskOptions& options,
+                         std::optional<double> max_edge = {}) const;
 
   // A cell by its main tile and its place in that tile's file. Error usage when there is none, or it is main elsewhere.
   Result<Cell> cell(TileId tile, std::int32_t place) const;

@@ -70,6 +70,8 @@ class Answering {
   Result<query::Area> area() const;
   // How many cells an answer may have.
   Result<query::CellLimits> limits_of_cells() const;
+  // Of cells: those with a longer edge are left out; nothing when none is.
+  Result<std::optional<double>> longest_edge() const;
   // In which the answers to many points are given: as they came, or as `f` says.
   Result<AnswerOptions> many() const;
   Result<QuestionAnswer> finished(TextAnswers& answers, AnswerFormat format, bool final) const;

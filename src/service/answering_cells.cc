@@ -22,6 +22,12 @@ Result<query::CellLimits> Answering::limits_of_cells() const {
   return most;
 }
 
+Result<std::optional<double>> Answering::longest_edge() const {
+  if (!question_.options.contains("max-edge")) return std::optional<double>();
+  BOOST_OUTCOME_TRY(longest, read("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  return std::optional(longest);
+}
+
 // The point that is told is the mean of its corners.
 Result<QuestionAnswer> Answering::locate_named() const {
   const std::string text = word("cell");
@@ -57,7 +63,8 @@ Status Answering::has_volume() const {
 Result<QuestionAnswer> Answering::hull() const {
   BOOST_OUTCOME_TRYV(has_volume());
   BOOST_OUTCOME_TRY(most, limits_of_cells());
-  BOOST_OUTCOME_TRY(hull, reader_.stored.hull(most, ask_));
+  BOOST_OUTCOME_TRY(longest, longest_edge());
+  BOOST_OUTCOME_TRY(hull, reader_.stored.hull(most, ask_, longest));
   return shown(tileset::hull_shape(hull), hull.set);
 }
 
@@ -76,6 +83,8 @@ Result<QuestionAnswer> Answering::section() const {
   } else {
     area.box = reader_.stored.manifest().bounds;
   }
+  BOOST_OUTCOME_TRY(longest, longest_edge());
+  area.max_edge = longest;
   area.plane = query::Plane{at, {normal.x / length, normal.y / length, normal.z / length}};
   BOOST_OUTCOME_TRY(cells, reader_.stored.cells(area, most, ask_));
   return shown(tileset::section_shape(cells, *area.plane, area.box), cells);
@@ -91,6 +100,8 @@ Result<QuestionAnswer> Answering::solids() const {
     if (part < 0.01 || part > 1) return error(Errc::usage, "shrink: must be from 0.01 to 1");
     shrink = part;
   }
+  BOOST_OUTCOME_TRY(longest, longest_edge());
+  where.max_edge = longest;
   BOOST_OUTCOME_TRY(cells, reader_.stored.cells(where, most, ask_));
   return shown(tileset::solids_shape(cells, shrink), cells);
 }

@@ -50,10 +50,8 @@ std::string json_of(const std::vector<ProfilePoint>& points, const std::string& 
 
 template <class Options>
 Status Answering::read_surface(Options& options) const {
-  if (question_.options.contains("max-edge")) {
-    BOOST_OUTCOME_TRY(longest, read("max-edge", [](const std::string& text) { return parse_distance(text); }));
-    options.max_edge = longest;
-  }
+  BOOST_OUTCOME_TRY(longest, longest_edge());
+  options.max_edge = longest;
   options.value = word("value", "z");
   if constexpr (requires { options.box; }) {
     if (!question_.options.contains("bbox")) return success();

@@ -14,10 +14,10 @@
 
 #include "src/base/ledger.h"
 #include "src/base/option.h"
-#include "src/files/folder.h"
 #include "src/io/cloud/inputs.h"
 #include "src/io/format.h"
 #include "src/service/beneath.h"
+#include "src/service/look_beneath.h"
 
 namespace tessera {
 namespace fs = std::filesystem;
@@ -28,43 +28,7 @@ constexpr std::string_view upload_begin = "upload:";
 
 bool has_pattern(std::string_view text) { return text.find_first_of("*?[") != std::string_view::npos; }
 
-// Names in a folder below `root`, those that begin with a dot left out.
-Result<std::vector<std::string>> names_in(const FileHandle& root, const std::string& folder) {
-  BOOST_OUTCOME_TRY(opened, open_beneath(root, folder, O_RDONLY | O_DIRECTORY, Links::followed_beneath));
-  std::vector<std::string> names;
-  FolderReader reader(path_of(opened));
-  while (const char* name = reader.next()) {
-    BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
-    if (name[0] != '.') names.emplace_back(name);
-    if (names.size() > files_max) return error(Errc::usage, folder + ": holds too many files");
-  }
-  if (reader.error()) return error(Errc::io, folder + ": cannot be read: " + reader.error().message());
-  return names;
-}
-
-std::string below(const std::string& folder, const std::string& name) {
-  return folder == "." ? name : folder + "/" + name;
-}
-
-enum class Kind : std::uint8_t { file, folder, other };
-
-struct Found {
-  Kind kind = Kind::other;
-  fs::path real;
-};
-
-// Nothing when nothing is there.
-Result<std::optional<Found>> look_for(const FileHandle& root, const std::string& path) {
-  BOOST_OUTCOME_TRY(opened, open_if_there(root, path, O_PATH, Links::followed_beneath));
-  if (!opened) return std::optional<Found>();
-  struct stat status {};
-  if (::fstat(opened->get(), &status) != 0) return io_error(path, "cannot be looked at", errno);
-  BOOST_OUTCOME_TRY(real, real_path(*opened));
-  const Kind kind = S_ISREG(status.st_mode) ? Kind::file : S_ISDIR(status.st_mode) ? Kind::folder : Kind::other;
-  return std::optional(Found{kind, std::move(real)});
-}
-
-Result<Found> look_at(const FileHandle& root, const std::string& path) {
+Result<FoundBeneath> look_at(const FileHandle& root, const std::string& path) {
   BOOST_OUTCOME_TRY(found, look_for(root, path));
   if (!found) return io_error(path, "cannot be opened", ENOENT);
   return *std::move(found);
@@ -89,7 +53,7 @@ Result<std::vector<std::string>> expand(const FileHandle& root, const std::strin
       // A file where the pattern wants a folder, or one that leads out: neither matches.
       const auto looked = look_for(root, folder);
       if (!looked && looked.error().code != Errc::usage) return looked.error();
-      if (!looked || !looked.value() || looked.value()->kind != Kind::folder) continue;
+      if (!looked || !looked.value() || looked.value()->kind != KindBeneath::folder) continue;
       BOOST_OUTCOME_TRY(names, names_in(root, folder));
       for (const auto& candidate : names)
         if (::fnmatch(name.c_str(), candidate.c_str(), FNM_PERIOD) == 0) next.push_back(below(folder, candidate));
@@ -127,11 +91,6 @@ Status add_folder(const FileHandle& root, const std::string& folder, bool recurs
   return success();
 }
 
-bool goes_up(const std::string& path) {
-  const fs::path parts(path);
-  return std::find(parts.begin(), parts.end(), "..") != parts.end();
-}
-
 // Real paths of the files, sorted by what they were called below the root.
 Result<std::vector<std::string>> files_below(const FileHandle& root, const std::string& input, bool recursive) {
   BOOST_OUTCOME_TRYV(Ledger::draw_files(1));
@@ -152,8 +111,8 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
   std::vector<std::string> files;
   for (const auto& path : paths) {
     BOOST_OUTCOME_TRY(found, look_at(root, path));
-    if (found.kind == Kind::other) return error(Errc::usage, path + ": is neither a file nor a folder");
-    if (found.kind == Kind::file) {
+    if (found.kind == KindBeneath::other) return error(Errc::usage, path + ": is neither a file nor a folder");
+    if (found.kind == KindBeneath::file) {
       files.push_back(found.real.string());
       continue;
     }
@@ -166,19 +125,11 @@ Result<std::vector<std::string>> files_below(const FileHandle& root, const std::
     std::sort(inside.begin(), inside.end());
     for (const auto& file : inside) {
       BOOST_OUTCOME_TRY(one, look_at(root, file));
-      if (one.kind != Kind::file) return error(Errc::usage, file + ": is no file");
+      if (one.kind != KindBeneath::file) return error(Errc::usage, file + ": is no file");
       files.push_back(one.real.string());
     }
   }
   return files;
-}
-
-// `path` from `folder` on, when it is absolute and stands below it.
-std::optional<std::string> from_folder(const std::string& path, const fs::path& folder) {
-  const std::string begin = folder.string() == "/" ? "/" : folder.string() + "/";
-  if (path == folder.string()) return ".";
-  if (!path.starts_with(begin)) return std::nullopt;
-  return path.substr(begin.size());
 }
 
 }  // namespace

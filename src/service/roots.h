@@ -7,8 +7,15 @@
 
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
+#include "src/service/look_beneath.h"
 
 namespace tessera {
+
+// In a folder below a root: what a job may name.
+struct RootEntry {
+  std::string name;  // that means it as an input: files() finds this one
+  FoundBeneath found;
+};
 
 // Error usage when the data folder and a folder of inputs lie in one another: jobs could read what belongs to others,
 // and remove what they were given. A root that is not there is left to who opens it. Error io.
@@ -29,6 +36,12 @@ class Roots {
   // A sentence with the files in these folders named as callers name them: from the root on, or "upload:NAME/FILE".
   std::string named(std::string sentence) const;
 
+  // What a folder holds, sorted by name: files whose name is that of a format we read, and folders that are no results,
+  // hidden ones left out, and what leads out of the roots. "": of all roots, and the folders of uploads. Nothing is
+  // opened for reading but the folder. Errors: usage for one that leads out of the roots, for "..", and for one that is
+  // no folder or not there; of the thread's ledger.
+  Result<std::vector<RootEntry>> list(const std::string& folder) const;
+
  private:
   struct Root {
     std::filesystem::path given, real;
@@ -36,6 +49,8 @@ class Roots {
   };
   static Result<Root> open_root(const std::filesystem::path& path);
   Result<std::vector<std::string>> files_of(const std::string& input, bool recursive) const;
+  static Status add_entries(const Root& root, const std::string& folder, const std::string& begin,
+                            std::vector<RootEntry>& entries);
 
   std::vector<Root> roots_;
   std::vector<Root> uploads_;  // one or none

@@ -182,7 +182,9 @@ class Backend {
   virtual Reply<ServedFile> file(std::string_view name, std::string_view path) = 0;
   // 409 while a job works on it.
   virtual Reply<void> remove_triangulation(std::string_view name, const Caller& caller) = 0;
-  // What a triangulation was exported to. 409 while a job writes it.
+  // What a triangulation was made into, by name: files and folders, in pages as above.
+  virtual Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) = 0;
+  // One of them. 409 while a job writes it.
   virtual Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) = 0;
 
   // What tells this result from any other that had its name, or will: its answers, by this program, are always the
@@ -211,6 +213,11 @@ class Backend {
   virtual Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) = 0;
   // Also of what has come of a file. 409 while it is being sent.
   virtual Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) = 0;
+
+  // What a folder holds that jobs may read, by name, in pages as above: point files, with what their headers tell, and
+  // folders. "": of all roots, and the uploads. 400 for what is no folder below the roots.
+  virtual Reply<proto::InputList> inputs(std::string_view folder, std::uint32_t limit, std::string_view after,
+                                         const Caller& caller) = 0;
 
   // Who works on the jobs, in order of coming.
   virtual Reply<proto::NodeList> nodes() = 0;
@@ -264,6 +271,7 @@ class Service final : public Backend {
   Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::string> identity(std::string_view name) override;
   Reply<QuestionAnswer> ask(const Question& question) override;
@@ -274,6 +282,8 @@ class Service final : public Backend {
                                         const Caller& caller) override;
   Reply<std::uint64_t> uploaded(std::string_view folder, std::string_view file) override;
   Reply<void> remove_upload(std::string_view folder, std::string_view file, const Caller& caller) override;
+  Reply<proto::InputList> inputs(std::string_view folder, std::uint32_t limit, std::string_view after,
+                                 const Caller& caller) override;
   Reply<proto::NodeList> nodes() override;
   Reply<proto::NodeInfo> drain(std::string_view node, const Caller& caller) override;
   Figures figures() const override;

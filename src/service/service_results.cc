@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "src/crs/survey_system.h"
 #include "src/files/descriptor.h"
 #include "src/files/names.h"
 #include "src/report/human.h"
@@ -64,7 +65,14 @@ Result<std::string> Service::Impl::owner_of_result(const std::string& name) {
   return job == jobs.end() ? std::string() : job->second->record.caller();
 }
 
-Reply<proto::TriangulationInfo> Service::triangulation(std::string_view name) { return impl_->results.info(name); }
+Reply<proto::TriangulationInfo> Service::triangulation(std::string_view name) {
+  auto info = impl_->results.info(name);
+  if (!info) return info;
+  const CoordinateUnits units = coordinate_units(info.value().crs());
+  info.value().set_unit(units.horizontal);
+  info.value().set_height_unit(units.vertical);
+  return info;
+}
 
 Reply<ServedFile> Service::file(std::string_view name, std::string_view path) {
   return impl_->results.file(name, path);

@@ -105,7 +105,7 @@ bool Service::Impl::start(const std::shared_ptr<Job>& job, const std::shared_ptr
     record.set_started(time_text(system_clock::now()));
     record.clear_finished();
     record.clear_problem();
-    record.set_message("runs");
+    record.clear_message();  // its state says it
   });
   static_cast<void>(changed);  // Need::done: it is written later if it could not be now
   return true;
@@ -181,7 +181,7 @@ void Service::Impl::end(const std::shared_ptr<Job>& job, Reply<JobDone> done) {
         ended.set_finished(time_text(system_clock::now()));
         ended.set_state(done ? job_state::successful : job_state::failed);
         if (done) drop_inputs(ended);
-        ended.set_message(done ? "is done" : done.error().detail());
+        ended.set_message(done ? "" : done.error().detail());
         if (done && done.value().points > 0) ended.set_points(done.value().points);
         ended.set_nodes_lost(job->running->progress.nodes_lost);
         if (!done) *ended.mutable_problem() = done.error();

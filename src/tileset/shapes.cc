@@ -106,7 +106,7 @@ bool apart(const std::vector<ShapeVertex>& ring, const Bounds& box) {
 
 Shape hull_shape(const query::HullCells& hull) {
   const Corners corners(hull.set);
-  Shape shape{"hull", {}, {}};
+  Shape shape{"hull", {}, {}, hull.lengths};
   for (std::size_t cell = 0; cell < corners.cells(); ++cell)
     for (std::size_t k = 0; k < 4; ++k) {
       if ((hull.facets[cell] >> k & 1u) == 0) continue;
@@ -181,15 +181,16 @@ std::vector<std::byte> to_glb(const Shape& shape, const query::CellSet& cells, c
   }
   Json attributes = Json::array();
   for (const auto& attribute : manifest.schema) attributes.push_back(attribute.name);
-  const Json extras{{"kind", shape.kind},
-                    {"origin", {origin.x, origin.y, origin.z}},
-                    {"crs", manifest.crs},
-                    {"cells", count},
-                    {"tiles", manifest.tiles.size()},
-                    {"heights", {manifest.bounds.lo.z, manifest.bounds.hi.z}},
-                    {"intensityMax", brightest},
-                    {"classes", seen},
-                    {"attributes", std::move(attributes)}};
+  Json extras{{"kind", shape.kind},
+              {"origin", {origin.x, origin.y, origin.z}},
+              {"crs", manifest.crs},
+              {"cells", count},
+              {"tiles", manifest.tiles.size()},
+              {"heights", {manifest.bounds.lo.z, manifest.bounds.hi.z}},
+              {"intensityMax", brightest},
+              {"classes", seen},
+              {"attributes", std::move(attributes)}};
+  if (!shape.lengths.empty()) extras["edgeLengths"] = shape.lengths;
   GlbFile file;
   if (!shape.vertices.empty()) {
     file.add_positions(positions, origin);

@@ -22,6 +22,7 @@ struct Shape {
   std::string kind;  // "hull", "section" or "solids"
   std::vector<ShapeVertex> vertices;
   std::vector<std::uint32_t> corners;  // three a triangle, counter-clockwise from outside, or from above the plane
+  std::vector<double> lengths = {};    // of the hull: of the longest edges of all cells, every hundredth
 };
 
 // Of each facet three vertices.

@@ -30,7 +30,7 @@ class Log(DaemonTest):
         daemon, (good, bad) = self.run_jobs()
         log = daemon.messages()
         self.assertRegex(log, rf"Z info job {good} \(triangulate\) of \S+: running")
-        self.assertRegex(log, rf"Z info job {good} \(triangulate\) of \S+: successful: is done")
+        self.assertRegex(log, rf"Z info job {good} \(triangulate\) of \S+: successful")
         self.assertRegex(log, rf"Z warning job {bad} \(triangulate\) of \S+: failed: .+")
 
     def test_jobs_are_objects(self):

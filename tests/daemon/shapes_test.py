@@ -75,6 +75,32 @@ class Shapes(DaemonTest):
         self.assertEqual((told["kind"], told["cells"], told["tiles"]), ("hull", len(set(names)), 6))
         self.check_files()
 
+    def test_without_long_edges_it_is_the_border_of_the_other_cells(self):
+        edges = np.linalg.norm(self.main[:, [0, 0, 0, 1, 1, 2]] - self.main[:, [1, 2, 3, 2, 3, 3]], axis=2).max(1)
+        lengths = np.array(self.shape("hull")[1]["edgeLengths"])
+        wanted = np.quantile(edges, np.linspace(0, 1, 101), method="inverted_cdf")
+        self.assertTrue(((lengths >= wanted * (1 - 1e-12)) & (lengths < wanted * 1.03)).all())
+        for longest in (0.8, 3.0):
+            glb, told, corners, names = self.shape(f"hull?max-edge={longest}&limit=1000000")
+            times = collections.Counter(frozenset(facet) for facet in facets_of(self.ids[edges <= longest]).tolist())
+            self.assertEqual(len(glb.triangles), sum(1 for n in times.values() if n == 1))
+            self.assertEqual(told["cells"], len(set(names)))
+            self.assertLessEqual(np.linalg.norm(corners[:, [0, 0, 0, 1, 1, 2]] - corners[:, [1, 2, 3, 2, 3, 3]], axis=2).max(), longest)
+            # Closed, and turned outwards.
+            a, b, c = (glb.positions[glb.triangles[:, k]] - self.low for k in range(3))
+            rows = self.main[edges <= longest]
+            volume = np.linalg.det(rows[:, 1:] - rows[:, :1]).sum() / 6
+            self.assertAlmostEqual(np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6 / volume, 1, delta=2e-2)
+        middle = (self.low + self.high) / 2
+        box = ",".join(map(repr, [*(middle - 4).tolist(), *(middle + 4).tolist()]))
+        every, short = self.shape(f"cells?bbox={box}"), self.shape(f"cells?bbox={box}&max-edge=2")
+        of = lambda shape: np.linalg.norm(shape[2][:, [0, 0, 0, 1, 1, 2]] - shape[2][:, [1, 2, 3, 2, 3, 3]], axis=2).max(1)
+        self.assertEqual(set(short[3]), {name for name, length in zip(every[3], of(every)) if length <= 2})
+        plane = f"section?through={','.join(map(repr, middle.tolist()))}&normal=1,0,0"
+        every, short = self.shape(plane), self.shape(f"{plane}&max-edge=2")
+        self.assertEqual(set(short[3]), {name for name, length in zip(every[3], of(every)) if length <= 2})
+        self.check_files()
+
     def test_a_section_fills_what_the_plane_has_of_the_hull(self):
         hull = self.shape("hull")[0]
         facets = hull.positions[hull.triangles]
@@ -149,7 +175,7 @@ class Shapes(DaemonTest):
     def test_what_cannot_be_shown_is_a_sentence(self):
         box = ",".join(map(repr, [*self.low.tolist(), *self.high.tolist()]))
         for question, status, said in (
-                ("hull?limit=10", 422, "the hull has more than 10 cells"), ("hull?limit=0", 400, "limit: "),
+                ("hull?max-edge=0", 400, "max-edge: "), ("cells?bbox=0,0,0,1,1,1&max-edge=x", 400, "max-edge: "), ("hull?limit=10", 422, "the hull has more than 10 cells"), ("hull?limit=0", 400, "limit: "),
                 (f"cells?bbox={box}&limit=100", 422, "the area has more than 100 cells"), ("cells", 400, "bbox"),
                 (f"cells?bbox={box}&shrink=2", 400, "shrink: must be"), ("section?normal=0,0,1", 400, "through: "),
                 ("section?through=0,0,0&normal=0,0,0", 400, "normal: "), ("section?through=0,0,nan&normal=0,0,1", 400, "through: "),

@@ -1,4 +1,4 @@
-// What the made-up service answers to questions.
+// What the made-up service answers to questions, and lists.
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -124,6 +124,24 @@ Reply<FeatureCollection> FakeBackend::collection(std::string_view id) {
 Reply<std::array<double, 4>> FakeBackend::map_extent(std::string_view name) {
   if (name != "block") return missing("there is no map");
   return std::array<double, 4>{2, 48, 3, 49};
+}
+
+Reply<proto::ExportList> FakeBackend::exports(std::string_view name, std::uint32_t, std::string_view) {
+  if (name != "block") return missing("there is no such triangulation");
+  proto::ExportList list;
+  proto::ExportInfo& mesh = *list.add_exports();
+  mesh.set_name("mesh.ply");
+  mesh.set_bytes(7);
+  mesh.set_files(1);
+  list.set_number_matched(1);
+  return list;
+}
+
+Reply<proto::InputList> FakeBackend::inputs(std::string_view folder, std::uint32_t, std::string_view, const Caller&) {
+  proto::InputList list;
+  list.set_folder(std::string(folder));
+  list.set_number_matched(0);
+  return list;
 }
 
 }  // namespace tessera

@@ -55,6 +55,9 @@ class FakeBackend final : public Backend {
   Reply<proto::TriangulationInfo> triangulation(std::string_view name) override;
   Reply<ServedFile> file(std::string_view name, std::string_view path) override;
   Reply<void> remove_triangulation(std::string_view name, const Caller& caller) override;
+  Reply<proto::ExportList> exports(std::string_view name, std::uint32_t limit, std::string_view after) override;
+  Reply<proto::InputList> inputs(std::string_view folder, std::uint32_t limit, std::string_view after,
+                                 const Caller& caller) override;
   Reply<void> remove_export(std::string_view name, std::string_view file, const Caller& caller) override;
   Reply<std::string> identity(std::string_view name) override;
   // At once; but the star of vertex 13, and an estimate of "until.gone", only when nobody waits for it any more.

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "src/export/cell_filter.h"
 #include "tests/query/query_testing.h"
 
 namespace tessera {
@@ -71,6 +72,51 @@ TEST_P(SolidCellsOf, TheHullAreTheFacetsThatOneCellHas) {
   EXPECT_EQ(too_many.error().code, Errc::memory);
   EXPECT_NE(too_many.error().where.find("the hull has more than"), std::string::npos);
   EXPECT_TRUE(result.hull({.cells_max = cells.size()}, {}));
+}
+
+TEST_P(SolidCellsOf, WithoutLongEdgesItIsTheBorderOfTheOthers) {
+  const QuerySample sample(GetParam());
+  const auto longest = [&](const auto& cell) {
+    std::array<Point, 4> at;
+    for (std::size_t k = 0; k < 4; ++k) at[k] = sample.points()[cell[k].value];
+    return exports::longest_edge(at, false);
+  };
+  std::vector<double> all;
+  for (const auto& cell : sample.cells()) all.push_back(longest(cell));
+  std::sort(all.begin(), all.end());
+  const auto result = sample.open();
+  for (const double part : {0.05, 0.5, 0.9}) {
+    const double most = all[static_cast<std::size_t>(static_cast<double>(all.size()) * part)];
+    std::map<Facet, int> times;
+    for (const auto& cell : sample.cells())
+      if (longest(cell) <= most)
+        for (std::size_t k = 0; k < 4; ++k) ++times[facet_of(cell, k)];
+    std::erase_if(times, [](const auto& facet) { return facet.second > 1; });
+    const auto border = result.hull({}, {}, most);
+    ASSERT_TRUE(border) << border.error().where;
+    const std::vector<IdCell> cells = cells_in(border.value().set);
+    std::map<Facet, int> found;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      for (std::size_t k = 0; k < 4; ++k)
+        if ((border.value().facets[i] >> k & 1u) != 0) ++found[facet_of(cells[i], k)];
+    EXPECT_EQ(found, times) << part;
+    // The same cells are left out of a box.
+    query::Area area{.box = result.manifest().bounds};
+    area.max_edge = most;
+    const auto inside = result.cells(area, {}, {});
+    ASSERT_TRUE(inside) << inside.error().where;
+    EXPECT_EQ(inside.value().tiles.size(),
+              static_cast<std::size_t>(std::upper_bound(all.begin(), all.end(), most) - all.begin()));
+    // However they are asked for, the lengths are those of all.
+    const auto& lengths = border.value().lengths;
+    ASSERT_EQ(lengths.size(), 101u);
+    EXPECT_TRUE(std::is_sorted(lengths.begin(), lengths.end()));
+    EXPECT_GE(lengths[100], all.back());
+    EXPECT_LT(lengths[100], all.back() * 1.03);
+    const double middle = all[(all.size() - 1) / 2];
+    EXPECT_GE(lengths[50], middle);
+    EXPECT_LT(lengths[50], all[all.size() / 2] * 1.03);
+  }
 }
 
 TEST_P(SolidCellsOf, ASectionHasEveryCellWithVerticesOnBothSides) {

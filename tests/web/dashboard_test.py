@@ -43,8 +43,13 @@ class Dashboard(looking.LookingTest):
         b.press("Submit")
         b.until_text("Done", ".status-line")
         b.until("return document.querySelector('.map .number') && [...document.querySelectorAll('.legend li')].at(-1).innerText.endsWith('12')")
-        b.until_text("successful: is done", ".log")
+        b.until("return /Z successful$/.test(document.querySelector('.log').textContent)")
         self.assertEqual(b.script("return document.title"), "block · Tessera")
+        # The phases have the words of the command's summary, and a figure that says nothing any more is not there.
+        self.assertEqual(b.text(".steps").split("\n"), ["planning", "reading", "triangulating", "joining tiles", "writing", "finishing"])
+        self.assertNotIn("Memory", b.text(".figures"))
+        self.assertNotIn("at rest", b.text(".figures"))
+        self.assertIn("submitted today", b.text("main"))
         # The tiles are drawn in the colour that the legend gives to what is stored.
         self.assertTrue(b.script("""
             const canvas = document.querySelector('.map canvas'), pen = canvas.getContext('2d');
@@ -71,6 +76,88 @@ class Dashboard(looking.LookingTest):
         b.go("#/nodes")
         b.until_text("this daemon")
         b.look(self, "nodes")
+
+    def test_inputs_are_chosen_from_a_list(self):
+        folder = self.folder / "inputs" / "more" / "deep"
+        folder.mkdir(parents=True)
+        (folder / "few.xyz").write_text("0 0 0\n1 0 0\n0 1 0\n0 0 1\n")
+        (folder / "bad.ply").write_text("ply\nno header\n")
+        self.serve()
+        self.enter()
+        b = self.browser
+        b.go("#/submit")
+        b.until("return document.querySelector('.chooser summary')")
+        field = b.driver.find_element("id", "field-inputs")
+        b.driver.find_element("css selector", ".chooser summary").send_keys(Keys.ENTER)
+        first = self.daemon.request("GET", "/v1/inputs")[2]["inputs"]
+        b.until_text(first[0]["name"], ".inputs")
+        for each in first:
+            self.assertIn(each["name"], b.text(".inputs"))
+            if not each["folder"]:
+                self.assertIn(f"{each['points']:,} points", b.text(".inputs"))
+        self.assertIn("Lambert-93", b.text(".inputs"))
+        b.look(self, "submit-inputs")
+        # By keys, as all is: what is chosen is what is typed, and the reverse.
+        boxes = b.driver.find_elements("css selector", ".inputs input")
+        boxes[0].send_keys(Keys.SPACE)
+        boxes[1].send_keys(Keys.SPACE)
+        self.assertEqual(field.get_attribute("value"), "ign_77050_627755.las\nign_77050_627760.las")
+        b.until_text("This daemon would take it.", ".costs")
+        estimate = self.daemon.request("POST", "/v1/processes/triangulate/estimate",
+                                       {"inputs": {"inputs": ["ign_77050_627755.las", "ign_77050_627760.las"]}})[2]
+        self.assertIn(f"{estimate['points']:,}", b.text(".costs"))
+        boxes[0].send_keys(Keys.SPACE)
+        self.assertEqual(field.get_attribute("value"), "ign_77050_627760.las")
+        field.clear()
+        field.send_keys("ign_77055_627760.las")
+        self.assertEqual(b.script("return [...document.querySelectorAll('.inputs input')].filter(e => e.checked).map(e => e.value)"),
+                         ["ign_77055_627760.las"])
+        b.press("more/", ".inputs")
+        b.press("deep/", ".inputs")
+        b.until_text("few.xyz", ".inputs")
+        self.assertIn("more/deep/bad.ply, line 2:", b.text(".inputs .wrong"))
+        self.assertEqual(b.text(".where").split("\n")[:3], ["All folders", "more", "deep"])
+        b.driver.find_element("css selector", ".where .whole input").send_keys(Keys.SPACE)
+        self.assertEqual(field.get_attribute("value"), "ign_77055_627760.las\nmore/deep")
+        b.press("All folders", ".where")
+        b.until_text("more/", ".inputs")
+        # After an error nothing is left of what was told before, for who does not see it either.
+        self.forgive = ("status of 422", "status of 400")
+        b.fill("inputs", "nothing-*.las")
+        b.until("return document.querySelector('.costs [data-state=failed]')")
+        self.assertNotRegex(b.script("return document.querySelector('.costs dl').textContent"), r"\d")
+
+    def test_what_was_made_stands_with_its_result(self):
+        self.serve()
+        for process, inputs in (("triangulate", {"inputs": ["*.las"], "output": "ground", "dim": 2, "class": [2]}),
+                                ("dem", {"triangulation": "ground", "res": 0.5, "max_edge": 5}),
+                                ("contours", {"triangulation": "ground", "interval": 0.5}),
+                                ("export", {"triangulation": "ground", "output": "mesh.ply"})):
+            job = self.daemon.request("POST", f"/v1/processes/{process}/execution", {"inputs": inputs})[2]
+            self.assertEqual(self.daemon.wait(job["jobID"])["status"], "successful")
+        self.enter()
+        b = self.browser
+        b.go("#/jobs")
+        b.until_text("Raster of ground")
+        self.assertIn("Contour lines of ground", b.text("main"))
+        b.go("#/results/ground")
+        b.until("return document.querySelectorAll('[aria-labelledby=made-title] li').length === 3")
+        rows = b.script("return [...document.querySelectorAll('[aria-labelledby=made-title] li')].map(e => e.innerText.split('\\n').join(' '))")
+        for row, name, kind in zip(rows, ("contours.gpkg", "dem.tif", "mesh.ply"), ("Contour lines", "Raster", "Export, ply")):
+            self.assertTrue(row.startswith(f"{name} {kind} · "), row)
+        link = b.script("return [...document.querySelectorAll('.files a')].find(a => a.innerText === 'mesh.ply').href")
+        self.assertEqual(b.script("return fetch(arguments[0]).then(a => a.text()).then(t => t.slice(0, 3))", link), "ply")
+        # The map that the service draws, and the lines over it.
+        b.until("const all = [...document.querySelectorAll('.map-picture img')]; return all.length > 0 && all.every(e => e.complete && e.naturalWidth === 256)")
+        matched = self.daemon.request("GET", "/v1/collections/ground.contours/items?limit=1")[2]["numberMatched"]
+        self.assertEqual(b.script("return document.querySelector('.map-picture path').getAttribute('d').split('M').length - 1"), matched)
+        self.assertEqual(b.text(".map-figure"), "On the map, north up: the hillshade of dem.tif and the lines of contours.gpkg.")
+        self.assertEqual(b.script("return [...document.querySelectorAll('.heading .primary')].map(e => e.innerText)"), ["View"])
+        b.look(self, "result-made")
+        b.script("document.querySelector('[aria-label=\"Remove mesh.ply\"]').click()")
+        b.press("Remove the export", "dialog")
+        b.until("return document.querySelectorAll('[aria-labelledby=made-title] li').length === 2")
+        self.assertEqual([each["name"] for each in self.daemon.request("GET", "/v1/triangulations/ground/exports")[2]["exports"]], ["contours.gpkg", "dem.tif"])
 
     def test_a_wrong_input_is_a_sentence_at_its_field(self):
         self.forgive = ("status of 422", "status of 400")
@@ -190,7 +277,7 @@ class Dashboard(looking.LookingTest):
         b.script("document.querySelector('.row .name').click()")
         b.until_text("Done", ".status-line")
         self.assertTrue(b.has_button("Report"))
-        b.until_text("is done", ".log")
+        b.until_text("successful", ".log")
         self.assertFalse(b.has_button("Forget"))
         b.go("#/submit")
         b.until_text("There is no such page")

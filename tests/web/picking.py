@@ -5,6 +5,11 @@ import numpy as np
 from selenium.webdriver import ActionChains
 
 
+def digits(point):
+    """As a page writes it: whole numbers without a point."""
+    return ", ".join(repr(value).removesuffix(".0") for value in point)
+
+
 def on_canvas(browser, points):
     """Where points of the result were at the last click, in pixels from the canvas' middle."""
     canvas = browser.script("const c = document.querySelector('.stage canvas'); return [c.dataset.seen, c.clientWidth, c.clientHeight]")

@@ -43,8 +43,29 @@ def split_tree(tiles):
     return {"dimension": 3, "bounds": [0, 0, 0, 2000, 1000, 50], **rows}
 
 
+def far_apart(tiles):
+    """The same of two squares of 1 km, 900 km from each other: half of the tiles in each."""
+    half = tiles // 2
+    rows = {name: [value] for name, value in (("axis", 0), ("place", 450_000), ("below", 0), ("above", 0))}
+
+    def cut(first, count, lo, hi, depth):
+        if count == 1:
+            return -1 - first
+        row, axis, part = len(rows["axis"]), depth % 2, count // 2
+        place = lo[axis] + (hi[axis] - lo[axis]) * part / count
+        for name, value in (("axis", axis), ("place", place), ("below", 0), ("above", 0)):
+            rows[name].append(value)
+        rows["below"][row] = cut(first, part, lo, [place if a == axis else v for a, v in enumerate(hi)], depth + 1)
+        rows["above"][row] = cut(first + part, count - part, [place if a == axis else v for a, v in enumerate(lo)], hi, depth + 1)
+        return row
+
+    rows["below"][0] = cut(0, half, [0, 0], [1000, 1000], 0)
+    rows["above"][0] = cut(half, tiles - half, [900_000, 500_000], [901_000, 501_000], 0)
+    return {"dimension": 3, "bounds": [0, 0, 0, 901_000, 501_000, 50], **rows}
+
+
 class PlayedService:
-    def __init__(self, files, jobs=0, results=0, nodes=1, tiles=0):
+    def __init__(self, files, jobs=0, results=0, nodes=1, tiles=0, layout=None):
         """`files`: name -> (type, policy, bytes) of the dashboard."""
         self.files = files
         self.jobs = [job(number) for number in range(jobs, 0, -1)]  # the newest first
@@ -53,7 +74,7 @@ class PlayedService:
         self.nodes = [{"name": f"node{n}", "id": f"id{n}", "address": f"10.0.0.{n}:7075", "threads": 8, "memoryBytes": 1 << 34,
                        "memoryUsedBytes": n << 28, "state": "free", "seconds": 99 * n, "silentMs": 40 * n, "coordinator": n == 0, "tiles": 7 * n}
                       for n in range(nodes)]
-        self.layout = split_tree(tiles) if tiles else None
+        self.layout = layout or (split_tree(tiles) if tiles else None)
         self.stages = "w" * tiles
         self.mail = None  # between tiles, as the service tells it
         self.streams = []  # of (Last-Event-ID, queue), one a connection
@@ -69,6 +90,8 @@ class PlayedService:
 
             def do_GET(self):
                 service.answer(self)
+
+            do_POST = do_GET
 
             def log_message(self, *_):
                 pass

@@ -107,7 +107,7 @@ class Scale(unittest.TestCase):
         top = self.names()
         self.service.tell(JOBS + 300, "progress", jobID=f"{JOBS + 200:012x}", status=played_service.job(
             JOBS + 200, "running", progress=42, phase="splaying", eta=7))
-        b.until_text("splaying, 42 %, about 7.0 s left", ".row")
+        b.until_text("joining tiles, 42 %, about 7.0 s left", ".row")
         self.assertEqual(self.names(), top)
         self.stands_still()
         b.look(self, "jobs-many")
@@ -144,7 +144,7 @@ class Scale(unittest.TestCase):
         # Every tile in the colour of its stage, though only those were drawn that changed: as pointing at it tells.
         wrong = b.script("""
             const canvas = document.querySelector('.map canvas'), pen = canvas.getContext('2d'), hint = document.querySelector('.hint');
-            const colours = Object.fromEntries(['waiting', 'triangulated', 'splayed', 'settled', 'stored'].map((word, i) =>
+            const colours = Object.fromEntries(['waiting', 'triangulated', 'joined', 'settled', 'stored'].map((word, i) =>
               [word, getComputedStyle(document.querySelector('.tile-' + 'wtsqd'[i])).backgroundColor]));
             const pixels = pen.getImageData(0, 0, canvas.width, canvas.height).data;
             const box = canvas.getBoundingClientRect(), wrong = [], seen = new Set();
@@ -154,7 +154,7 @@ class Scale(unittest.TestCase):
               const [, tile, word] = /^Tile (\\d+): (.+)$/.exec(hint.textContent) ?? [];
               const at = 4 * (Math.floor(y * canvas.height / box.height) * canvas.width + Math.floor(x * canvas.width / box.width));
               const [r, g, b] = pixels.slice(at, at + 3);
-              if (word !== {w: 'waiting', t: 'triangulated', s: 'splayed', q: 'settled', d: 'stored'}[arguments[0][tile]]) wrong.push(['stage', tile, word]);
+              if (word !== {w: 'waiting', t: 'triangulated', s: 'joined', q: 'settled', d: 'stored'}[arguments[0][tile]]) wrong.push(['stage', tile, word]);
               if (colours[word] !== `rgb(${r}, ${g}, ${b})`) wrong.push(['colour', tile, word, r, g, b]);
               seen.add(tile);
             }
@@ -212,7 +212,7 @@ class Scale(unittest.TestCase):
         self.assertEqual([arc["ends"] for arc in arcs.values()], [["0", "1"], ["1", "0"], ["17", "59"]])
         said = "Mail has lately gone 3 ways between tiles; most from tile 0 to tile 1: 4,000 points."
         self.assertEqual(b.text(".mail"), said)
-        self.assertEqual(b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"), f"Map of the tiles: 60 splayed. {said}")
+        self.assertEqual(b.script("return document.querySelector('.map canvas').getAttribute('aria-label')"), f"Map of the tiles: 60 joined. {said}")
         for motion, name in (("no-preference", "mail"), ("reduce", "none")):
             b.theme("light", motion)
             self.assertEqual(b.script("return getComputedStyle(document.querySelector('.arcs .arc')).animationName"), name)

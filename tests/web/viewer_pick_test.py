@@ -12,6 +12,7 @@ import urllib.parse
 from selenium.webdriver import ActionChains, Keys
 
 import browser
+import picking
 import played_service
 import scale_test
 
@@ -19,10 +20,10 @@ TESSERA = os.environ["TESSERA"]
 
 
 class PlayedResult(played_service.PlayedService):
-    """With one triangulation, its tileset, and `tessera query` behind locate."""
+    """With one triangulation, its tileset, and `tessera query` behind locate and interpolate."""
 
     def __init__(self, files, folder):
-        self.folder, self.located = folder, []
+        self.folder, self.located, self.heights = folder, [], []
         super().__init__(files)
 
     def answer(self, request):
@@ -37,6 +38,13 @@ class PlayedResult(played_service.PlayedService):
                 self.located.append(json.loads(done.stdout))
                 self.changed.notify_all()
             return self.send(request, 200, "application/json", done.stdout)
+        if url.path.endswith("/interpolate"):
+            points = json.loads(request.rfile.read(int(request.headers["Content-Length"])))["points"]
+            file = self.folder / "asked.csv"
+            file.write_text("x,y\n" + "".join(f"{x!r},{y!r}\n" for x, y in points))
+            done = subprocess.run([TESSERA, "query", self.folder / "out", "interpolate", file, "--value", "z", "--format", "json"], capture_output=True, check=True)
+            self.heights = [json.loads(line)["value"] for line in done.stdout.splitlines() if b'"value"' in line]
+            return self.send(request, 200, "application/json", json.dumps({"answers": [{"value": height} for height in self.heights]}).encode())
         return super().answer(request)
 
     def find(self, path, query):
@@ -91,10 +99,14 @@ class Pick(unittest.TestCase):
         text = self.told(located)
         corners = [vertex["point"] for vertex in located["vertices"]]
         for vertex in located["vertices"]:
-            self.assertIn(f"{vertex['id']}\n{', '.join(map(repr, vertex['point']))} · tile {vertex['tile']}", text)
+            self.assertIn(f"{vertex['id']}\n{picking.digits(vertex['point'])} · tile {vertex['tile']}", text)
         for neighbor in located["neighbors"]:
             self.assertIn(f"cell {neighbor['cell']} of tile {neighbor['tile']}: {', '.join(map(str, neighbor['vertices']))}"
                           if neighbor else "none: on the hull", text)
+        told = list(map(float, re.findall(r"Height ([-\d.]+)", text)))
+        self.assertEqual(len(told), 4)
+        self.assertEqual(told[1:], self.service.heights[1:])
+        self.assertAlmostEqual(told[0], self.service.heights[0], delta=0.0006)
         radius = float(re.search(r"radius ([\d.]+)", text)[1])
         x, y = map(float, re.search(r"centre ([-\d.]+), ([-\d.]+)", text).groups())
         for corner in corners:  # told with nine digits

@@ -86,11 +86,11 @@ class SolidViewer(looking.LookingTest):
         b.look(self, "solid-cut")
         # The mouse moves the cut: by its slider, and on the canvas with Shift.
         slider = b.driver.find_element(By.ID, "cut-place")
-        place = b.text(".slider .number")
+        place = b.text(".slider:has(#cut-place) .number")
         slider.send_keys(Keys.ARROW_RIGHT * 200)
         b.until("return document.querySelector('.view-side [role=status]').innerText !== arguments[0]", middle)
         self.rest()
-        moved = b.text(".slider .number")
+        moved = b.text(".slider:has(#cut-place) .number")
         self.assertGreater(float(moved), float(place))
         canvas = b.driver.find_element(By.CSS_SELECTOR, ".stage canvas")
         b.script("performance.clearResourceTimings()")
@@ -99,7 +99,7 @@ class SolidViewer(looking.LookingTest):
             pull.move_by_offset(0, 4)
         pull.release().key_up(Keys.SHIFT).perform()
         self.rest()
-        self.assertLess(float(b.text(".slider .number")), float(moved))
+        self.assertLess(float(b.text(".slider:has(#cut-place) .number")), float(moved))
         # The last place is the one that is shown, and not every place on the way was asked for.
         asked = b.script("return performance.getEntriesByType('resource').map(r => r.name).filter(n => n.includes('/section?'))")
         self.assertLessEqual(len(asked), 31)

@@ -39,15 +39,27 @@ export interface Estimate {
 }
 
 export interface Schema { type?: string; format?: string; enum?: unknown[]; minimum?: number; items?: Schema }
-export interface Input { title: string; description?: string; minOccurs: number; schema: Schema }
+export interface ProcessInput { title: string; description?: string; minOccurs: number; schema: Schema }
 export interface ProcessSummary { id: string; title: string; description: string; links: Link[] }
-export interface Process extends ProcessSummary { inputs: Record<string, Input> }
+export interface Process extends ProcessSummary { inputs: Record<string, ProcessInput> }
 
 export interface Triangulation {
   name: string; dimension: number; vertices: number; cells: number; tiles: number; bytes: number; digest?: string;
   created?: string; crs?: string; bounds: number[]; links: Link[]; tileset: boolean;
+  unit?: string; heightUnit?: string;  // of coordinates and heights, where the coordinate system says
 }
 export interface TriangulationList { triangulations: Triangulation[]; links: Link[]; numberMatched: number }
+
+export interface Export {
+  name: string; bytes: number; files: number; created?: string; submitter?: string; processID?: string; jobID?: string; links: Link[];
+}
+export interface ExportList { exports: Export[]; links: Link[]; numberMatched: number }
+
+// What jobs may read.
+export interface Input {
+  name: string; folder: boolean; bytes: number; modified?: string; format?: string; points?: number; bounds?: number[]; crs?: string; note?: string;
+}
+export interface InputList { folder: string; inputs: Input[]; links: Link[]; numberMatched: number }
 
 export interface NodeInfo {
   name: string; id?: string; address?: string; threads: number; memoryBytes: number; memoryUsedBytes: number;

@@ -20,6 +20,14 @@ export function bytes(n: number): string {
   return `${unit === 0 ? n : short(n)} ${units[unit]}`;
 }
 
+const units: Record<string, string> = {metre: "m", foot: "ft", "US survey foot": "US ft", degree: "°"};
+
+// "20.21 m": a number with at most so many digits after the point; `unit` as the service calls it, empty where nobody knows.
+export function withUnit(value: number, unit: string, digits = 2): string {
+  const number = value.toLocaleString("en", {maximumFractionDigits: digits});
+  return unit === "degree" ? `${number}°` : unit ? `${number} ${units[unit] ?? unit}` : number;
+}
+
 // "1 h 04 min", "3 min 20 s", "12 s", "0.4 s"
 export function duration(seconds: number): string {
   if (seconds < 9.95) return `${seconds.toFixed(1)} s`;
@@ -40,14 +48,21 @@ export function secondsBetween(from: string | undefined, to: string | undefined)
 
 const sameDay = new Intl.DateTimeFormat("en-GB", {hour: "2-digit", minute: "2-digit", second: "2-digit"});
 const otherDay = new Intl.DateTimeFormat("en-GB", {day: "numeric", month: "short", hour: "2-digit", minute: "2-digit"});
+const otherYear = new Intl.DateTimeFormat("en-GB", {day: "numeric", month: "short", year: "numeric"});
 
-// Of today the time; else the day, too. In the zone of who looks.
+// "today 14:03:22", "24 Nov, 14:03", "24 Nov 2025". In the zone of who looks.
 export function moment(rfc3339: string | undefined): string {
   if (!rfc3339) return "–";
   const at = new Date(rfc3339);
   if (Number.isNaN(at.getTime())) return rfc3339;
-  return (at.toDateString() === new Date().toDateString() ? sameDay : otherDay).format(at);
+  const now = new Date();
+  if (at.toDateString() === now.toDateString()) return `today ${sameDay.format(at)}`;
+  return (at.getFullYear() === now.getFullYear() ? otherDay : otherYear).format(at);
 }
+
+// Phases as the command calls them (plain_phase() in src/report/human.h).
+const plainPhases: Record<string, string> = {routing: "reading", splaying: "joining tiles", collecting: "writing"};
+export const plainPhase = (phase: string): string => plainPhases[phase] ?? phase;
 
 // "tile_points" as "Tile points"
 export function words(name: string): string {

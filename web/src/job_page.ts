@@ -1,7 +1,7 @@
 // One job.
 import {address, ended, get, Job, JobEvent} from "./api";
 import {h, replace, say, show} from "./dom";
-import {bytes, count, duration, moment, secondsBetween, sentence} from "./format";
+import {bytes, count, duration, moment, plainPhase, secondsBetween, sentence} from "./format";
 import {JobGraphs} from "./job_graphs";
 import {JobNodes} from "./job_nodes";
 import {deedsFor, Deed, doIt, makeState, nameOf, progressWords, stateWord, updateState} from "./job_words";
@@ -22,11 +22,11 @@ export class JobPage implements Page {
   private readonly about = h("p", {class: "muted"});
   private readonly bar = h("progress", {max: 100, value: 0, "aria-label": "Progress"});
   private readonly words = h("p", {class: "progress-words"});
-  private readonly steps = h("ol", {class: "steps", "aria-label": "Phases"}, ...phases.map(phase => h("li", {"data-phase": phase}, phase)));
+  private readonly steps = h("ol", {class: "steps", "aria-label": "Phases"}, ...phases.map(phase => h("li", {"data-phase": phase}, plainPhase(phase))));
   private readonly problem = h("p", {class: "notice", role: "alert"});
   private readonly figures = {
     points: new Figure("Points"), elapsed: new Figure("Time"), starts: new Figure("Begun"), lost: new Figure("Nodes lost"),
-    by: new Figure("Submitted by"), tiles: new Figure("Tiles triangulated"), asleep: new Figure("Tiles asleep"),
+    by: new Figure("Submitted by"), tiles: new Figure("Tiles triangulated"), asleep: new Figure("Tiles at rest"),
     stored: new Figure("Tiles stored"), sent: new Figure("Points between tiles"), memory: new Figure("Memory")};
   private readonly graphs: JobGraphs;
   private readonly nodes = new JobNodes();
@@ -122,8 +122,8 @@ export class JobPage implements Page {
     // What is known while it runs stays as it was last seen.
     const triangulates = job.processID === "triangulate";
     if (f?.tilesTotal) this.seenTiles = f.tilesTotal;
-    for (const name of ["tiles", "asleep", "stored", "sent", "memory"] as const)
-      show(all[name].element, triangulates && (this.seenTiles > 0 || !ended(job)));
+    for (const name of ["tiles", "stored", "sent"] as const) show(all[name].element, triangulates && (this.seenTiles > 0 || !ended(job)));
+    for (const name of ["asleep", "memory"] as const) show(all[name].element, triangulates && !ended(job));
     const points = job.points || f?.pointsTotal || 0;
     all.points.set(points ? count(points) : "–");
     show(all.points.element, triangulates || points > 0);
@@ -135,8 +135,6 @@ export class JobPage implements Page {
       all.memory.set(bytes(f.memoryBytes));
     } else if (job.status === "successful" && this.seenTiles) {
       for (const name of ["tiles", "stored"] as const) all[name].set(`${count(this.seenTiles)} of ${count(this.seenTiles)}`);
-      all.asleep.set(count(this.seenTiles));
-      all.memory.set(bytes(0));
     }
     const seconds = f?.elapsed ?? secondsBetween(job.started, job.finished);
     all.elapsed.set(seconds === null || !job.started ? "–" : duration(seconds));
@@ -165,7 +163,7 @@ export class JobPage implements Page {
   // Not every step: who listens to the page hears of every tenth part, and of each change of state.
   private announce(job: Job): void {
     const part = Math.floor(job.progress / 10) * 10;
-    const text = ended(job) ? `${stateWord(job)}. ${progressWords(job)}` : `${stateWord(job)}, ${job.phase ?? ""} ${part} %`;
+    const text = ended(job) ? `${stateWord(job)}. ${progressWords(job)}` : `${stateWord(job)}, ${plainPhase(job.phase ?? "")} ${part} %`;
     if (text === this.announced) return;
     if (this.announced !== "") this.context.announce(`${nameOf(job)}: ${text}`);
     this.announced = text;

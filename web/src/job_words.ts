@@ -1,7 +1,7 @@
 // What is said of a job, on all pages alike.
 import {Job, ended, address, get, mayChange, Caller, send} from "./api";
 import {confirmed, h, say} from "./dom";
-import {duration, secondsBetween, sentence, words} from "./format";
+import {duration, plainPhase, secondsBetween, sentence, words} from "./format";
 
 const stateWords = {accepted: "Waiting", running: "Running", successful: "Done", failed: "Failed", dismissed: "Stopped"};
 
@@ -9,10 +9,13 @@ export function stateWord(job: Job): string {
   return stateWords[job.status] ?? job.status;
 }
 
-// Of a triangulation what it makes; of another job what it does, to what.
+const makes = ["triangulate", "region"];  // results
+const ofWhat: Record<string, string> = {verify: "Proof of", export: "Export of", dem: "Raster of", contours: "Contour lines of", info: "Info on"};
+
+// Of a result what it is called; of another job what it makes, of what.
 export function nameOf(job: Job): string {
-  if (job.processID === "triangulate") return job.triangulation || job.jobID;
-  return words(job.triangulation ? `${job.processID} ${job.triangulation}` : job.processID);
+  if (makes.includes(job.processID)) return job.triangulation || job.jobID;
+  return job.triangulation ? `${ofWhat[job.processID] ?? words(job.processID)} ${job.triangulation}` : words(job.processID);
 }
 
 export function makeState(): HTMLElement {
@@ -24,11 +27,11 @@ export function updateState(element: HTMLElement, job: Job): void {
   say(element.lastElementChild!, stateWord(job));
 }
 
-// "splaying, 42 %, about 12 s left"; of a job that has ended, how long it took.
+// "joining tiles, 42 %, about 12 s left"; of a job that has ended, how long it took.
 export function progressWords(job: Job): string {
   if (job.status === "accepted") return "in the queue";
   if (job.status === "running") {
-    const parts = [job.phase ?? "", `${job.progress} %`];
+    const parts = [plainPhase(job.phase ?? ""), `${job.progress} %`];
     if (job.eta) parts.push(`about ${duration(job.eta)} left`);
     return parts.filter(p => p !== "").join(", ");
   }

@@ -3,6 +3,7 @@ import {Mail} from "./api";
 import {h, replace, say, svg} from "./dom";
 import {count} from "./format";
 import {Plan, tilesOf} from "./tile_layout";
+import {MapPart} from "./tile_zoom";
 
 const size = 1000;  // of the picture, whose width is 1 in the plan
 
@@ -36,7 +37,6 @@ export class MailArcs {
       ways.push(way);
     }
     for (const gone of before.values()) gone.remove();
-    if (plan) this.picture.setAttribute("viewBox", `0 0 ${size} ${size * plan.height}`);
     this.ground.setAttribute("d", ways.join(""));
     if (ways.length === 0) this.ground.remove();
     else if (!this.ground.isConnected) this.picture.prepend(this.ground);
@@ -50,11 +50,16 @@ export class MailArcs {
       replace(this.words, h("span", {class: "swatch arc-swatch", "aria-hidden": "true"}), this.said);
   }
 
+  // Of a map whose part is seen.
+  see(part: MapPart, height: number): void {
+    this.picture.setAttribute("viewBox", [part.left, part.top, 1 / part.zoom, height / part.zoom].map(value => value * size).join(" "));
+  }
+
   private wayOf(plan: Plan, from: number, to: number): string | null {
     const a = middleOf(plan, from), b = middleOf(plan, to);
     if (!a || !b) return null;
     const x = (a[0] + b[0]) / 2 + (b[1] - a[1]) * 0.2, y = (a[1] + b[1]) / 2 - (b[0] - a[0]) * 0.2;
-    const at = (...place: number[]) => place.map(value => (value * size).toFixed(1)).join(" ");
+    const at = (...place: number[]) => place.map(value => Number((value * size).toFixed(4))).join(" ");
     return `M${at(...a)}Q${at(x, y)} ${at(...b)}`;
   }
 }

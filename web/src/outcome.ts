@@ -3,6 +3,9 @@ import {address, Job} from "./api";
 import {h, replace, show} from "./dom";
 import {bytes, words} from "./format";
 
+// Where the name of a figure is no word.
+const names: Record<string, string> = {left_out: "Cells left out"};
+
 interface Written { path: string; bytes: number; xxh3: string }
 
 export class Outcome {
@@ -31,11 +34,11 @@ export function fileAddress(triangulation: string, path: string): string {
 function table(value: Record<string, unknown>): HTMLElement {
   const simple: HTMLElement[] = [], lists: HTMLElement[] = [], deep: Record<string, unknown> = {};
   for (const [key, each] of Object.entries(value)) {
-    if (key === "written" || key === "event") continue;
+    if (key === "written" || key === "event" || each === "") continue;
     if (Array.isArray(each) && each.length > 0 && each.every(one => typeof one === "string"))
       lists.push(h("h3", {}, words(key)), h("ul", {class: `sentences ${key}`}, ...each.map(one => h("li", {}, one))));
     else if (each === null || typeof each === "object") deep[key] = each;
-    else simple.push(h("div", {class: "figure"}, h("dt", {}, words(key)),
+    else simple.push(h("div", {class: "figure"}, h("dt", {}, names[key] ?? words(key)),
       h("dd", {class: "wraps"}, typeof each === "number" ? each.toLocaleString("en") : String(each))));
   }
   return h("div", {}, h("dl", {class: "figures"}, ...simple), ...lists,

@@ -11,6 +11,7 @@ declare module "three" {
     multiplyScalar(s: number): this;
     normalize(): this;
     project(camera: Camera): this;
+    applyMatrix4(m: Matrix4): this;
     transformDirection(m: Matrix4): this;
     length(): number;
     distanceTo(v: Vector3): number;
@@ -18,7 +19,7 @@ declare module "three" {
   export class Color { constructor(colour?: string | number); set(colour: string | number): this; setRGB(r: number, g: number, b: number): this }
   export class Sphere { constructor(); center: Vector3; radius: number }
   export class Object3D {
-    position: Vector3; scale: Vector3; visible: boolean; renderOrder: number; userData: unknown; children: Object3D[]; parent: Object3D | null;
+    position: Vector3; scale: Vector3; matrixWorld: Matrix4; matrixAutoUpdate: boolean; frustumCulled: boolean; visible: boolean; renderOrder: number; userData: unknown; children: Object3D[]; parent: Object3D | null;
     add(...objects: Object3D[]): this;
     remove(...objects: Object3D[]): this;
     traverse(visit: (object: Object3D) => void): void;
@@ -27,7 +28,7 @@ declare module "three" {
   export class Group extends Object3D {}
   export class Scene extends Object3D { background: Color | null }
   export class Camera extends Object3D { up: Vector3; projectionMatrix: Matrix4; matrixWorldInverse: Matrix4 }
-  export class Matrix4 { constructor(); elements: number[]; multiplyMatrices(a: Matrix4, b: Matrix4): this }
+  export class Matrix4 { constructor(); elements: number[]; multiplyMatrices(a: Matrix4, b: Matrix4): this; copy(m: Matrix4): this; invert(): this }
   export class PerspectiveCamera extends Camera {
     constructor(fov: number, aspect: number, near: number, far: number);
     aspect: number; near: number; far: number; fov: number;
@@ -61,7 +62,7 @@ declare module "three" {
   export class LineSegments extends LineLoop {}
   export interface Intersection { point: Vector3; distance: number; object: Object3D; faceIndex?: number }
   export class Raycaster {
-    firstHitOnly: boolean;
+    firstHitOnly: boolean; ray: {origin: Vector3; direction: Vector3};
     set(origin: Vector3, direction: Vector3): void;
     setFromCamera(at: Vector2, camera: Camera): void;
     intersectObject(object: Object3D, recursive?: boolean): Intersection[];

@@ -2,6 +2,7 @@
 import {address, Failure, get, Job, send, Triangulation} from "./api";
 import {confirmed, h, replace} from "./dom";
 import {bytes, count, moment} from "./format";
+import {MadePanel} from "./made_panel";
 import {fileAddress} from "./outcome";
 import {action, Context, Figure, heading, Notice, Page} from "./page";
 
@@ -29,9 +30,8 @@ export class ResultPage implements Page {
   private tell(result: Triangulation): void {
     const may = this.context.caller.role !== "read";
     replace(this.head.querySelector(".actions")!,
-      h("a", {class: "button", href: `#/view/${encodeURIComponent(this.name)}`}, "View"),
-      may ? action("Verify", () => this.verify(), {class: "primary"}) : null,
-      may ? h("a", {class: "button", href: `#/submit?process=export&triangulation=${encodeURIComponent(this.name)}`}, "Export") : null,
+      h("a", {class: "button primary", href: `#/view/${encodeURIComponent(this.name)}`}, "View"),
+      may ? action("Verify", () => this.verify()) : null,
       h("a", {class: "button", href: fileAddress(this.name, "report.html"), target: "_blank", rel: "noopener"}, "Report"),
       may ? action("Remove", () => this.remove()) : null);
     const d = result.dimension, box = result.bounds;
@@ -45,6 +45,7 @@ export class ResultPage implements Page {
         figure("Size of the tiles", bytes(result.bytes)), figure("Made", moment(result.created))),
         h("dl", {class: "facts"},
           ...fact("Digest", result.digest ?? "none"), ...fact("Coordinate system", crsName(result.crs)), ...fact("Extent", extent.join(", ") || "–"))),
+      new MadePanel(this.context.caller, this.name, d).element,
       h("section", {class: "panel", "aria-labelledby": "files-title"}, h("h2", {id: "files-title"}, "Files"),
         h("ul", {class: "files"}, ...files.map(([path, about]) => h("li", {},
           h("a", path.endsWith(".html") ? {href: fileAddress(this.name, path), target: "_blank", rel: "noopener"}

@@ -1,13 +1,15 @@
 // A form made of the inputs of a process, as the service describes them: what is not filled in has the service's default.
-import {Failure, Input, Process, Schema} from "./api";
+import {Failure, Process, ProcessInput, Schema} from "./api";
 import {h, say, show} from "./dom";
 import {words} from "./format";
+import {InputChooser} from "./input_list";
 
 const first = ["inputs", "triangulation", "output", "dim", "memory"];  // what most jobs are about; the rest is folded away
 
 // Where the name of an option is no word.
-const labels: Record<string, string> = {dim: "Dimension", crs: "Coordinate system", output: "Name of the result", class: "Classes",
-  tile_points: "Points in a tile", without: "Left out", stats: "Statistics", against_cgal: "Against CGAL", max_edge: "Longest edge"};
+const labels: Record<string, string> = {dim: "Dimension", crs: "Coordinate system", output: "File name", class: "Classes",
+  tile_points: "Points in a tile", without: "Points left out", stats: "Statistics", against_cgal: "Against CGAL", max_edge: "Longest edge",
+  res: "Resolution", bbox: "Box", resolution: "Resolution (COPC only)"};
 
 export class SchemaForm {
   readonly element = h("div", {class: "fields"});
@@ -16,7 +18,9 @@ export class SchemaForm {
   constructor(process: Process, given: Record<string, string>) {
     const more = h("div", {class: "fields"});
     for (const [name, input] of Object.entries(process.inputs)) {
-      const field = new Field(name, input, given[name] ?? "");
+      // What makes a result reads none.
+      const label = name === "output" && !("triangulation" in process.inputs) ? "Name of the result" : labels[name] ?? words(name);
+      const field = new Field(name, label, input, given[name] ?? "");
       this.fields.set(name, field);
       const folded = input.minOccurs === 0 && !first.includes(name) && !given[name];
       (folded ? more : this.element).append(field.element);
@@ -61,7 +65,7 @@ class Field {
   private readonly control: HTMLInputElement | HTMLTextAreaElement | HTMLSelectElement;
   private readonly wrong: HTMLElement;
 
-  constructor(readonly name: string, input: Input, given: string) {
+  constructor(readonly name: string, label: string, input: ProcessInput, given: string) {
     this.required = input.minOccurs > 0;
     const id = `field-${name}`, schema = input.schema;
     const attributes = {id, name, "aria-describedby": `${id}-help ${id}-wrong`, required: this.required,
@@ -69,10 +73,22 @@ class Field {
     this.control = controlFor(schema, attributes);
     this.control.value = given;
     this.wrong = h("p", {class: "wrong", id: `${id}-wrong`});
+    const chooser = name === "inputs" ? this.chooser() : null;
     show(this.wrong, false);
     this.element = h("div", {class: schema.type === "array" && name === "inputs" ? "field wide" : "field"},
-      h("label", {for: id}, labels[name] ?? words(name), this.required ? h("span", {class: "muted"}, " (needed)") : null),
-      this.control, h("p", {class: "help", id: `${id}-help`}, helpOf(input)), this.wrong);
+      h("label", {for: id}, label, this.required ? h("span", {class: "muted"}, " (needed)") : null),
+      this.control, h("p", {class: "help", id: `${id}-help`}, helpOf(input)), this.wrong, chooser);
+  }
+
+  // What is chosen is typed, one a line.
+  private chooser(): HTMLElement {
+    const lines = () => this.control.value.split("\n").map(line => line.trim()).filter(line => line !== "");
+    const chooser = new InputChooser(name => lines().includes(name), (name, on) => {
+      this.control.value = [...lines().filter(line => line !== name), ...(on ? [name] : [])].join("\n");
+      this.control.dispatchEvent(new Event("input", {bubbles: true}));
+    });
+    this.control.addEventListener("input", () => chooser.refresh());
+    return chooser.element;
   }
 
   value(): unknown {
@@ -95,7 +111,7 @@ class Field {
   }
 }
 
-function helpOf(input: Input): string {
+function helpOf(input: ProcessInput): string {
   const list = input.schema.type !== "array" ? "" :
     input.schema.items?.type === "string" ? " One a line." : " Numbers, with commas between them.";
   return (input.description ?? "") + list;

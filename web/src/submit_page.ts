@@ -119,19 +119,24 @@ class Costs {
     say(this.says, text);
     this.says.dataset.state = state;
     this.list.classList.toggle("unknown", !shown);
+    // What was told of other inputs is told to nobody any more, nor read aloud.
+    if (!shown) for (const figure of Object.values(this.figures)) figure.set("–");
   }
-  clear(): void { this.set("Say which inputs: time, memory and disk are shown here before anything is submitted.", "", false); }
+  clear(): void { this.set("Fill in what is needed: time, memory and disk are shown here before anything is submitted.", "", false); }
   wait(): void { this.set("Asking …", "", false); }
   refuse(text: string): void { this.set(text, "failed", false); }
 
   tell(estimate: Estimate): void {
-    this.figures.time.set(`about ${duration(estimate.seconds)}`);
-    this.figures.points.set(count(estimate.points));
-    this.figures.cells.set(`about ${count(estimate.cells)}`);
-    this.figures.tiles.set(count(estimate.tiles));
-    this.figures.memory.set(bytes(estimate.memoryBytes));
-    this.figures.result.set(bytes(estimate.resultBytes));
-    this.figures.temporary.set(bytes(estimate.temporaryBytes));
+    // Of some jobs not all is known before.
+    const known: [Figure, number, (value: number) => string][] = [
+      [this.figures.time, estimate.seconds, seconds => `about ${duration(seconds)}`], [this.figures.points, estimate.points, count],
+      [this.figures.cells, estimate.cells, cells => `about ${count(cells)}`], [this.figures.tiles, estimate.tiles, count],
+      [this.figures.memory, estimate.memoryBytes, bytes], [this.figures.result, estimate.resultBytes, bytes],
+      [this.figures.temporary, estimate.temporaryBytes, bytes]];
+    for (const [figure, value, text] of known) {
+      if (value > 0) figure.set(text(value));
+      show(figure.element, value > 0);
+    }
     if (estimate.accepted) this.set("This daemon would take it.", "successful", true);
     else this.set(estimate.reason ?? "This daemon would refuse it.", "failed", true);
   }

@@ -23,11 +23,10 @@ function apply(kind: Kind): void {
 
 export function themeSwitch(): HTMLElement {
   let kind = stored();
-  const button = h("button", {type: "button", class: "quiet theme"});
+  const word = h("span"), button = h("button", {type: "button", class: "quiet theme"}, h("span", {class: "of"}, "Colours: "), word);
   const tell = () => {
-    const shown = {auto: "Auto", light: "Light", dark: "Dark"}[kind];
-    say(button, shown);
-    button.setAttribute("aria-label", `${shown} colours${kind === "auto" ? ", as the system has them" : ""}. Change`);
+    say(word, {auto: "as the system", light: "light", dark: "dark"}[kind]);
+    button.title = `Next: ${{auto: "light", light: "dark", dark: "as the system has them"}[kind]}`;
   };
   button.addEventListener("click", () => {
     kind = kinds[(kinds.indexOf(kind) + 1) % kinds.length];

@@ -1,9 +1,12 @@
-// What the service says of a cell: its vertices, neighbours and tile; and its circumscribed circle or sphere.
-import {address, get} from "./api";
+// What the service says of a cell: its vertices, neighbours and tile, of a surface the heights; and its circumscribed
+// circle or sphere.
+import {address, get, send} from "./api";
 import {h, replace} from "./dom";
+import {withUnit} from "./format";
 
 interface Vertex { id: number; tile: number; point: number[] }
 interface Neighbor { tile: number; cell: number; vertices: number[] }
+interface Heights { answers: {value: number | null}[] }
 interface Location { point: number[]; cell: number | null; tile: number; vertices: Vertex[]; neighbors: (Neighbor | null)[] }
 
 // Of the circle through three points of the plane. Relative to one of them: coordinates may be large.
@@ -28,17 +31,21 @@ function sphere([a, ...others]: number[][]): {centre: number[]; radius: number} 
 // The digits that are the number: they are compared with those of the command.
 const exact = (values: number[]) => values.join(", ");
 const rounded = (value: number) => value.toLocaleString("en", {maximumSignificantDigits: 9, useGrouping: false});
+const heightDigits = 3, storedDigits = 17;  // after the point: of a height between vertices, and of one that was measured
 
 export class CellPanel {
-  // Its vertices, and the circle or sphere through them; nothing when there is no cell.
-  onFound: (corners: number[][], centre?: number[], radius?: number) => void = () => undefined;
+  // Its vertices, their heights as far as they are known, and the circle or sphere through them; nothing when there is no
+  // cell.
+  onFound: (corners: number[][], heights: (number | null)[], centre?: number[], radius?: number) => void = () => undefined;
+  // Somebody wants to see the cell near by.
+  onLook: () => void = () => undefined;
   summary = "";
   readonly element: HTMLElement;
   private readonly body = h("div", {});
   private asked = 0;
 
-  // `hint`: what is said before anything was asked.
-  constructor(private readonly triangulation: string, hint: string) {
+  // `hint`: what is said before anything was asked. `heights`: what they count, of a surface that has some.
+  constructor(private readonly triangulation: string, hint: string, private readonly heights: string | null = null) {
     this.element = h("section", {class: "panel cell", "aria-labelledby": "cell-title"}, h("h2", {id: "cell-title"}, "Cell"), this.body);
     replace(this.body, h("p", {class: "muted"}, hint));
   }
@@ -47,26 +54,38 @@ export class CellPanel {
   async ask(what: string): Promise<void> {
     const mine = ++this.asked;
     const found = await get<Location>(`${address("triangulations", this.triangulation, "locate")}?${what}`);
-    if (mine === this.asked) this.tell(found);
+    if (mine !== this.asked) return;
+    const heights = this.heights !== null && found.cell !== null ? await this.heightsOf([found.point, ...found.vertices.map(v => v.point)]) : [];
+    if (mine === this.asked) this.tell(found, heights);
   }
 
-  private tell(found: Location): void {
+  private async heightsOf(points: number[][]): Promise<(number | null)[]> {
+    const answer = await send("POST", `${address("triangulations", this.triangulation, "interpolate")}?value=z`, {body: {points}});
+    return (await answer.json() as Heights).answers.map(each => each.value);
+  }
+
+  private tell(found: Location, [height, ...heights]: (number | null)[]): void {
     if (found.cell === null) {
       this.summary = "There is no cell: outside of the hull.";
       replace(this.body, h("p", {class: "muted"}, this.summary));
-      return this.onFound([]);
+      return this.onFound([], []);
     }
     const corners = found.vertices.map(v => v.point), solid = corners.length === 4;
     const {centre, radius} = solid ? sphere(corners) : circle(corners);
-    this.summary = `Cell ${found.cell} of tile ${found.tile}`;
-    replace(this.body, h("p", {class: "name"}, this.summary),
+    const tall = (value: number | null | undefined, digits: number) => typeof value === "number" ? `Height ${withUnit(value, this.heights ?? "", digits)}` : null;
+    const here = tall(height, heightDigits), name = `Cell ${found.cell} of tile ${found.tile}`;
+    this.summary = here === null ? name : `${here}. ${name}`;
+    replace(this.body, h("div", {class: "heading"}, h("p", {class: "name"}, name),
+      h("button", {type: "button", class: "quiet", onclick: () => this.onLook()}, "Look closer")),
+      here === null ? null : h("p", {class: "height"}, here, h("span", {class: "sub"}, ` at ${found.point.map(value => value.toFixed(heightDigits)).join(", ")}`)),
       h("h3", {}, "Vertices"),
-      h("ul", {}, ...found.vertices.map(v => h("li", {}, h("span", {class: "number"}, `${v.id}`), h("span", {class: "sub"}, `${exact(v.point)} · tile ${v.tile}`)))),
+      h("ul", {}, ...found.vertices.map((v, k) => h("li", {}, h("span", {class: "number"}, `${v.id}`), h("span", {class: "sub"}, `${exact(v.point)} · tile ${v.tile}`),
+        tall(heights[k], storedDigits) === null ? null : h("span", {class: "number"}, tall(heights[k], storedDigits))))),
       h("h3", {}, solid ? "Circumscribed sphere" : "Circumscribed circle"),
       h("p", {class: "number"}, `radius ${rounded(radius)}`), h("p", {class: "sub number"}, `centre ${centre.map(rounded).join(", ")}`),
       h("h3", {}, "Neighbours, opposite each vertex"),
       h("ul", {}, ...found.neighbors.map((n, k) => h("li", {}, h("span", {class: "number"}, `${found.vertices[k].id}`),
         h("span", {class: "sub"}, n ? `cell ${n.cell} of tile ${n.tile}: ${n.vertices.join(", ")}` : "none: on the hull")))));
-    this.onFound(corners, centre, radius);
+    this.onFound(corners, heights, centre, radius);
   }
 }

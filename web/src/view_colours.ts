@@ -28,6 +28,7 @@ const colourOfClass = Object.entries(classes).map(([number, [, colour]]) => `  i
 // page's scene. What has no values between is that of one corner.
 const vertexShader = (by: Colouring) => `
 uniform vec2 heights;
+uniform vec2 stretched;
 uniform float brightest;
 in float ${{height: "_tile", class: "_classification", intensity: "_intensity", tile: "_tile"}[by]};
 out vec3 seen;
@@ -48,10 +49,12 @@ vec3 ofTile(float n) {
 }
 void main() {
   vec4 place = modelMatrix * vec4(position, 1.0);
+  float level = place.z;
+  place.z = stretched.x + (place.z - stretched.x) * stretched.y;
   vec4 view = viewMatrix * place;
   seen = view.xyz;
   plain = ${{
-    height: "onRamp((place.z - heights.x) / max(heights.y - heights.x, 1e-9))", class: "ofClass(int(_classification + 0.5))",
+    height: "onRamp((level - heights.x) / max(heights.y - heights.x, 1e-9))", class: "ofClass(int(_classification + 0.5))",
     intensity: "vec3(clamp(_intensity / brightest, 0.0, 1.0) * 0.9 + 0.08)", tile: "ofTile(_tile)"}[by]};
   gl_Position = projectionMatrix * view;
 }`;
@@ -75,15 +78,18 @@ export interface Colours {
 // The ways to colour what has such values. `level`: the height of the result that is 0 in the scene.
 export class Materials {
   private readonly sun = new three.Vector3();
+  private readonly stretched = new three.Vector2(0, 1);  // the height that stays where it is, and by what heights from it on are multiplied
   private readonly made = new Map<Colouring, three.ShaderMaterial>();
 
   constructor(private readonly colours: Colours, private readonly level: number, private readonly more: object = {}) {}
 
+  stretch(middle: number, times: number): void { this.stretched.set(middle, times); }
+
   get(by: Colouring): three.ShaderMaterial {
-    const [low, high] = this.colours.heights;
     const material = this.made.get(by) ?? new three.ShaderMaterial({glslVersion: three.GLSL3, side: three.DoubleSide,
       vertexShader: vertexShader(by), fragmentShader: fragmentShader(by), uniforms: {
-        heights: {value: new three.Vector2(low - this.level, high - this.level)},
+        heights: {value: new three.Vector2(this.colours.heights[0] - this.level, this.colours.heights[1] - this.level)},
+        stretched: {value: this.stretched},
         brightest: {value: Math.max(this.colours.intensityMax, 1)},
         sun: {value: this.sun}}, ...this.more});
     this.made.set(by, material);

@@ -1,16 +1,16 @@
 // By what is coloured, to be chosen, and what the colours mean.
 import {h, replace, say} from "./dom";
-import {count} from "./format";
+import {count, withUnit} from "./format";
 import {classColour, className, Colouring, colourings, Colours, ramp} from "./view_colours";
 
-// `then` is told what was chosen; height at first.
-export function colourPanel(colours: Colours, then: (by: Colouring) => void): HTMLElement {
+// `then` is told what was chosen; height at first. `unit`: of heights.
+export function colourPanel(colours: Colours, unit: string, then: (by: Colouring) => void): HTMLElement {
   const legend = h("div", {class: "legend-box", role: "status"});
   const has: Record<Colouring, boolean> = {height: true, class: colours.attributes.includes("classification"),
     intensity: colours.attributes.includes("intensity"), tile: true};
   const tell = (by: Colouring) => {
     then(by);
-    replace(legend, ...legendOf(by, colours));
+    replace(legend, ...legendOf(by, colours, unit));
   };
   const choices = colourings.filter(([id]) => has[id]).map(([id, text]) => choice("colouring", `by-${id}`, text, id === "height", () => tell(id)));
   tell("height");
@@ -30,7 +30,7 @@ function swatch(colour: number[]): HTMLElement {
   return box;
 }
 
-function legendOf(by: Colouring, colours: Colours): HTMLElement[] {
+function legendOf(by: Colouring, colours: Colours, unit: string): HTMLElement[] {
   if (by === "class") return [h("ul", {class: "classes"}, ...colours.classes.map(n => h("li", {}, swatch(classColour(n)), className(n))))];
   if (by === "tile") return [h("p", {class: "sub"}, `${count(colours.tiles)} tiles, each of one colour`)];
   const bar = h("div", {class: "ramp", "aria-hidden": "true"});
@@ -38,7 +38,7 @@ function legendOf(by: Colouring, colours: Colours): HTMLElement[] {
   const [low, high] = by === "height" ? colours.heights : [0, colours.intensityMax];
   const end = (value: number) => {
     const text = h("span", {class: "number"});
-    say(text, value.toLocaleString("en", {maximumFractionDigits: 2}));
+    say(text, withUnit(value, by === "height" ? unit : ""));
     return text;
   };
   return [bar, h("div", {class: "ramp-ends sub"}, end(low), end(high))];

@@ -9,6 +9,7 @@ import {colourPanel} from "./view_legend";
 import {Scene, TilesetDocument} from "./view_scene";
 import {SolidView} from "./view_solid_page";
 import {drawable} from "./view_stage";
+import {heightSlider, viewButtons} from "./view_tools";
 
 export class ViewPage implements Page {
   readonly title: string;
@@ -17,6 +18,7 @@ export class ViewPage implements Page {
   private readonly body = h("div");
   private readonly leave: () => void;
   private scene: Scene | null = null;
+  private result: Triangulation | null = null;
   private solid: SolidView | null = null;
   private making: {line: HTMLElement; bar: HTMLProgressElement; job: string} | null = null;
   private closed = false;
@@ -32,7 +34,7 @@ export class ViewPage implements Page {
 
   private begin(): void {
     void this.notice.attempt(async () => {
-      const result = await get<Triangulation>(address("triangulations", this.name));
+      const result = this.result = await get<Triangulation>(address("triangulations", this.name));
       if (result.dimension === 2) await (result.tileset ? this.open() : this.prepare());
       else {
         this.solid = new SolidView(this.context, this.notice, this.body, result);
@@ -89,19 +91,27 @@ export class ViewPage implements Page {
 
   private draw(tileset: TilesetDocument): void {
     const canvas = h("canvas", {tabindex: 0, role: "img", "aria-label": `Surface of ${this.name}, ${count(tileset.extras.cells)} triangles`, "aria-describedby": "view-help"});
-    const cell = new CellPanel(this.name, "Click on the surface.");
+    const {unit = "", heightUnit = ""} = this.result ?? {};
+    const cell = new CellPanel(this.name, "Click on the surface.", tileset.extras.attributes.includes("z") ? heightUnit : null);
     const help = h("p", {class: "sub", id: "view-help"},
       "Drag turns, the right button or two fingers move, the wheel or two fingers zoom; a click asks for the cell. Keys: arrows move, with Shift they turn, + and − zoom, Enter asks for the cell in the middle.");
-    const stage = h("div", {class: "stage"}, canvas), side = h("div", {class: "view-side"}, cell.element, help);
+    const stage = h("div", {class: "stage"}, canvas, viewButtons(() => this.scene)), side = h("div", {class: "view-side"}, cell.element, help);
     replace(this.body, h("div", {class: "view"}, stage, side));
-    const scene = drawable(stage, () => new Scene(canvas, this.tileset, tileset));
+    const scene = drawable(stage, () => new Scene(canvas, this.tileset, tileset, unit));
     this.scene = scene;
     scene.onFailure = error => this.notice.tell(error);
-    cell.onFound = (...found) => scene.mark(...found);
+    let corners: number[][] = [];
+    cell.onFound = (...found) => {
+      corners = found[0];
+      scene.mark(...found);
+    };
+    cell.onLook = () => scene.approach(corners);
     scene.onPick = point => void this.notice.attempt(async () => {
       await cell.ask(`point=${point.join(",")}`);
       this.context.announce(cell.summary);
     });
-    side.prepend(colourPanel(tileset.extras, by => scene.colour(by)));
+    const colours = colourPanel(tileset.extras, heightUnit, by => scene.colour(by));
+    colours.append(heightSlider(() => this.scene));
+    side.prepend(colours);
   }
 }

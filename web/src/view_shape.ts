@@ -5,7 +5,10 @@ import {GLTFLoader} from "three/examples/jsm/loaders/GLTFLoader.js";
 import {send} from "./api";
 import {Colours} from "./view_colours";
 
-export interface ShapeExtras extends Colours { kind: "hull" | "section" | "solids"; origin: number[]; cells: number }
+export interface ShapeExtras extends Colours {
+  kind: "hull" | "section" | "solids"; origin: number[]; cells: number;
+  edgeLengths?: number[];  // of the longest edges of all cells, every hundredth
+}
 export interface CellName { tile: number; cell: number }
 
 export class Shape {

@@ -2,10 +2,10 @@
 import * as three from "three";
 import {Colouring, Materials} from "./view_colours";
 import {CellName, Shape, ShapeExtras} from "./view_shape";
+import {Triple} from "./view_camera";
 import {Stage} from "./view_stage";
 
-const whole = 1.65;    // how far the camera is away, in radii of what is looked at and the length of its first direction
-const edgesMost = 0.55, edgesFew = 3000;  // how strong edges are of so many cells; of more they would hide what they are edges of
+const edgesMost = 0.55, edgesFew = 3000, edgesNone = 60000;  // how strong edges are of so many cells; of more they would hide what they are edges of, of many they are not drawn
 
 export class SolidScene extends Stage {
   onPick: (cell: CellName) => void = () => undefined;
@@ -26,10 +26,9 @@ export class SolidScene extends Stage {
   private hull: Shape | null = null;
   private shape: Shape | null = null;
 
-  constructor(canvas: HTMLCanvasElement, hull: ShapeExtras, private readonly low: number[], private readonly high: number[]) {
-    const middle = low.map((value, axis) => (value + high[axis]) / 2 - hull.origin[axis]);
-    const radius = Math.hypot(...low.map((value, axis) => high[axis] - value)) / 2 || 1;
-    super(canvas, new three.Vector3(middle[0], middle[1], middle[2]), radius, whole / Math.min(1, canvas.parentElement!.clientWidth / canvas.parentElement!.clientHeight));
+  // `lowest`, `highest`: the corners of the box around all, in the result's coordinates.
+  constructor(canvas: HTMLCanvasElement, hull: ShapeExtras, private readonly lowest: number[], private readonly highest: number[], unit: string) {
+    super(canvas, lowest.map((value, axis) => value - hull.origin[axis]) as Triple, highest.map((value, axis) => value - hull.origin[axis]) as Triple, unit);
     this.origin = new three.Vector3(hull.origin[0], hull.origin[1], hull.origin[2]);
     // Edges are in front of the facets that they are edges of.
     this.materials = new Materials(hull, this.origin.z, {polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1});
@@ -38,7 +37,9 @@ export class SolidScene extends Stage {
     for (const above of [this.marked, this.sphere, this.circles]) above.renderOrder = 1;
     this.mark([]);
     this.outline([], []);
-    this.scene.add(this.body, this.bodyEdges, this.hullEdges, this.box, this.marked, this.sphere, this.circles);
+    this.body.frustumCulled = false;  // where it is drawn the shader knows
+    this.scene.add(this.body);
+    this.world.add(this.bodyEdges, this.hullEdges, this.box, this.marked, this.sphere, this.circles);
     this.listenForPulls();
   }
 
@@ -69,7 +70,9 @@ export class SolidScene extends Stage {
     this.body.geometry = next.geometry;
     this.bodyEdges.geometry = next.edges;
     (this.bodyEdges.material as three.LineBasicMaterial).opacity = edgesMost * Math.min(1, Math.sqrt(edgesFew / Math.max(1, next.extras.cells)));
-    this.hullEdges.visible = next !== this.hull;
+    this.bodyEdges.visible = next.extras.cells <= edgesNone;
+    // The border of cells is within the hull, whose edges would only be in its way.
+    this.hullEdges.visible = next.extras.kind !== "hull";
     this.draw();
   }
 
@@ -85,15 +88,11 @@ export class SolidScene extends Stage {
     this.draw();
   }
 
-  // Turns around this place, from as far as is right for what has this radius, or as before.
-  look(at: number[], radius?: number): void {
-    const target = new three.Vector3(at[0] - this.origin.x, at[1] - this.origin.y, at[2] - this.origin.z);
-    const away = this.camera.position.clone().add(this.controls.target.clone().multiplyScalar(-1));
-    if (radius) away.multiplyScalar(radius * whole * 1.8 / Math.min(1, this.camera.aspect) / away.length());
-    this.camera.position.copy(target).add(away);
-    this.controls.target.copy(target);
-    this.controls.update();
-    this.draw();
+  // Turns around the middle of this box; with `anew` it fills the picture.
+  look(low: number[], high: number[], anew: boolean, once = false): void {
+    const place = (p: number[]): Triple => [p[0] - this.origin.x, p[1] - this.origin.y, p[2] - this.origin.z];
+    if (anew) this.frame(place(low), place(high), once);
+    else this.turnAround(place(low), place(high));
   }
 
   // The edges of a box, which may be flat; none takes them away.
@@ -125,6 +124,8 @@ export class SolidScene extends Stage {
     this.materials.light(this.camera);
     return false;
   }
+
+  protected override stretched(middle: number, times: number): void { this.materials.stretch(middle, times); }
 
   protected override get shown(): boolean { return this.shape !== null; }
 
@@ -160,8 +161,8 @@ export class SolidScene extends Stage {
 
   // The extent along an axis, as `along` has it.
   extent(axis: number): three.Vector3 {
-    const length = this.high[axis] - this.low[axis];
-    return new three.Vector3(axis === 0 ? length : 0, axis === 1 ? length : 0, axis === 2 ? length : 0);
+    const length = this.highest[axis] - this.lowest[axis];
+    return new three.Vector3(axis === 0 ? length : 0, axis === 1 ? length : 0, axis === 2 ? length * this.stretch : 0);
   }
 }
 
