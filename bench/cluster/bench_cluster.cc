@@ -132,10 +132,10 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
   CutCloud own = cut(s.cloud, *partition);
   s.tiles = std::move(own.tiles);
   s.tile_points = points_of(s.tiles);
-  s.context.dimension = 2;
-  s.context.boxes = final_boxes(partition);
+  s.stage.dimension = 2;
+  s.stage.boxes = final_boxes(partition);
   const auto neighbours = touching_tiles(*partition, own.bounds);
-  s.context.around = std::make_shared<const Surroundings>(std::move(own.bounds), neighbours, std::move(own.seeds));
+  s.stage.around = std::make_shared<const Surroundings>(std::move(own.bounds), neighbours, std::move(own.seeds));
   s.context.many_nodes = s.schedule.settle_asleep = true;
   s.schedule.memory_bytes = std::uint64_t{1} << 40;
   std::vector<std::uint64_t> place(s.tiles.size());
@@ -143,7 +143,7 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
   for (std::uint32_t t = 0; t < s.tiles.size(); ++t) {
     if (s.tiles[t].empty()) continue;
     order.push_back(TileId{t});
-    const Bounds& b = s.context.around->bounds(TileId{t});
+    const Bounds& b = s.stage.around->bounds(TileId{t});
     place[t] = key({b.lo.x / 2 + b.hi.x / 2, b.lo.y / 2 + b.hi.y / 2, 0});
   }
   std::stable_sort(order.begin(), order.end(), [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });

@@ -97,9 +97,10 @@ void print_drawn(const Contours& contours, const OutputOptions& output) {
   if (output.json) {
     std::printf("%s\n", to_json(contours).c_str());
   } else if (!output.quiet) {
-    say("%s: %s lines, %s of them closed, at %s levels, %s vertices, %s\n", contours.path.c_str(),
-        grouped(contours.lines).c_str(), grouped(contours.closed).c_str(), grouped(contours.levels).c_str(),
-        grouped(contours.vertices).c_str(), human_bytes(contours.bytes).c_str());
+    say("%s: %s, %s of them closed, at %s, %s vertices, %s\n", contours.path.c_str(),
+        counted(contours.lines, "line").c_str(), grouped(contours.closed).c_str(),
+        counted(contours.levels, "level").c_str(), grouped(contours.vertices).c_str(),
+        human_bytes(contours.bytes).c_str());
     if (contours.shorter > 0) say("%s shorter lines are left out\n", grouped(contours.shorter).c_str());
     print_rest(contours.left_out, contours.note);
   }

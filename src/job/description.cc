@@ -179,7 +179,7 @@ std::string inputs_text(const Json& described) {
   const auto& cost = described.at("estimate");
   std::string phases;
   for (const auto& [name, bytes] : cost.at("phases").items())
-    phases += (phases.empty() ? "" : ", ") + name + " " + human_bytes(bytes.get<std::uint64_t>());
+    phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_bytes(bytes.get<std::uint64_t>());
   Lines lines(12);
   lines.add("points", grouped(count_of(described, "points")));
   lines.add("box", box_text_or(described.at("sampled_bounds"), "unknown") + " (of a sample)");

@@ -96,7 +96,7 @@ TEST(RecentMail, IsBoundedByItsHeaviestArcs) {
   mail.add(arcs, start);
   const auto told = mail.heaviest(start);
   ASSERT_EQ(told.size(), mail_arcs_max);
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].points, 999 - i);
+  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i].bytes, 999 - i);
 }
 
 }  // namespace
