@@ -19,6 +19,7 @@
 #include "actors/harness/memory_storage.h"
 #include "src/base/option.h"
 #include "src/generate/generate.h"
+#include "src/run/delaunay_program.h"
 #include "src/run/tile_life.h"
 #include "src/run/touching.h"
 #include "src/store/digest.h"

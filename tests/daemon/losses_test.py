@@ -20,10 +20,18 @@ USUAL = {"--memory": "512M", "--threads": "1", "--metrics": "none"}  # of a node
 LEASE = "10s"  # a busy machine may not let a process run for seconds
 
 
+given_ports = set()
+
+
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """One that nobody else was given here: the system may offer again what nobody listens at yet."""
+    while True:
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        if port not in given_ports:
+            given_ports.add(port)
+            return port
 
 
 class Node:

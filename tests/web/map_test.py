@@ -22,6 +22,7 @@ class Map(unittest.TestCase):
         now = played_service.job(1, "running", phase="triangulating", progress=60)
         self.play("#/jobs/000000000001", jobs=1, tiles=150, job=now, layout=played_service.far_apart(150))
         b.until("return document.querySelector('.map canvas')?.getAttribute('aria-label').includes('150 waiting')")
+        self.stands_still()
         # Nearly all are below a pixel: two buttons say where they are.
         self.assertLess(self.told_tiles(), 30)
         self.assertEqual(len(b.driver.find_elements("css selector", ".spots button")), 2)
@@ -31,6 +32,8 @@ class Map(unittest.TestCase):
         self.assertGreater(self.told_tiles(), 50)
         self.assertEqual(b.driver.find_elements("css selector", ".spots button"), [])
         b.look(self, "map-closer")
+        # Pictures are taken in windows of several sizes, of which this one's is laid out by now.
+        looked = b.script("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(checks.shifts().length))))")
         # The keys go on from there, and a drag; mail goes with the tiles.
         def seen():
             return b.script("return document.querySelector('.arcs').getAttribute('viewBox').split(' ').map(Number)")
@@ -48,7 +51,7 @@ class Map(unittest.TestCase):
         b.press("All", ".map-buttons")
         self.assertEqual(seen()[:3], [0, 0, 1000])
         self.assertEqual(b.text(".map-buttons"), "+\n−\nAll")
-        self.stands_still()
+        self.stands_still(looked)
 
     def told_tiles(self):
         """How many tiles are told where a grid of places is pointed at."""
