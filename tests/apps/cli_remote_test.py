@@ -114,6 +114,7 @@ class Export(ServerTest):
         self.server.on_submit = hostile("a/b", "exports/PWNED")
         self.ok("export", "block", "-o", "arr", "--format", "npy", "--detach")
         job = max(self.server.jobs, key=lambda name: int(name[1:]))
+        self.run_tessera("watch", job)
         self.refused(CORRUPT, "fetch", job, "-o", "out/arr", says="exports/PWNED")
         self.assertEqual(here(), before)
 

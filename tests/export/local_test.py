@@ -70,7 +70,6 @@ class Local(ExportTest):
         before = self.files()
         for name in ("a.vtu", "a.gpkg", "a.xml", "a.msh"):
             self.refused(USAGE, "export", self.out, "-o", name, "--local", says="--local: is for ply, obj and off")
-        self.refused(USAGE, "export", "ground", "-o", "a.ply", "--local", "--server", "http://127.0.0.1:9", says="--local")
         self.assertEqual(self.files(), before)
 
 
