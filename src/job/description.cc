@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -205,6 +207,13 @@ std::string figure(const std::string& name, double value) {
 }
 
 // By the box in x and y: of a terrain what its points a square metre are, where its coordinates are metres.
+// Below 1 with three digits that say something, whatever the locale.
+std::string small_number(double value) {
+  char text[32];
+  const auto end = std::to_chars(std::begin(text), std::end(text), value, std::chars_format::general, 3);
+  return {text, end.ptr};
+}
+
 std::string density_text(const Json& result) {
   const auto& low = result.at("bounds").at("min");
   const auto& high = result.at("bounds").at("max");
@@ -212,7 +221,7 @@ std::string density_text(const Json& result) {
       (high.at(0).get<double>() - low.at(0).get<double>()) * (high.at(1).get<double>() - low.at(1).get<double>());
   const double density = static_cast<double>(count_of(result, "vertices")) / area;
   if (!std::isfinite(density)) return "";
-  return (density < 1 ? coordinate(density) : fixed(density, density < 100 ? 1 : 0)) +
+  return (density < 1 ? small_number(density) : fixed(density, density < 100 ? 1 : 0)) +
          " vertices a square unit of the box";
 }
 

@@ -90,6 +90,10 @@ class Descriptions(CloudTest):
             self.assertNotIn(counter, told)
         self.assertIn("credit_waits", self.ok("info", self.out, "--verbose"))
 
+    def test_few_points_are_few_a_unit(self):
+        self.ok("triangulate", self.write("few.csv", "0 0 1\n7 0 1\n0 7 1\n7 7 1\n3 2 1\n"), "-o", self.out, "--dim", "2", "--quiet")
+        self.assertRegex(self.ok("info", self.out), r"density +0\.102 vertices a square unit of the box\n")
+
     def test_an_odd_file_does_not_hide_the_others(self):
         folder = self.folder / "block"
         folder.mkdir()
