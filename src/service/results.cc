@@ -176,6 +176,10 @@ Reply<proto::TriangulationInfo> Results::info(std::string_view name) {
     for (const Point& corner : {box.lo, box.hi})
       for (int axis = 0; axis < manifest.dimension; ++axis) info.add_bounds(corner[axis]);
   }
+  if (const auto heights = heights_of(manifest)) {
+    info.add_heights(heights->lo);
+    info.add_heights(heights->hi);
+  }
   return info;
 }
 

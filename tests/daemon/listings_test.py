@@ -73,6 +73,7 @@ class Listings(DaemonTest):
         self.do("triangulate", inputs=["block"], output="ground", dim=2, **{"class": [2]})
         result = self.ask("triangulations/ground")
         self.assertEqual((result["unit"], result["heightUnit"]), ("metre", "metre"))
+        self.assertEqual(result["heights"], [20.25, 21.92])
         self.assertIn("exports", [link["rel"] for link in result["links"]])
         self.assertEqual(self.ask("triangulations/ground/exports")["exports"], [])
         jobs = {"dem.tif": self.do("dem", triangulation="ground", res=0.5),

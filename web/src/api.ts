@@ -47,6 +47,7 @@ export interface Triangulation {
   name: string; dimension: number; vertices: number; cells: number; tiles: number; bytes: number; digest?: string;
   created?: string; crs?: string; bounds: number[]; links: Link[]; tileset: boolean;
   unit?: string; heightUnit?: string;  // of coordinates and heights, where the coordinate system says
+  heights?: number[];  // of 2D results that have some: the lowest and the highest
 }
 export interface TriangulationList { triangulations: Triangulation[]; links: Link[]; numberMatched: number }
 

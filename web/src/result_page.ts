@@ -37,6 +37,7 @@ export class ResultPage implements Page {
     const d = result.dimension, box = result.bounds;
     const extent = box.length === 2 * d
       ? Array.from({length: d}, (_, axis) => `${"xyz"[axis]} ${number(box[axis])} to ${number(box[axis + d])}`) : [];
+    if (result.heights?.length === 2) extent.push(`z ${number(result.heights[0])} to ${number(result.heights[1])}`);
     const figure = (name: string, text: string) => new Figure(name, text).element;
     replace(this.body,
       h("section", {class: "panel", "aria-label": "Figures"}, h("dl", {class: "figures"},

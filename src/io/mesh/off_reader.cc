@@ -77,7 +77,8 @@ Result<OffHeader> read_header(LineReader& lines) {
   if (!first) return nothing();
   const auto kind = kind_of(words[0]);
   // Geomview's readers do without the keyword; a file called .off that begins with numbers is read as they do.
-  if (!kind && std::string_view("0123456789").find(words[0][0]) == std::string_view::npos)
+  const bool number = !words[0].empty() && std::string_view("0123456789").find(words[0][0]) != std::string_view::npos;
+  if (!kind && !number)
     return lines.bad_line("begins with " + in_quotes(words[0]) + ", but an OFF file with OFF, COFF, NOFF or STOFF");
   std::span<const std::string_view> counts = words;
   if (kind) {
