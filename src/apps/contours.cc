@@ -87,7 +87,7 @@ Command add_contours(CLI::App& root) {
   add_value(command, "smooth", "LENGTH",
             "lines of a smooth surface: means of the surface in squares of this size; default: of the surface itself");
   add_value(command, "min-length", "LENGTH", "leave out lines that are shorter in the plane; default: none");
-  add_value(command, "index-every", "N", "each how manieth level, from --base on, is an index line; default: 5");
+  add_value(command, "index-every", "N", "every N-th level, from --base on, is an index line; default: 5");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .gpkg or .geojson", 'o', true);
   add_value(command, "memory", "SIZE", "memory for tiles and lines, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "threads", "N", "worker threads; default: all processors this process may use");

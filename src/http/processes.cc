@@ -89,7 +89,7 @@ const char* help_of(const std::string& field) {
       {"base", "A level; 0 when it is not given."},
       {"smooth", "Lines of a smooth surface: means of the surface in squares of this size."},
       {"min_length", "Lines that are shorter in the plane are left out."},
-      {"index_every", "Each how manieth level, from base on, is an index line; 5 when it is not given."}};
+      {"index_every", "Every N-th level, from base on, is an index line; 5 when it is not given."}};
   const auto text = texts.find(field);
   return text == texts.end() ? nullptr : text->second;
 }

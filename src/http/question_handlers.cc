@@ -177,7 +177,7 @@ void add_question_routes(std::vector<Route>& routes) {
                           value,
                           {"smooth", "number", "Lines of a smooth surface: means in squares of this size"},
                           {"min-length", "number", "Lines that are shorter in the plane are left out"},
-                          {"index-every", "integer", "Each how manieth level is an index line; 5"},
+                          {"index-every", "integer", "Every N-th level, from base on, is an index line; default: 5"},
                           {"f", "string", "geojson or gpkg"}}));
   const std::vector<Response> heights{{200, csv, "", "A line for each place where the profile bends"},
                                       {200, json, "Profile", "The same"},

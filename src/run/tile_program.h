@@ -1,8 +1,8 @@
 // What the tiles of a stage do: one object a tile. The exchange (src/run/tile_life.h) carries messages, puts tiles to
 // sleep, moves them and begins them again after a loss; what a message says, only the program knows.
 //
-// A program is plain: one thread at a time calls it, in the order that TileLife keeps. Whatever it reads or writes
-// beside its image (points, duplicates, lists of final cells) is its own business with the tile's storage.
+// One thread at a time calls a program, in the order that TileLife keeps. What stands on scratch beside the image
+// (points, duplicates, lists of final cells) the program reads and writes by itself.
 #pragma once
 
 #include <cstddef>
@@ -39,8 +39,8 @@ class Finished {
   virtual void store(TileStorage& storage, TileId tile, TileStorage::Stored done) = 0;
 };
 
-// Any call but those that only look may throw Stopped, when the job is stopped, and Unsound, when what was read from
-// scratch cannot be worked with: the program can then only be destroyed, or begin again.
+// Calls that change a program may throw Stopped, when the job is stopped, and Unsound, when what was read from scratch
+// cannot be worked with. The program can then only be destroyed, or begin again.
 class TileProgram {
  public:
   virtual ~TileProgram() = default;
@@ -58,8 +58,8 @@ class TileProgram {
   virtual bool due() const = 0;
   // What others must hear, none longer than message_bytes_max, by tile; forgets it.
   virtual std::vector<std::pair<TileId, Message>> messages() = 0;
-  // These tiles (ascending) were reborn and know nothing: what they, and others by way of them, may not have heard
-  // becomes messages again. The one duty of a program that no machine can take over.
+  // These tiles (ascending) were reborn and know nothing. What they may not have heard, and others by way of them,
+  // becomes messages again: no machine can do this for a program.
   virtual void replay_to(std::span<const TileId> reborn) = 0;
 
   // Puts on scratch what is in memory beside the image.

@@ -59,14 +59,11 @@ Result<bool> look_at_export(const fs::path& path, proto::ExportInfo& into) {
   return true;
 }
 
-// What its header says. `real`: it was found below a root.
-void look_into(const fs::path& real, const std::string& name, const std::stop_token& stop, proto::InputInfo& into) {
+// What the header of a file says. `real`: where the file was found, below one of the roots.
+void look_into(const Roots& roots, const fs::path& real, const std::stop_token& stop, proto::InputInfo& into) {
   const auto cloud = Cloud::open({real.string()}, {.dimension = 0}, stop);
   if (!cloud) {
-    std::string why = cloud.error().where;
-    // Whoever asks need not know where the roots are.
-    if (const auto at = why.find(real.string()); at != std::string::npos) why.replace(at, real.string().size(), name);
-    into.set_note(printable(why));
+    into.set_note(printable(roots.named(cloud.error().where)));  // whoever asks need not know where the roots are
     return;
   }
   for (const FileInfo& file : cloud.value().files()) {
@@ -149,7 +146,7 @@ Reply<proto::InputList> Service::inputs(std::string_view folder, std::uint32_t l
     info.set_format(unpacked.extension().string().substr(1));
     // What is packed would have to be unpacked.
     if (unpacked != fs::path(entry.name) || std::chrono::steady_clock::now() - begun > headers_time) continue;
-    look_into(entry.found.real, entry.name, waited.ledger().token(), info);
+    look_into(impl_->roots, entry.found.real, waited.ledger().token(), info);
     if (const auto over = waited.ledger().reason()) return problem_of_inputs(*over);
   }
   return list;

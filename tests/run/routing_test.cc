@@ -1,10 +1,11 @@
 #include "src/run/routing.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <filesystem>
 #include <fstream>
+
+#include "src/files/temporary.h"
 
 namespace tessera {
 namespace {
@@ -13,8 +14,8 @@ namespace fs = std::filesystem;
 
 // A node reads the columns that the coordinator was asked for.
 TEST(Routing, NodesReadColumnsByTheirNames) {
-  std::string name = (fs::temp_directory_path() / "routing_test_XXXXXX").string();
-  const fs::path folder = ::mkdtemp(name.data());
+  const TemporaryFolder made = TemporaryFolder::make().value();
+  const fs::path& folder = made.path();
   {
     std::ofstream out(folder / "in.csv");
     for (int i = 0; i < 100; ++i) out << "P" << i << "," << i % 7 << "," << 1000 + i << "," << -i << ",word\n";
@@ -33,7 +34,6 @@ TEST(Routing, NodesReadColumnsByTheirNames) {
   EXPECT_EQ(found.value().counts.read, 100u);
   EXPECT_EQ(found.value().bounds[0].lo, (Point{1000, 0, -99}));
   EXPECT_EQ(found.value().bounds[0].hi, (Point{1099, 6, 0}));
-  fs::remove_all(folder);
 }
 
 }  // namespace
