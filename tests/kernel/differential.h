@@ -39,6 +39,8 @@ class KernelPair {
   void compare_cells();
 
   const Kernel& flat() const { return *flat_; }
+  // What is frozen, in the numbers of the flat kernel.
+  const CellList& frozen() const { return frozen_; }
   std::size_t frozen_cells() const { return frozen_.vertices.size() / corners_; }
   // "", or the first difference.
   const std::string& wrong() const { return wrong_; }
