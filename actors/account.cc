@@ -17,8 +17,18 @@ void Account::start(Time now, bool settled) {
   if (settled) begun_ = quiet_ = now;
 }
 
-RunStage Account::stage() const {
-  return quiet_ ? RunStage::collecting : begun_ ? RunStage::splaying : RunStage::triangulating;
+RunStep Account::step() const { return quiet_ ? RunStep::ending : begun_ ? RunStep::exchanging : RunStep::beginning; }
+
+StageTimes Account::times(Time now) const {
+  return {microseconds(begun_.value_or(now) - started_), microseconds(quiet_.value_or(now) - begun_.value_or(now)),
+          microseconds(now - quiet_.value_or(now))};
+}
+
+void Account::begin_stage(Time now) {
+  before_.push_back(times(now));
+  started_ = now;
+  begun_.reset();
+  quiet_.reset();
 }
 
 bool Account::heard(NodeId node, PartProgress said, std::size_t nodes) {
@@ -37,21 +47,22 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
   progress.sum.spans = std::exchange(untold_, {});
   progress.sum.mail = std::exchange(untold_mail_, {});
   progress.nodes_lost = nodes_lost_;
-  progress.stage = stage();
+  progress.stage = static_cast<std::uint32_t>(before_.size());
+  progress.step = step();
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Node& node = nodes[n];
     PartProgress now = n < said_.size() ? said_[n] : PartProgress{};
     if (node.lost) {  // what it has stored stays so; the rest is done again
       now.tiles_begun = now.tiles_stored;
-      now.points_begun = now.tiles_asleep = now.memory_bytes = 0;
+      now.weight_begun = now.tiles_asleep = now.memory_bytes = 0;
     }
     progress.sum.tiles_begun += now.tiles_begun;
-    progress.sum.points_begun += now.points_begun;
+    progress.sum.weight_begun += now.weight_begun;
     progress.sum.tiles_stored += now.tiles_stored;
     progress.sum.tiles_asleep += now.tiles_asleep;
     progress.sum.updates_sent += now.updates_sent;
     progress.sum.updates_processed += now.updates_processed;
-    progress.sum.points_sent += now.points_sent;
+    progress.sum.items_sent += now.items_sent;
     progress.sum.memory_bytes += now.memory_bytes;
     progress.sum.gates += now.gates;
     if (node.name.empty()) continue;
@@ -62,14 +73,14 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
 }
 
 void Account::ended(const PartEnded& part) {
-  sum_.points += part.points;
+  sum_.items += part.items;
   sum_.updates += part.updates;
   sum_.hops = std::max(sum_.hops, part.hops);
   sum_.most_received = std::max(sum_.most_received, part.most_received);
   sum_.sleeps += part.sleeps;
   sum_.gates += part.gates;
   sum_.begin_us += part.begin_us;
-  sum_.splay_us += part.splay_us;
+  sum_.exchange_us += part.exchange_us;
   sum_.collect_us += part.collect_us;
 }
 
@@ -80,9 +91,8 @@ RunEnded Account::end(Time now, std::uint64_t waves) {
   end.nodes_lost = nodes_lost_;
   end.tiles_again = tiles_again_;
   end.sum = std::move(sum_);
-  end.triangulate_us = microseconds(begun_.value_or(now) - started_);
-  end.splay_us = microseconds(quiet_.value_or(now) - begun_.value_or(now));
-  end.collect_us = microseconds(now - quiet_.value_or(now));
+  end.stages = before_;
+  end.stages.push_back(times(now));
   return end;
 }
 

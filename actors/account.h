@@ -19,14 +19,17 @@ class Account {
 
   explicit Account(Time now) : started_(now) {}
 
-  // The stages, each as it begins. A stage that begins again counts from its first beginning, but for the last one.
-  void start(Time now, bool settled);  // settled: nothing is left but the last stage
+  // The first stage begins; settled: nothing is left of it but its end. Then the next one.
+  void start(Time now, bool settled);
+  void begin_stage(Time now);
+  // The steps of a stage, each as it begins. A step that begins again counts from its first beginning, but for the
+  // last.
   void all_have_begun(Time now) {
     if (!begun_) begun_ = now;
   }
   void is_quiet(Time now) { quiet_ = now; }
   void is_not_quiet() { quiet_.reset(); }  // after all
-  RunStage stage() const;
+  RunStep step() const;
 
   void node_came() { ++nodes_; }
   void node_lost() { ++nodes_lost_; }
@@ -58,6 +61,8 @@ class Account {
   PartEnded sum_;
   Time started_;
   std::optional<Time> begun_, quiet_;
+  StageTimes times(Time now) const;
+  std::vector<StageTimes> before_;  // of the stages that have ended
 };
 
 }  // namespace tessera

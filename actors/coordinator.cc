@@ -15,7 +15,7 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
       owner_(owner),
       detector_({}),
       table_(options_.spec.table),
-      stored_(options_.points.size()) {
+      stored_(options_.weights.size()) {
   live_at(options_.home);
   if (options_.take_over) {
     state_ = State::finding;
@@ -161,8 +161,10 @@ void Coordinator::opened(const PartOpened& message) {
 BeginPart Coordinator::beginning() const { return {part_handles(), table_, state_ == State::collecting}; }
 
 void Coordinator::take(const TileDone& done) {
-  if (stored_.at(done.entry.tile.value)) return;  // by a node that was lost, too
-  stored_[done.entry.tile.value] = true;
+  if (done.stage != table_.stage) return;  // by one that was lost in the stage before
+  const TileId tile = done.tile.tile;
+  if (stored_.at(tile.value)) return;  // by a node that was lost, too
+  stored_[tile.value] = true;
   owner_.stored(done);
 }
 
@@ -173,7 +175,8 @@ void Coordinator::begin_if_opened() {
 void Coordinator::begin() {
   const bool settled = all([](const PartOf& p) { return p.settled; });
   if (!settled) {
-    if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
+    if (Status marked = options_.mark_settled(table_.stage, false); !marked)
+      return fail(failure_of(std::move(marked).error()));
   }
   account_.start(std::chrono::steady_clock::now(), settled);
   state_ = settled ? State::collecting : State::exchanging;
@@ -203,7 +206,8 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
 // From here on no tile needs another one: what they know is on scratch.
 void Coordinator::collect_if_settled() {
   if (state_ != State::settling || !all([](const PartOf& p) { return p.settled || !p.opened; })) return;
-  if (Status marked = options_.mark_settled(true); !marked) return fail(failure_of(std::move(marked).error()));
+  if (Status marked = options_.mark_settled(table_.stage, true); !marked)
+    return fail(failure_of(std::move(marked).error()));
   state_ = State::collecting;
   tell_parts(Collect{});
 }
@@ -211,6 +215,7 @@ void Coordinator::collect_if_settled() {
 void Coordinator::finish_if_collected() {
   const bool over = all([](const PartOf& p) { return p.collected || !p.opened; });
   if (state_ != State::collecting || !releasing_.empty() || !lost_.empty() || !released_.empty() || !over) return;
+  if (table_.stage + 1 < options_.stages) return begin_next_stage();
   state_ = State::finishing;
   if (account_.has_untold()) tell_progress();
   tell_parts(Finish{});
@@ -227,7 +232,7 @@ void Coordinator::step_down() noexcept {
 void Coordinator::fail(Failure failure) {
   if (options_.replaced && options_.replaced()) return step_down();
   if (state_ == State::collecting && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
-    again_ = options_.mark_settled(false).has_value();  // if not, this failure is still the one to tell
+    again_ = options_.mark_settled(table_.stage, false).has_value();  // if not, this failure is still the one to tell
   }
   const bool interrupted = failure.code == static_cast<std::uint8_t>(Errc::interrupted);
   if (!interrupted || state_ == State::ending) return give_up(std::move(failure));

@@ -9,7 +9,8 @@
 // exchanging | PartTally        | when two waves agree: Settle to all                         | settling
 // settling   | PartSettled      | when all have: mark the run settled, Collect to all         | collecting
 // collecting | TileDone         | pass it on to the owner                                     | collecting
-// collecting | PartCollected    | when all have: Finish to all                                | finishing
+// collecting | PartCollected    | when all have: the next stage begins, by a new table       | exchanging;
+//            |                  | after the last one Finish to all                            | finishing
 // any        | NodeJoined       | open a part there; when it is open, Release to all others   |
 // any        | NodeLeaves       | NodeLet, once nothing is to be done there (coordinator_leaving.cc)
 // any        | PartReleased     | a new epoch: what is released begins where work is wanted   |
@@ -49,21 +50,25 @@ namespace tessera {
 struct CoordinatorOptions {
   JobId job;
   PartSpec spec;
-  std::vector<std::uint64_t> points;  // by tile
-  std::vector<TileId> order;          // of the tiles that hold points: neighbours near each other
+  std::vector<std::uint64_t> weights;  // by tile: how much work it is, in a unit of the job's own; 0: there is none
+  std::vector<TileId> order;           // of the tiles that there are: neighbours near each other
   // Claimed: of all coordinators of a job the one with the highest is obeyed. Takes over what an earlier one has begun.
   std::uint64_t term = 0;
   bool take_over = false;
-  // Writes down that the run is settled, or that it is not any more.
-  std::function<Status(bool)> mark_settled;
+  std::uint32_t stages = 1;  // that the job has
+  // Writes down that a stage is settled, or that it is not any more.
+  std::function<Status(std::uint32_t stage, bool)> mark_settled;
   // Whether another one has claimed a higher term: then this one has nothing to say any more, also if it fails.
   std::function<bool()> replaced;
-  // Whether it is written down, and the tiles in the store: asked by one that takes over.
-  std::function<Result<bool>()> is_settled;
-  std::function<Result<std::vector<TileEntry>>()> stored;
-  // How many points a tile may have at most where so many threads and so much memory are; none: as many as it has.
-  std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> tile_points_max;
-  std::function<std::uint64_t(std::uint64_t points)> tile_bytes;  // what one needs: for people
+  // Whether it is written down, and what is kept of the tiles that have come to its end: asked by one that takes over.
+  std::function<Result<bool>(std::uint32_t stage)> is_settled;
+  std::function<Result<std::vector<TileReceipt>>(std::uint32_t stage)> stored;
+  // In which one the job begins when no node has a part of it: the last one that is settled.
+  std::function<Result<std::uint32_t>()> first_stage;
+  // How heavy a tile may be where so many threads and so much memory are; none: as heavy as it is.
+  std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> weight_max;
+  // What a tile of this weight is, and needs, for people: "a tile of 5 points, which needs about 3 MiB".
+  std::function<std::string(std::uint64_t weight)> tile_in_words;
   // When set, called at the moment quiescence is believed: the harness checks there that it is true.
   std::function<void(const Table&)> on_quiet;
   std::optional<NodeId> home;  // see Hooks
@@ -153,6 +158,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::set<NodeId> nodes() const;
   std::vector<caf::actor> part_handles() const;
   void finish_if_collected();
+  void begin_next_stage();
   void act(QuiescenceDetector::Verdict verdict);
   void collect_if_settled();
   void show_progress(PartProgress& message);

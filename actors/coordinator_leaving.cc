@@ -75,7 +75,7 @@ void Coordinator::left(const PartEnded& message) {
   PartOf& p = parts_[message.node.value];
   p.lost = p.left = true;
   if (handing_.erase(message.node) > 0) {
-    std::vector<bool> moves(options_.points.size());
+    std::vector<bool> moves(options_.weights.size());
     for (const TileId t : released_) moves[t.value] = true;
     for (const TileId t : options_.order) {
       if (table_.node_of(t) == message.node && !stored_[t.value] && !moves[t.value]) released_.push_back(t);

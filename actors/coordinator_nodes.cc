@@ -71,9 +71,15 @@ void Coordinator::open_anew() {
   }
   answers_.clear();
   // Others than those of parts that nobody was asked for, and that go on.
-  table_ = {first_epoch(), std::vector<NodeId>(options_.points.size()),
-            std::vector<std::uint32_t>(options_.points.size(), first_incarnation())};
-  const std::vector<NodeId> nodes_of = share_out(options_.order, options_.points, hosts);
+  std::uint32_t stage = 0;
+  if (options_.first_stage) {
+    const auto first = options_.first_stage();
+    if (!first) return fail(failure_of(first.error()));
+    stage = first.value();
+  }
+  table_ = {first_epoch(), stage, std::vector<NodeId>(options_.weights.size()),
+            std::vector<std::uint32_t>(options_.weights.size(), first_incarnation())};
+  const std::vector<NodeId> nodes_of = share_out(options_.order, options_.weights, hosts);
   for (std::size_t i = 0; i < nodes_of.size(); ++i) table_.nodes[options_.order[i].value] = nodes_of[i];
   const SharedBytes spec = spec_bytes();
   for (const Host& host : hosts) prepare(host.node, spec);
@@ -81,24 +87,25 @@ void Coordinator::open_anew() {
 }
 
 void Coordinator::go_on() {
-  const auto settled = options_.is_settled();
+  const auto settled = options_.is_settled(table_.stage);
   if (!settled) return fail(failure_of(settled.error()));
   // Asked after the marker was read: if that was written under a later term, the term had been claimed before. It says
   // nothing of the parts found here, which would store what is not settled.
   if (options_.replaced && options_.replaced()) return step_down();
   // Else the one before it has done so, as in begin().
   if (!settled.value() && std::none_of(parts_.begin(), parts_.end(), [](const PartOf& p) { return p.begun; })) {
-    if (Status marked = options_.mark_settled(false); !marked) return fail(failure_of(std::move(marked).error()));
+    if (Status marked = options_.mark_settled(table_.stage, false); !marked)
+      return fail(failure_of(std::move(marked).error()));
   }
   account_.start(std::chrono::steady_clock::now(), settled.value());
   state_ = State::exchanging;
   if (settled.value()) {
     state_ = State::collecting;
-    const auto stored = options_.stored();  // by nodes that cannot say so any more, too
+    const auto stored = options_.stored(table_.stage);  // by nodes that cannot say so any more, too
     if (!stored) return fail(failure_of(stored.error()));
-    for (const TileEntry& entry : stored.value()) take({entry, 0});
+    for (const TileReceipt& tile : stored.value()) take({table_.stage, tile, 0});
   }
-  std::vector<bool> nowhere(options_.points.size());
+  std::vector<bool> nowhere(options_.weights.size());
   for (const PartFound& found : answers_) {
     for (const TileId t : found.released) nowhere.at(t.value) = table_.node_of(t) == found.self;
   }
@@ -129,6 +136,28 @@ void Coordinator::join(const NodeHandle& node) {
   parts_.back().open.say(node);
 }
 
+// All tiles are fresh, so the work is shared out anew: nodes have come and gone. A tile that stays where it is keeps
+// its incarnation: nothing of the stage before is on its way to it.
+void Coordinator::begin_next_stage() {
+  ++table_.stage;
+  if (Status marked = options_.mark_settled(table_.stage, false); !marked) {
+    return fail(failure_of(std::move(marked).error()));
+  }
+  account_.begin_stage(std::chrono::steady_clock::now());
+  state_ = State::exchanging;
+  stored_.assign(stored_.size(), false);
+  for (PartOf& p : parts_) p.begun = false;
+  waiting_.clear();
+  std::vector<TileId> tiles = options_.order;
+  const std::vector<Host> there = hosts();
+  std::vector<Placement> changes = there.empty() ? std::vector<Placement>() : again(tiles, there);
+  std::erase_if(changes, [&](const Placement& change) { return table_.node_of(change.tile) == change.node; });
+  std::erase_if(tiles, [&](TileId tile) { return !there.empty() && !parts_.at(table_.node_of(tile).value).lost; });
+  released_ = std::move(tiles);  // there is no room for them; or all that are there are to leave
+  change_table(changes);
+  if (!there.empty() && !released_.empty()) wait_for_room(released_, {});
+}
+
 // Those that it began with are told of, too.
 bool Coordinator::knows(const NodeHandle& node) const {
   return std::find(asked_.begin(), asked_.end(), node) != asked_.end() ||
@@ -146,7 +175,7 @@ void Coordinator::welcome(NodeId node) {
   if (state_ == State::settling) return;
   if (!has_room(node)) return place_orphans();
   std::vector<std::uint64_t> held(parts_.size());
-  for (const TileId t : options_.order) held[table_.node_of(t).value] += options_.points[t.value];
+  for (const TileId t : options_.order) held[table_.node_of(t).value] += options_.weights[t.value];
   const std::vector<Host> there = hosts();
   for (const Host& host : there) {
     if (host.node == node) continue;

@@ -9,7 +9,7 @@
 #include "src/base/option.h"
 #include "src/base/result.h"
 #include "src/base/stopped.h"
-#include "src/kernel/kernel.h"
+#include "src/base/too_large.h"
 
 namespace tessera {
 
@@ -18,9 +18,8 @@ template <class Who>
 Failure failure_of(const std::exception_ptr& exception, Who who) noexcept {
   try {
     std::rethrow_exception(exception);
-  } catch (const KernelFull&) {
-    return failure_of(worded(
-        [&] { return error(Errc::memory, who() + " has more points than a kernel can number: use smaller tiles"); }));
+  } catch (const TileTooLarge& e) {
+    return failure_of(worded([&] { return error(Errc::memory, who() + " " + e.what() + ": use smaller tiles"); }));
   } catch (const Stopped&) {
     return failure_of(worded([&] { return error(Errc::interrupted, who() + " was stopped at its work"); }));
   } catch (const std::bad_alloc&) {

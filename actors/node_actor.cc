@@ -13,7 +13,7 @@
 namespace tessera {
 namespace {
 
-constexpr std::uint64_t points_between_words = 500'000;
+constexpr std::uint64_t work_between_words = 500'000;
 
 }  // namespace
 
@@ -90,12 +90,12 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   });
   PartOpened opened;
   opened.settled = part->settled;
-  opened.threads = part->schedule.threads;
+  opened.threads = part->stages.at(part->table->stage).schedule.threads;
   opened.memory_bytes = memory;
   Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
   const PartHandle handle =
-      spawn<PartActor>(wanted.node, RunOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
+      spawn<PartActor>(wanted.node, PartOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
                        wanted.term, options_.hooks, options_.progress_interval, options_.meter);
   opened.part = caf::actor_cast<caf::actor>(handle);
   known.part = opened.part.address();
@@ -159,9 +159,9 @@ void NodeActor::route(const RouteStretch& wanted) {
         routed.attempt = work.attempt;
         std::uint64_t told = 0;
         work.routed = [&](std::uint64_t more) {
-          routed.points += more;
-          if (routed.points - told < points_between_words) return;
-          told = routed.points;
+          routed.routed += more;
+          if (routed.routed - told < work_between_words) return;
+          told = routed.routed;
           caf::anon_send(router, routed);
         };
         try {
@@ -170,7 +170,7 @@ void NodeActor::route(const RouteStretch& wanted) {
           } else if (Status done = route_stretch(work.run_folder, stretch, threads, work, stop); !done)
             routed.failure = failure_of(std::move(done).error());
         } catch (...) {
-          routed.failure = failure_of(std::current_exception(), [] { return std::string("routing points"); });
+          routed.failure = failure_of(std::current_exception(), [] { return std::string("routing input"); });
         }
         routed.done = true;
         caf::anon_send(router, std::move(routed));

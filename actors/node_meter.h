@@ -11,7 +11,7 @@ namespace tessera {
 
 struct NodeWork {
   std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // now
-  std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0;                    // ever, as are the gates'
+  std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0;                    // ever, as are the gates'
   GateCounts gates;
 };
 
@@ -46,7 +46,7 @@ class NodeMeter {
  private:
   static void add_ever(NodeWork& sum, const NodeWork& work) {
     sum.tiles_begun += work.tiles_begun;
-    sum.points_begun += work.points_begun;
+    sum.weight_begun += work.weight_begun;
     sum.tiles_stored += work.tiles_stored;
     sum.gates += work.gates;
   }

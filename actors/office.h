@@ -51,7 +51,7 @@ struct Routes {
 class Office {
  public:
   NodeId self;
-  RunOptions options;
+  PartOptions options;
   Hooks hooks;
   PartHandle part;  // whom the tiles report to
   std::chrono::steady_clock::time_point opened = std::chrono::steady_clock::now();

@@ -16,7 +16,7 @@ constexpr std::size_t nodes_at_once = 50;
 
 }  // namespace
 
-PartActor::PartActor(caf::actor_config& config, NodeId self, RunOptions options, std::shared_ptr<const Part> part,
+PartActor::PartActor(caf::actor_config& config, NodeId self, PartOptions options, std::shared_ptr<const Part> part,
                      CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
                      std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
@@ -25,8 +25,8 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, RunOptions options,
       office_(std::make_shared<Office>()),
       coordinator_(std::move(coordinator)),
       term_(term),
-      schedule_(part_->schedule, points_by(*part_->context.table)),
-      table_(part_->context.table),
+      schedule_(part_->stages.at(part_->table->stage).schedule, weights_by(*part_->table)),
+      table_(part_->table),
       progress_interval_(progress_interval),
       meter_(std::move(meter)) {
   office_->self = self;
@@ -35,8 +35,8 @@ PartActor::PartActor(caf::actor_config& config, NodeId self, RunOptions options,
   live_at(office_->hooks.home);
   sum_.node = progress_.node = self;
   progress_told_ = std::chrono::steady_clock::now();
-  for (const TileEntry& entry : part_->stored) {
-    schedule_.set_stored(entry.tile);
+  for (const TileReceipt& stored : part_->stored) {
+    schedule_.set_stored(stored.tile);
     ++progress_.tiles_stored;
   }
 }
@@ -112,7 +112,7 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](const Settle&) {
         if (!obeyed()) return;
-        if (!failure_ && schedule_.stage() <= Schedule::Stage::settling) schedule_.enter(Schedule::Stage::settling);
+        if (!failure_ && schedule_.phase() <= Schedule::Phase::settling) schedule_.enter(Schedule::Phase::settling);
         dispatch();
       },
       [this](const Collect&) {
@@ -157,7 +157,7 @@ PartActor::behavior_type PartActor::make_behavior() {
       },
       [this](const TileLeft& left) {
         take(left);
-        if (schedule_.stage() == Schedule::Stage::handing) dispatch();
+        if (schedule_.phase() == Schedule::Phase::handing) dispatch();
       },
       [this](const GraceOver& over) {
         if (coordinator_ || over.term != term_) return;
@@ -187,14 +187,14 @@ void PartActor::take(TileReport& report) {
   note(tile, {report.sent, report.processed});
   sum_.updates += report.updates - tile.updates;
   tile.updates = report.updates;
-  sum_.points += report.points;
-  sum_.points -= tile.points;
-  tile.points = report.points;
+  sum_.items += report.items;
+  sum_.items -= tile.items;
+  tile.items = report.items;
   sum_.hops = std::max<std::uint64_t>(sum_.hops, report.hops);
-  sum_.most_received = std::max(sum_.most_received, report.points.received);
+  sum_.most_received = std::max(sum_.most_received, report.items.received);
   const std::uint64_t us = span.end_us - span.begin_us;
   tile.microseconds += us;
-  (span.work == Work::begin ? sum_.begin_us : span.work == Work::collect ? sum_.collect_us : sum_.splay_us) += us;
+  (span.work == Work::begin ? sum_.begin_us : span.work == Work::finish ? sum_.collect_us : sum_.exchange_us) += us;
   progress_.spans.push_back(span);
   if (report.failure) return abandon(span.tile, std::move(report.failure));
   if (!schedule_.working(span.tile)) return;  // given up while it worked: its mail could not be kept
@@ -204,7 +204,7 @@ void PartActor::take(TileReport& report) {
   if (span.work == Work::hand_over) ++(report.kept ? sum_.handed : sum_.not_handed);
   if (span.work == Work::begin) {
     ++progress_.tiles_begun;
-    progress_.points_begun += tile_points()[span.tile.value];
+    progress_.weight_begun += weights()[span.tile.value];
   }
 }
 
@@ -213,7 +213,7 @@ void PartActor::take(TileStored& stored) {
   if (!schedule_.storing(stored.tile)) return;  // given up meanwhile
   schedule_.stored(stored.tile);
   ++progress_.tiles_stored;
-  tell_stored({stored.entry, hosted_.at(stored.tile).microseconds});
+  tell_stored({table_->stage, {stored.tile, std::move(stored.receipt)}, hosted_.at(stored.tile).microseconds});
 }
 
 void PartActor::abandon(TileId tile, Failure failure) {
@@ -225,12 +225,12 @@ void PartActor::stop(Failure failure) {
   if (failure_) return;
   // Settled tiles need no image: what makes them independent is on scratch.
   const bool images = failure.code == static_cast<std::uint8_t>(Errc::interrupted) && office_->options.resumable &&
-                      schedule_.stage() < Schedule::Stage::collecting && coordinator_;
+                      schedule_.phase() < Schedule::Phase::collecting && coordinator_;
   failure_ = std::move(failure);
   stop_work();
   std::vector<Delivery>().swap(early_);
   end_gates();
-  schedule_.enter(images ? Schedule::Stage::suspending : Schedule::Stage::stopping);
+  schedule_.enter(images ? Schedule::Phase::suspending : Schedule::Phase::stopping);
 }
 
 // What is under way is of no use any more. Images that are being written are: they take no notice.
@@ -246,41 +246,41 @@ void PartActor::dispatch() {
   }
   tell_progress(false);
   if (!schedule_.idle() || rejoining_ > 0) {
-    const bool begun = opened_ && schedule_.stage() == Schedule::Stage::exchanging && schedule_.all_begun();
+    const bool begun = opened_ && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
     if (begun && !std::exchange(told_begun_, true)) tell(PartBegun{self_});
     return;
   }
-  switch (schedule_.stage()) {
-    case Schedule::Stage::exchanging:
+  switch (schedule_.phase()) {
+    case Schedule::Phase::exchanging:
       if (!opened_) return;
       if (!std::exchange(told_begun_, true)) tell(PartBegun{self_});
       if (!std::exchange(told_idle_, true)) tell(PartIdle{self_});
       return;
-    case Schedule::Stage::settling:
+    case Schedule::Phase::settling:
       if (std::exchange(told_settled_, true)) return;
-      if (part_->sync_settled) {
-        if (Status synced = part_->sync_settled(); !synced) {
+      if (stage().sync_settled) {
+        if (Status synced = stage().sync_settled(); !synced) {
           stop(failure_of(std::move(synced).error()));
           return dispatch();
         }
       }
       return tell(PartSettled{self_, table_->epoch});
-    case Schedule::Stage::collecting:
+    case Schedule::Phase::collecting:
       if (!std::exchange(told_collected_, true)) tell(PartCollected{self_, table_->epoch});
       return;
-    case Schedule::Stage::handing:
+    case Schedule::Phase::handing:
       if (leaving_ == 0) end();
       return;
-    case Schedule::Stage::suspending:
-    case Schedule::Stage::stopping:
+    case Schedule::Phase::suspending:
+    case Schedule::Phase::stopping:
       return end();
   }
 }
 
 void PartActor::enter_collecting() {
-  if (failure_ || schedule_.stage() >= Schedule::Stage::collecting) return;
-  schedule_.enter(Schedule::Stage::collecting);
-  for (const TileEntry& entry : part_->stored) tell_stored({entry, 0});  // by an earlier process
+  if (failure_ || schedule_.phase() >= Schedule::Phase::collecting) return;
+  schedule_.enter(Schedule::Phase::collecting);
+  for (const TileReceipt& tile : stored_before()) tell_stored({table_->stage, tile, 0});
 }
 
 void PartActor::tell_stored(TileDone done) {
@@ -290,11 +290,11 @@ void PartActor::tell_stored(TileDone done) {
 
 void PartActor::end() {
   tell_progress(true);
-  sum_.sleeps = schedule_.sleeps();
+  sum_.sleeps += schedule_.sleeps();
   for (const auto& [node, gate] : gates_) sum_.gates += gate.counts();
   if (failure_) {
     const bool io = failure_->code == static_cast<std::uint8_t>(Errc::io);
-    sum_.of_node = io && (gate_failed_ || part_->context.storage->own_scratch_failed());
+    sum_.of_node = io && (gate_failed_ || stage().context.storage->own_scratch_failed());
     sum_.failure = std::move(*failure_);
   }
   ended_ = true;
@@ -310,7 +310,7 @@ void PartActor::tell_progress(bool now) {
   progress_.tiles_asleep = schedule_.asleep();
   progress_.updates_sent = totals_.sent;
   progress_.updates_processed = totals_.processed;
-  progress_.points_sent = sum_.points.sent;
+  progress_.items_sent = sum_.items.sent;
   progress_.memory_bytes = schedule_.memory();
   progress_.gates = {};
   std::uint64_t waiting = 0;
@@ -318,11 +318,12 @@ void PartActor::tell_progress(bool now) {
     progress_.gates += gate.counts();
     waiting += gate.waiting_bytes();
   }
-  meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting, progress_.tiles_begun,
-                      progress_.points_begun, progress_.tiles_stored - part_->stored.size(), progress_.gates});
+  meter_->tell(id(), {0, progress_.tiles_asleep, progress_.memory_bytes, waiting,
+                      before_.tiles_begun + progress_.tiles_begun, before_.weight_begun + progress_.weight_begun,
+                      before_.tiles_stored + progress_.tiles_stored - stored_before().size(), progress_.gates});
   if (!coordinator_) return;  // spans are kept for the next one
   // Of many nodes all are added up, ten times a second: each tells less.
-  if (part_->mail) progress_.mail = part_->mail->take(part_->context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max);
+  if (part_->mail) progress_.mail = part_->mail->take(stage().context.many_nodes ? mail_arcs_max / 4 : mail_arcs_max);
   tell(progress_);
   std::vector<WorkSpan>().swap(progress_.spans);
 }

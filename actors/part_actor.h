@@ -11,7 +11,8 @@
 // collecting | TileStored    | TileDone to the coordinator, grant the next; PartCollected when every tile is stored
 // collecting | Finish        | PartEnded
 // any        | Parcel        | hand its updates to the tiles; those of an epoch to come wait for its table
-// any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging
+// any        | ChangeTable   | new tiles are fresh, the others hear of it (Rejoin); settling becomes exchanging.
+//            |               | Of the next stage: all tiles leave, and others, of its program, are fresh
 // any        | TileRejoined  | note the tile's counters; nothing is idle until all have said so
 // opened, exchanging, collecting | Release | Leave to fresh tiles; when all have left: PartReleased
 // exchanging | HandOver      | grant hand over to every tile that has begun; PartEnded when all are handed over
@@ -35,6 +36,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,7 +55,7 @@ inline std::string name_of(NodeId node) { return "node " + to_string(node); }
 class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator, and the meter, hear of progress, where nodes are few.
-  PartActor(caf::actor_config& config, NodeId self, RunOptions options, std::shared_ptr<const Part> part,
+  PartActor(caf::actor_config& config, NodeId self, PartOptions options, std::shared_ptr<const Part> part,
             CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks, std::chrono::milliseconds progress_interval,
             std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
@@ -64,7 +66,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
     TileHandle handle;
     Prepared<Leave> leave;
     Totals totals;
-    ExchangeCounts points;
+    ExchangeCounts items;
     std::uint64_t updates = 0, microseconds = 0;
     std::uint64_t epoch = 0;  // that it has last said it goes by
   };
@@ -76,6 +78,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   Failure not_of_job() const;
   void go_by(std::shared_ptr<const Table> table, const std::vector<caf::actor>& parts);
   void release(const Release& wanted);
+  void begin_stage(const Table& table);
   void enter_collecting();
   // The coordinator, if there is one.
   template <class Message>
@@ -111,9 +114,15 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   void end();
   void tell_progress(bool now);
   void note(Hosted& tile, Totals totals);
-  std::vector<std::uint64_t> points_by(const Table& table) const;
+  std::vector<std::uint64_t> weights_by(const Table& table) const;
   bool hosts(TileId tile) const { return hosted_.contains(tile); }
-  const std::vector<std::uint64_t>& tile_points() const { return *part_->tile_points; }
+  const PartStage& stage() const { return part_->stages.at(table_->stage); }
+  // What an earlier process has stored of the stage at hand.
+  std::span<const TileReceipt> stored_before() const {
+    if (table_->stage != part_->table->stage) return {};
+    return part_->stored;
+  }
+  const std::vector<std::uint64_t>& weights() const { return *part_->weights; }
   bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   // What another node has sent, and does not know to be taken.
@@ -144,7 +153,8 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::map<NodeId, Owed> owed_;
   PartEnded sum_;
   Prepared<PartEnded> last_word_;
-  PartProgress progress_;
+  PartProgress progress_;  // of the stage at hand
+  NodeWork before_;        // what was done in the stages before
   std::chrono::milliseconds progress_interval_;
   std::size_t nodes_ = 1;
   std::chrono::steady_clock::time_point progress_told_{};

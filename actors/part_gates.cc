@@ -85,7 +85,7 @@ void PartActor::deliver(NodeId from, Update update) {
   const auto routes = office_->routes();
   if (!routes || update.epoch > table_->epoch) return keep_early(from, std::move(update));
   const TileId to = update.to.tile;
-  const std::size_t tiles = tile_points().size();
+  const std::size_t tiles = weights().size();
   const bool sound = to.value < tiles && update.from.tile.value < tiles;
   // Sent by an older table; or the tile was given up, and is told again where it begins.
   const TileHandle handle = routes->tile(to);

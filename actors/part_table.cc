@@ -14,18 +14,36 @@ void PartActor::open(const BeginPart& begin) {
   if (!begin.table.nodes.empty() && !is_of_job(begin.table, begin.parts)) return stop(not_of_job());
   office_->part = caf::actor_cast<PartHandle>(this);
   if (!begin.table.nodes.empty() && begin.table != *table_) table_ = std::make_shared<const Table>(begin.table);
-  schedule_ = Schedule(part_->schedule, points_by(*table_));
-  for (const TileEntry& entry : part_->stored) schedule_.set_stored(entry.tile);
+  schedule_ = Schedule(stage().schedule, weights_by(*table_));
+  for (const TileReceipt& stored : stored_before()) schedule_.set_stored(stored.tile);
+  progress_.tiles_stored = stored_before().size();
   go_by(table_, begin.parts);
   opened_ = true;
   if (begin.settled) enter_collecting();
   deliver_early();
 }
 
+// Nothing of the stage before is under way: its tiles have come to their end.
+void PartActor::begin_stage(const Table& table) {
+  office_->hooks.tell([&] { return name_of(self_) + ": stage " + std::to_string(table.stage); });
+  for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
+  hosted_.clear();
+  before_.tiles_begun += progress_.tiles_begun;
+  before_.weight_begun += progress_.weight_begun;
+  before_.tiles_stored += progress_.tiles_stored - stored_before().size();
+  progress_.tiles_begun = progress_.weight_begun = progress_.tiles_stored = 0;
+  sum_.sleeps += schedule_.sleeps();
+  schedule_ = Schedule(part_->stages.at(table.stage).schedule, {});
+  stored_.clear();
+  rebirths_ = nullptr;
+  totals_ = {};
+  told_begun_ = false;
+}
+
 // Whoever says so may be another than the coordinator.
 bool PartActor::is_of_job(const Table& table, const std::vector<caf::actor>& parts) const {
-  const std::size_t tiles = tile_points().size();
-  return table.nodes.size() == tiles && table.incarnations.size() == tiles &&
+  const std::size_t tiles = weights().size();
+  return table.nodes.size() == tiles && table.incarnations.size() == tiles && table.stage < part_->stages.size() &&
          std::all_of(table.nodes.begin(), table.nodes.end(), [&](NodeId node) { return node.value < parts.size(); });
 }
 
@@ -34,12 +52,12 @@ Failure PartActor::not_of_job() const {
 }
 
 // Of its own tiles, and of others 0.
-std::vector<std::uint64_t> PartActor::points_by(const Table& table) const {
-  std::vector<std::uint64_t> points = tile_points();
-  for (std::uint32_t t = 0; t < points.size(); ++t) {
-    if (table.node_of(TileId{t}) != self_) points[t] = 0;
+std::vector<std::uint64_t> PartActor::weights_by(const Table& table) const {
+  std::vector<std::uint64_t> here = weights();
+  for (std::uint32_t t = 0; t < here.size(); ++t) {
+    if (table.node_of(TileId{t}) != self_) here[t] = 0;
   }
-  return points;
+  return here;
 }
 
 // Whoever is here by the table and was not has come; whoever is not any more was fresh, and has been released.
@@ -49,11 +67,11 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
   routes->table = table;
   routes->rebirths = rebirths_;
   for (const caf::actor& part : parts) routes->parts.push_back(caf::actor_cast<PartHandle>(part));
-  for (std::uint32_t t = 0; t < tile_points().size(); ++t) {
-    if (tile_points()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
+  for (std::uint32_t t = 0; t < weights().size(); ++t) {
+    if (weights()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
     Hosted& hosted = hosted_[TileId{t}];  // first: what is there must be told to leave
     hosted.handle = spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
-    if (opened_) schedule_.add(TileId{t}, tile_points()[t]);
+    if (opened_) schedule_.add(TileId{t}, weights()[t]);
   }
   routes->tiles.reserve(hosted_.size());
   for (const auto& [tile, hosted] : hosted_) routes->tiles.emplace_back(tile, hosted.handle);
@@ -65,13 +83,20 @@ void PartActor::change_table(ChangeTable& change) {
   if (failure_ || !opened_ || change.table.epoch <= table_->epoch) return;
   office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
   if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
+  if (change.table.stage != table_->stage) {
+    // When all tiles of all parts have come to the end of one stage, the next one begins.
+    const bool next = change.table.stage > table_->stage && schedule_.phase() == Schedule::Phase::collecting &&
+                      schedule_.idle() && !change.settled;
+    if (!next) return stop(not_of_job());
+    begin_stage(change.table);
+  }
   if (change.settled) {
     enter_collecting();
-  } else if (schedule_.stage() == Schedule::Stage::settling) {
-    schedule_.enter(Schedule::Stage::exchanging);
+  } else if (schedule_.phase() == Schedule::Phase::settling) {
+    schedule_.enter(Schedule::Phase::exchanging);
   }
   told_idle_ = told_settled_ = told_collected_ = false;
-  const bool rejoins = schedule_.stage() == Schedule::Stage::exchanging;
+  const bool rejoins = schedule_.phase() == Schedule::Phase::exchanging;
   if (rejoins) rebirths_ = rebirths_between(*table_, change.table, std::move(rebirths_));
   std::vector<TileHandle> before;
   for (const auto& [tile, hosted] : hosted_) before.push_back(hosted.handle);
@@ -100,9 +125,9 @@ void PartActor::take(const TileRejoined& rejoined) {
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
   std::vector<TileId> released;
-  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.stage() != Schedule::Stage::settling &&
-                   schedule_.stage() != Schedule::Stage::handing;
-  if (can) released = schedule_.release(wanted.points);
+  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.phase() != Schedule::Phase::settling &&
+                   schedule_.phase() != Schedule::Phase::handing;
+  if (can) released = schedule_.release(wanted.weight);
   for (const TileId tile : released) {
     const auto hosted = hosted_.find(tile);
     send(hosted->second.handle, Leave{true});
@@ -124,9 +149,9 @@ void PartActor::take(const TileLeft&) {
 // does not hear any more, and is told again where it goes on. A part may be settling: when another node was lost
 // meanwhile the job exchanges again, but there is no new table before somebody is there who takes those tiles.
 void PartActor::hand_over() {
-  if (failure_ || !opened_ || schedule_.stage() > Schedule::Stage::settling) return;
+  if (failure_ || !opened_ || schedule_.phase() > Schedule::Phase::settling) return;
   office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
-  schedule_.enter(Schedule::Stage::handing);
+  schedule_.enter(Schedule::Phase::handing);
 }
 
 // As long as a tile is about to leave, it may write to the scratch that would be that of its next incarnation.
@@ -134,7 +159,7 @@ void PartActor::answer_if_left() {
   if (leaving_ > 0) return;
   for (; releases_ > 0; --releases_) tell(PartReleased{self_, std::exchange(given_up_, {})});
   // Whoever takes over finds no part then: that its tiles are handed over their images say.
-  if (!finder_ || schedule_.stage() == Schedule::Stage::handing) return;
+  if (!finder_ || schedule_.phase() == Schedule::Phase::handing) return;
   PartFound answer;
   answer.term = term_;
   answer.node = finder_->node;
@@ -142,11 +167,11 @@ void PartActor::answer_if_left() {
   answer.self = self_;
   answer.begun = opened_;
   answer.table = *table_;
-  answer.threads = part_->schedule.threads;
+  answer.threads = stage().schedule.threads;
   answer.memory_bytes = office_->options.memory_bytes;
   answer.name = finder_->name;
-  for (std::uint32_t t = 0; opened_ && t < tile_points().size(); ++t) {
-    if (table_->node_of(TileId{t}) == self_ && tile_points()[t] > 0 && !hosts(TileId{t})) {
+  for (std::uint32_t t = 0; opened_ && t < weights().size(); ++t) {
+    if (table_->node_of(TileId{t}) == self_ && weights()[t] > 0 && !hosts(TileId{t})) {
       answer.released.push_back(TileId{t});
     }
   }

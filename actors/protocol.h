@@ -17,9 +17,9 @@
 #include "src/run/assignment.h"
 #include "src/run/gate.h"
 #include "src/run/table.h"
+#include "src/run/tile_program.h"
 #include "src/run/update.h"
 #include "src/run/work.h"
-#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -34,7 +34,7 @@ inline Error error_of(Failure f) { return error(static_cast<Errc>(f.code), std::
 
 // part -> tile: do this now; answered by a TileReport.
 struct Grant {
-  Work work = Work::splay;
+  Work work = Work::step;
 };
 
 // tile -> part: what waits for it, since more has come.
@@ -47,7 +47,7 @@ struct MailNotice {
 // A piece of work on a tile: when, in microseconds since the part was opened, and by which thread of its node.
 struct WorkSpan {
   TileId tile;
-  Work work = Work::splay;
+  Work work = Work::step;
   std::uint32_t thread = 0;
   std::uint64_t begin_us = 0, end_us = 0;
 };
@@ -58,12 +58,12 @@ struct TileReport {
   Failure failure;
   bool kept = true;           // false: it was to be handed over, and could not be
   std::uint64_t memory = 0;   // held, mail not counted
-  std::uint64_t storing = 0;  // bytes of the mesh that is on its way to the store
+  std::uint64_t storing = 0;  // bytes that are on their way to the store
   MailNotice waiting;
   std::uint64_t sent = 0, processed = 0;  // updates, per living peers
   std::uint64_t updates = 0;              // ever sent
   std::uint32_t hops = 0;
-  ExchangeCounts points;
+  ExchangeCounts items;
 };
 
 // tile -> part, at any time: the tile has come to an end that nobody asked for.
@@ -72,11 +72,11 @@ struct TileFailed {
   Failure failure;
 };
 
-// writer -> part, some time after a tile has been collected: its mesh is in the store, or could not be stored.
+// writer -> part, some time after a tile has been collected: what it leaves is kept, or could not be.
 struct TileStored {
   TileId tile;
   Failure failure;
-  TileEntry entry;
+  Receipt receipt;
 };
 
 // tile -> part: for a tile that lives elsewhere.
@@ -183,10 +183,10 @@ struct Suspend {};
 struct Abort {
   std::uint64_t term = 0;  // of the coordinator that says so
 };
-// Give up tiles that nobody has begun, until they hold so many points: another node is waiting for work. Answered by a
+// Give up tiles that nobody has begun, until they have so much weight: another node is waiting for work. Answered by a
 // PartReleased.
 struct Release {
-  std::uint64_t points = 0;
+  std::uint64_t weight = 0;
 };
 
 // Your node leaves: tiles that have begun are handed over, for others to go on with. Answered by a PartEnded.
@@ -229,26 +229,27 @@ struct PartReleased {
 };
 struct PartProgress {
   NodeId node;
-  std::uint64_t tiles_begun = 0, points_begun = 0, tiles_stored = 0, tiles_asleep = 0;
-  std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0, memory_bytes = 0;
+  std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0, tiles_asleep = 0;
+  std::uint64_t updates_sent = 0, updates_processed = 0, items_sent = 0, memory_bytes = 0;
   GateCounts gates;
   std::vector<WorkSpan> spans;  // since the last one
   std::vector<MailArc> mail;    // likewise; the heaviest
 };
-// part -> coordinator: a tile is in the store.
+// part -> coordinator: what a tile leaves is kept.
 struct TileDone {
-  TileEntry entry;
+  std::uint32_t stage = 0;
+  TileReceipt tile;
   std::uint64_t microseconds = 0;  // worked on it
 };
 struct PartEnded {
   NodeId node;
   Failure failure;
   bool of_node = false;  // the failure: its own scratch cannot be used, and others can go on
-  ExchangeCounts points;
+  ExchangeCounts items;
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
-  std::uint64_t begin_us = 0, splay_us = 0, collect_us = 0;  // of work, summed over threads
-  GateCounts gates;                                          // of what was sent to other nodes
-  std::uint64_t handed = 0, not_handed = 0;                  // tiles that it had begun, when its node leaves
+  std::uint64_t begin_us = 0, exchange_us = 0, collect_us = 0;  // of work, summed over threads
+  GateCounts gates;                                             // of what was sent to other nodes
+  std::uint64_t handed = 0, not_handed = 0;                     // tiles that it had begun, when its node leaves
 };
 
 // whoever runs the job -> coordinator
@@ -289,7 +290,7 @@ struct RouteStretch {
 // node -> router, now and then, and at the end
 struct StretchRouted {
   std::uint32_t attempt = 0;
-  std::uint64_t points = 0;  // so far
+  std::uint64_t routed = 0;  // of what the stretch has, so far
   bool done = false;
   Failure failure;
 };

@@ -31,7 +31,7 @@ TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
 TESSERA_MESSAGE(GateCounts, x.parcels, x.bytes, x.waits)
 TESSERA_MESSAGE(Credit, x.from, x.bytes)
 TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator, x.term)
-TESSERA_MESSAGE(Table, x.epoch, x.nodes, x.incarnations)
+TESSERA_MESSAGE(Table, x.epoch, x.stage, x.nodes, x.incarnations)
 TESSERA_MESSAGE(FindPart, x.job, x.term, x.node, x.coordinator, x.shares, x.name)
 TESSERA_MESSAGE(PartFound, x.term, x.node, x.part, x.self, x.begun, x.table, x.released, x.threads, x.memory_bytes,
                 x.name)
@@ -41,7 +41,7 @@ TESSERA_MESSAGE(Probe, x.wave)
 TESSERA_MESSAGE(Settle)
 TESSERA_MESSAGE(Collect)
 TESSERA_MESSAGE(Finish)
-TESSERA_MESSAGE(Release, x.points)
+TESSERA_MESSAGE(Release, x.weight)
 TESSERA_MESSAGE(Suspend)
 TESSERA_MESSAGE(Abort, x.term)
 TESSERA_MESSAGE(PartOpened, x.node, x.failure, x.part, x.settled, x.threads, x.memory_bytes, x.name)
@@ -51,36 +51,27 @@ TESSERA_MESSAGE(PartTally, x.node, x.epoch, x.wave, x.idle, x.sent, x.processed)
 TESSERA_MESSAGE(PartSettled, x.node, x.epoch)
 TESSERA_MESSAGE(PartCollected, x.node, x.epoch)
 TESSERA_MESSAGE(PartReleased, x.node, x.tiles)
-TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.points_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
-                x.updates_processed, x.points_sent, x.memory_bytes, x.gates, x.spans, x.mail)
-TESSERA_MESSAGE(TileDone, x.entry, x.microseconds)
-TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.of_node, x.points, x.updates, x.hops, x.sleeps, x.most_received,
-                x.begin_us, x.splay_us, x.collect_us, x.gates, x.handed, x.not_handed)
+TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.weight_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
+                x.updates_processed, x.items_sent, x.memory_bytes, x.gates, x.spans, x.mail)
+TESSERA_MESSAGE(TileDone, x.stage, x.tile, x.microseconds)
+TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.of_node, x.items, x.updates, x.hops, x.sleeps, x.most_received,
+                x.begin_us, x.exchange_us, x.collect_us, x.gates, x.handed, x.not_handed)
 TESSERA_MESSAGE(HandOver)
 TESSERA_MESSAGE(RouteStretch, x.run_folder, x.stretch, x.attempt, x.shares, x.router)
-TESSERA_MESSAGE(StretchRouted, x.attempt, x.points, x.done, x.failure)
+TESSERA_MESSAGE(StretchRouted, x.attempt, x.routed, x.done, x.failure)
 
-// Entries of a store: their digest may be missing.
-inline caf::error inspect(caf::serializer& f, TileEntry& x) {
-  std::uint8_t digested = x.digest ? 1 : 0;
-  Digest digest = x.digest.value_or(Digest{});
-  std::uint8_t high = x.heights ? 1 : 0;
-  HeightRange heights = x.heights.value_or(HeightRange{});
-  return f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low, digest.high,
-           high, heights.lo, heights.hi);
+// Receipts: the tile, then raw bytes.
+inline caf::error inspect(caf::serializer& f, TileReceipt& x) {
+  std::uint64_t n = x.receipt.size();
+  if (auto failed = f(x.tile, n)) return failed;
+  return n > 0 ? f.apply_raw(n, x.receipt.data()) : caf::error{};
 }
-inline caf::error inspect(caf::deserializer& f, TileEntry& x) {
-  std::uint8_t digested = 0, high = 0;
-  Digest digest;
-  HeightRange heights;
-  if (auto failed = f(x.tile, x.points, x.own_points, x.cells, x.main_cells, x.bytes, x.xxh3, digested, digest.low,
-                      digest.high, high, heights.lo, heights.hi))
-    return failed;
-  x.heights.reset();
-  if (high != 0) x.heights = heights;
-  x.digest.reset();
-  if (digested != 0) x.digest = digest;
-  return caf::error{};
+inline caf::error inspect(caf::deserializer& f, TileReceipt& x) {
+  std::uint64_t n = 0;
+  if (auto failed = f(x.tile, n)) return failed;
+  if (n > receipt_bytes_max) return caf::sec::invalid_argument;  // before memory is taken
+  x.receipt.resize(n);
+  return n > 0 ? f.apply_raw(n, x.receipt.data()) : caf::error{};
 }
 
 // Updates: numbers, then the message as one block of raw bytes.

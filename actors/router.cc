@@ -32,7 +32,7 @@ Router::behavior_type Router::make_behavior() {
         send(caf::actor_cast<UsherHandle>(leaves.registry), NodeLet{leaves.node, caf::actor_cast<caf::actor>(this)});
       },
       [](const NodeBack&) {},
-      [this](const Cancel&) { end(failure_of(error(Errc::interrupted, "interrupted while points were routed"))); },
+      [this](const Cancel&) { end(failure_of(error(Errc::interrupted, "interrupted while input was routed"))); },
   };
 }
 
@@ -43,7 +43,7 @@ void Router::on_exit() {
 }
 
 void Router::failed(const std::exception_ptr& exception) noexcept {
-  end(failure_of(exception, [] { return std::string("routing points"); }));
+  end(failure_of(exception, [] { return std::string("routing input"); }));
 }
 
 void Router::join(const NodeHandle& node) {
@@ -69,13 +69,13 @@ void Router::lose(const caf::actor_addr& node) {
 void Router::take(StretchRouted& routed) {
   const auto found = at_work_.find(routed.attempt);
   if (found == at_work_.end()) return;  // of a node that was lost
-  found->second.points = routed.points;
+  found->second.routed = routed.routed;
   if (routed.done) {
     const Attempt attempt = found->second;
     at_work_.erase(found);
     if (!routed.failure) {
       routed_[attempt.stretch] = routed.attempt;
-      points_ += attempt.points;
+      routed_so_far_ += attempt.routed;
       --left_;
     } else if (!attempt.node) {
       return end(std::move(routed.failure));
@@ -86,9 +86,9 @@ void Router::take(StretchRouted& routed) {
     }
     hand_out();
   }
-  std::uint64_t points = points_;
-  for (const auto& [number, attempt] : at_work_) points += attempt.points;
-  if (owner_) owner_->progressed(points);
+  std::uint64_t so_far = routed_so_far_;
+  for (const auto& [number, attempt] : at_work_) so_far += attempt.routed;
+  if (owner_) owner_->progressed(so_far);
   if (left_ == 0) end({});
 }
 

@@ -27,7 +27,7 @@ namespace tessera {
 class RoutingOwner {
  public:
   virtual ~RoutingOwner() = default;
-  virtual void progressed(std::uint64_t points) = 0;  // so far
+  virtual void progressed(std::uint64_t so_far) = 0;  // of what all stretches have
   // Route it yourself, and say StretchRouted. `why`: of a node that could not; empty: there is none, or none but this
   // process can.
   virtual void route_here(std::uint32_t stretch, std::uint32_t attempt, std::string why) = 0;
@@ -52,7 +52,7 @@ class Router : public SteadyActor<RouterHandle, Pool::deciding> {
   struct Attempt {
     std::uint32_t stretch = 0;
     NodeHandle node;  // null: the owner
-    std::uint64_t points = 0;
+    std::uint64_t routed = 0;
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
@@ -71,7 +71,7 @@ class Router : public SteadyActor<RouterHandle, Pool::deciding> {
   std::map<std::uint32_t, Attempt> at_work_;  // by number
   std::vector<std::uint32_t> routed_;         // by stretch: the attempt that counts, or 0
   std::size_t left_;
-  std::uint64_t points_ = 0;  // of stretches that are routed
+  std::uint64_t routed_so_far_ = 0;  // of stretches that are routed
   std::uint32_t attempts_ = 0;
   std::string why_here_;
 };

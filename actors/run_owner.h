@@ -11,12 +11,19 @@
 
 namespace tessera {
 
-enum class RunStage : std::uint8_t { triangulating, splaying, collecting };
+// What the tiles of a stage do: begin, exchange messages, come to their end.
+enum class RunStep : std::uint8_t { beginning, exchanging, ending };
 struct RunProgress {
-  RunStage stage = RunStage::triangulating;
+  std::uint32_t stage = 0;  // how many have ended since this coordinator took office
+  RunStep step = RunStep::beginning;
   PartProgress sum;
   std::vector<NodeProgress> nodes;  // that have had a part, in order of coming
   std::uint32_t nodes_lost = 0;
+};
+
+// Wall clock of a stage, by its steps.
+struct StageTimes {
+  std::uint64_t begin_us = 0, exchange_us = 0, end_us = 0;
 };
 
 struct RunEnded {
@@ -26,8 +33,7 @@ struct RunEnded {
   std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // begun again after losses
   std::uint64_t memory_bytes = 0;                            // that they all gave the job
   PartEnded sum;
-  // Wall clock of the stages.
-  std::uint64_t triangulate_us = 0, splay_us = 0, collect_us = 0;
+  std::vector<StageTimes> stages;  // that the coordinator saw
 };
 
 // Called from the coordinator's thread. What is thrown at it ends the job.

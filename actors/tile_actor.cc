@@ -24,17 +24,17 @@ std::uint32_t thread_number() {
 std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); }
 
 // Told from a writer's thread, where nobody catches: an exception would be the end of the process, silence that of the
-// job. So the message is made before the mesh is handed over.
+// job. So the message is made before the tile is handed over.
 class StoredNotice {
  public:
   StoredNotice(PartHandle part, TileId tile)
       : part_(std::move(part)), prepared_(std::make_shared<Prepared<TileStored>>()) {
     prepared_->message().tile = tile;
   }
-  void operator()(Result<TileEntry> stored) const noexcept {
+  void operator()(Result<Receipt> stored) const noexcept {
     TileStored& message = prepared_->message();
     if (stored) {
-      message.entry = stored.value();
+      message.receipt = std::move(stored).value();
     } else {
       message.failure = failure_of(std::move(stored).error());
     }
@@ -49,15 +49,14 @@ class StoredNotice {
 }  // namespace
 
 TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-                     std::shared_ptr<const Office> office, std::shared_ptr<const Table> table)
+                     std::shared_ptr<const Office> office, const std::shared_ptr<const Table>& table)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
       office_(std::move(office)),
-      life_(self, part_->context) {
+      life_(self, part_->stages.at(table->stage).context, table) {
   live_at(office_->hooks.home);
   last_word_.message().tile = self.tile;
-  life_.rejoin(std::move(table), nullptr);  // it is fresh
 }
 
 // Tiles and their office know each other: one that has ended must not keep the others alive.
@@ -145,7 +144,7 @@ void TileActor::work(Work work) {
   report.storing = finished_ ? finished_->bytes() : 0;
   report.waiting = waiting();
   report.hops = life_.hops();
-  report.points = life_.counts();
+  report.items = life_.counts();
   told_ = report.waiting.updates > 0;
   bytes_told_ = report.waiting.bytes;
   hops_told_ = report.waiting.hops;
@@ -170,22 +169,19 @@ void TileActor::rejoin() {
   send(office_->part, TileRejoined{self_.tile, routes->table->epoch, totals.sent, totals.processed, waiting()});
 }
 
-void TileActor::store() {
-  std::exchange(finished_, nullptr)
-      ->store(*part_->context.storage, self_.tile, StoredNotice(office_->part, self_.tile));
-}
+void TileActor::store() { std::exchange(finished_, nullptr)->store(StoredNotice(office_->part, self_.tile)); }
 
 Status TileActor::perform(Work work) {
   switch (work) {
     case Work::begin:
       return life_.begin();
-    case Work::splay:
+    case Work::step:
       return life_.step();
     case Work::sleep:
       return life_.sleep();
     case Work::settle:
       return life_.settle();
-    case Work::collect: {
+    case Work::finish: {
       BOOST_OUTCOME_TRY(finished, life_.finish());
       finished_ = std::move(finished);
       return success();

@@ -1,15 +1,17 @@
 // A tile as an actor: TileLife behind messages.
 //
-// message | effect                                                      | answer to the part
-// Delivery  | keep the points                                             | MailNotice, once per silence, hop and 64
-// KiB begin   | triangulate and announce, or begin from an image            | TileReport, updates to other tiles splay
-// | process all mail                                            | TileReport, updates to other tiles sleep   | write
-// the state to scratch, free it                         | TileReport settle  | write down what makes the tile
-// independent of the others    | TileReport collect | make the mesh, have it stored                               |
-// TileReport, later TileStored from a writer drop    | free the state                                              |
-// TileReport Rejoin  | go by the new table                                         | TileRejoined Leave   | end; when
-// given up, remove the mail on scratch before       | -; TileLeft Mail that cannot be kept, or an exception outside of
-// granted work: TileFailed, and the tile ends.
+// message   | effect                                            | answer to the part
+// Delivery  | keep the message                                  | MailNotice, once per silence, hop and 64 KiB
+// begin     | begin the program, or go on from an image         | TileReport, updates to other tiles
+// step      | process all mail                                  | TileReport, updates to other tiles
+// sleep     | write the state to scratch, free it               | TileReport
+// settle    | write down what the end can be made from alone    | TileReport
+// finish    | come to the end, have what is left of it kept     | TileReport, later TileStored from a writer
+// drop      | free the state                                    | TileReport
+// hand over | leave an image where other nodes find it          | TileReport
+// Rejoin    | go by the new table                               | TileRejoined
+// Leave     | end; when given up, remove the mail on scratch    | -; TileLeft
+// Mail that cannot be kept, or an exception outside of granted work: TileFailed, and the tile ends.
 //
 // Grants come from the part alone, which keeps at most as many under way as it has threads.
 #pragma once
@@ -28,7 +30,7 @@ namespace tessera {
 class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
   TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-            std::shared_ptr<const Office> office, std::shared_ptr<const Table> table);
+            std::shared_ptr<const Office> office, const std::shared_ptr<const Table>& table);
   behavior_type make_behavior() override;
   void on_exit() override;
 

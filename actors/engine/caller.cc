@@ -1,18 +1,20 @@
 #include "actors/engine/caller.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace tessera {
 namespace {
 
-Phase phase_of(RunStage stage) {
-  switch (stage) {
-    case RunStage::triangulating:
+Phase phase_of(RunStep step) {
+  switch (step) {
+    case RunStep::beginning:
       return Phase::triangulating;
-    case RunStage::splaying:
+    case RunStep::exchanging:
       return Phase::splaying;
-    case RunStage::collecting:
+    case RunStep::ending:
       break;
   }
   return Phase::collecting;
@@ -20,19 +22,19 @@ Phase phase_of(RunStage stage) {
 
 Phase phase_of(Work work) {
   if (work == Work::begin) return Phase::triangulating;
-  return work == Work::collect ? Phase::collecting : Phase::splaying;
+  return work == Work::finish ? Phase::collecting : Phase::splaying;
 }
 
 void show(const RunProgress& from, double opened_s, Progress& to) {
-  to.phase = phase_of(from.stage);
+  to.phase = phase_of(from.step);
   const PartProgress& sum = from.sum;
-  to.points_triangulated = sum.points_begun;
+  to.points_triangulated = sum.weight_begun;
   to.tiles_triangulated = static_cast<std::uint32_t>(sum.tiles_begun);
   to.tiles_stored = static_cast<std::uint32_t>(sum.tiles_stored);
   to.tiles_asleep = static_cast<std::uint32_t>(sum.tiles_asleep);
   to.updates_sent = sum.updates_sent;
   to.updates_processed = sum.updates_processed;
-  to.points_sent = sum.points_sent;
+  to.points_sent = sum.items_sent;
   to.memory_bytes = sum.memory_bytes;
   to.bytes_between = sum.gates.bytes;
   to.credit_waits = sum.gates.waits;
@@ -51,9 +53,13 @@ double seconds(std::uint64_t microseconds) { return static_cast<double>(microsec
 
 void RunCaller::progressed(const RunProgress& now) { show(now, opened_s_, progress_); }
 
-void RunCaller::stored(const TileDone& tile) {
-  done_.push_back(tile);
-  progress_.map.reached(tile.entry.tile, TileStage::stored);
+void RunCaller::stored(const TileDone& done) {
+  const auto entry = tile_entry_of(done.tile.receipt);
+  if (!entry || entry->tile != done.tile.tile) {
+    throw std::runtime_error("tile " + std::to_string(done.tile.tile.value) + ": what a node says of it is no entry");
+  }
+  done_.push_back({*entry, done.microseconds});
+  progress_.map.reached(entry->tile, TileStage::stored);
 }
 
 void RunCaller::ended(RunEnded end) noexcept {
@@ -62,16 +68,15 @@ void RunCaller::ended(RunEnded end) noexcept {
 }
 
 RunSummary RunCaller::summary(const RunEnded& ended) {
-  std::sort(done_.begin(), done_.end(),
-            [](const TileDone& a, const TileDone& b) { return a.entry.tile < b.entry.tile; });
+  std::sort(done_.begin(), done_.end(), [](const Stored& a, const Stored& b) { return a.entry.tile < b.entry.tile; });
   RunSummary summary;
-  for (const TileDone& tile : done_) {
+  for (const Stored& tile : done_) {
     summary.tiles.push_back(tile.entry);
     summary.tile_seconds.push_back(seconds(tile.microseconds));
     summary.vertices += tile.entry.own_points;
     summary.cells += tile.entry.main_cells;
   }
-  summary.exchange.points = ended.sum.points;
+  summary.exchange.points = ended.sum.items;
   summary.exchange.updates = ended.sum.updates;
   summary.exchange.hops = ended.sum.hops;
   summary.exchange.most_received = ended.sum.most_received;
@@ -82,9 +87,10 @@ RunSummary RunCaller::summary(const RunEnded& ended) {
   summary.exchange.bytes_between = ended.sum.gates.bytes;
   summary.exchange.credit_waits = ended.sum.gates.waits;
   summary.exchange.sleeps = ended.sum.sleeps;
-  summary.exchange.work = {seconds(ended.sum.begin_us), seconds(ended.sum.splay_us), seconds(ended.sum.collect_us)};
+  summary.exchange.work = {seconds(ended.sum.begin_us), seconds(ended.sum.exchange_us), seconds(ended.sum.collect_us)};
   summary.exchange.waves = ended.waves;
-  summary.wall = {seconds(ended.triangulate_us), seconds(ended.splay_us), seconds(ended.collect_us)};
+  const StageTimes& times = ended.stages.at(0);
+  summary.wall = {seconds(times.begin_us), seconds(times.exchange_us), seconds(times.end_us)};
   return summary;
 }
 

@@ -9,6 +9,7 @@
 #include "actors/run_owner.h"
 #include "src/base/progress.h"
 #include "src/run/run_summary.h"
+#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -17,7 +18,7 @@ class RunCaller final : public RunOwner {
   explicit RunCaller(Progress& progress) : progress_(progress) {}
 
   void progressed(const RunProgress& now) override;
-  void stored(const TileDone& tile) override;
+  void stored(const TileDone& done) override;
   void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override;
 
@@ -28,7 +29,11 @@ class RunCaller final : public RunOwner {
  private:
   Progress& progress_;
   const double opened_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_.started).count();
-  std::vector<TileDone> done_;
+  struct Stored {
+    TileEntry entry;
+    std::uint64_t microseconds = 0;
+  };
+  std::vector<Stored> done_;
   std::shared_ptr<std::promise<RunEnded>> end_ = std::make_shared<std::promise<RunEnded>>();
 };
 

@@ -105,7 +105,7 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
       StretchRouted routed;
       routed.attempt = here->attempt;
       routed.done = true;
-      const auto tell = [&](std::uint64_t more) { routed.points += more; };
+      const auto tell = [&](std::uint64_t more) { routed.routed += more; };
       const StretchWork work{run_folder, here->attempt, memory_bytes_, tell};
       if (Status done = route_stretch(cloud, stretches[here->stretch], partition, work, stop); !done)
         routed.failure = failure_of(std::move(done).error());

@@ -66,7 +66,8 @@ struct Engine::Impl {
   // `again`: see RunEnded.
   Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, const std::stop_token& stop, bool& again);
-  Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const RoutedRun& run, const std::stop_token& stop);
+  Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const RoutedRun& run, KernelKind kernel,
+                                          const std::stop_token& stop);
 
   const std::uint32_t threads;
   const std::unique_ptr<Membership> seat;  // null: alone
@@ -81,7 +82,7 @@ struct Engine::Impl {
 };
 
 // What a job of a cluster has beyond one node's, and the nodes that it begins with.
-Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, const RoutedRun& run,
+Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, const RoutedRun& run, KernelKind kernel,
                                                       const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(identity, identity_of(run.folder));
   BOOST_OUTCOME_TRY(term, claim_term(run.folder));
@@ -89,15 +90,20 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.term = term;
   job.take_over = true;
   job.replaced = [folder = run.folder, term] { return is_replaced(folder, term); };
-  job.is_settled = [folder = run.folder] { return is_there(settled_marker(folder)); };
-  job.stored = [out = std::filesystem::path(job.spec.out_folder)] {
-    return stored_tiles(out, [](TileId) { return true; });
+  job.is_settled = [folder = run.folder](std::uint32_t) { return is_there(settled_marker(folder)); };
+  job.stored = [out = std::filesystem::path(job.spec.out_folder)](std::uint32_t) -> Result<std::vector<TileReceipt>> {
+    BOOST_OUTCOME_TRY(entries, stored_tiles(out, [](TileId) { return true; }));
+    std::vector<TileReceipt> stored;
+    for (const TileEntry& entry : entries) stored.push_back({entry.tile, bytes_of(entry)});
+    return stored;
   };
-  job.tile_points_max = [dimension = run.dimension, kernel = job.spec.kernel](std::uint32_t own, std::uint64_t bytes) {
+  job.weight_max = [dimension = run.dimension, kernel](std::uint32_t own, std::uint64_t bytes) {
     return budget::tile_points_max(dimension, kernel, own, bytes);
   };
-  job.tile_bytes = [dimension = run.dimension, kernel = job.spec.kernel](std::uint64_t points) {
-    return budget::tile_working_bytes(dimension, kernel, points);
+  job.tile_in_words = [dimension = run.dimension, kernel](std::uint64_t points) {
+    const std::uint64_t bytes = budget::tile_working_bytes(dimension, kernel, points);
+    return "a tile of " + std::to_string(points) + " points, which needs about " + std::to_string((bytes >> 20) + 1) +
+           " MiB";
   };
   job.spec.shares = seat->options().jobs_at_once;
   job.spec.grace_s = seat->options().grace_s;
@@ -122,8 +128,8 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
 
   CoordinatorOptions job;
   job.job = JobId{++jobs};
-  job.spec = {options, run.folder.string(), out.string(), {}, 0};
-  job.points = run.tile_points;
+  job.spec = spec_of(options, run.folder.string(), out.string());
+  job.weights = run.tile_points;
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
     if (run.tile_points[t] > 0) job.order.push_back(TileId{t});
   }
@@ -136,10 +142,10 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
   }
   std::stable_sort(job.order.begin(), job.order.end(),
                    [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
-  job.mark_settled = [&](bool settled) { return mark_settled(run, options.lock_file, settled); };
+  job.mark_settled = [&](std::uint32_t, bool settled) { return mark_settled(run, options.lock_file, settled); };
   std::vector<NodeHandle> nodes{node};
   if (seat) {
-    BOOST_OUTCOME_TRY(free, prepare(job, run, stop));
+    BOOST_OUTCOME_TRY(free, prepare(job, run, options.kernel, stop));
     nodes = std::move(free);
   }
 

@@ -15,7 +15,7 @@
 #include "src/base/result.h"
 #include "src/budget/budget.h"
 #include "src/cluster/members.h"
-#include "src/run/part.h"
+#include "src/run/run_options.h"
 #include "src/run/run_summary.h"
 #include "src/tiling/routed_run.h"
 

@@ -25,12 +25,14 @@ Life::Config::Config() {
       [](caf::actor_system& system) -> caf::actor_system::module* { return new SeededScheduler(system); });
 }
 
-Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng)
+Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, SecondStage* second,
+           std::mt19937_64& rng)
     : options_(options),
       setting_(setting),
       storage_(storage),
+      second_(second),
       rng_(rng),
-      truth_(options.memory_faults),
+      truths_(second ? 2 : 1, Truth(options.memory_faults)),
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
@@ -59,12 +61,13 @@ Outcome Life::live(End end, std::uint64_t end_at) {
       continue;
     }
     ++outcome_.steps;
-    if (!losses.any() && storage_.failed().empty() && !truth_.agrees())
+    if (!losses.any() && storage_.failed().empty() &&
+        !std::all_of(truths_.begin(), truths_.end(), [](const Truth& truth) { return truth.agrees(); }))
       outcome_.failure = "the counters of the tiles do not tell what is under way";
   }
   outcome_.ended = ended();
   end_all();
-  outcome_.updates = truth_.sent();
+  for (const Truth& truth : truths_) outcome_.updates += truth.sent();
   if (outcome_.failure.empty() && end != End::kill && !outcome_.ended) {
     outcome_.failure = "no end after " + std::to_string(outcome_.steps) + " steps";
   }
@@ -80,42 +83,56 @@ Outcome Life::live(End end, std::uint64_t end_at) {
   return std::move(outcome_);
 }
 
+std::vector<ExchangeWatch*> Life::watches() {
+  std::vector<ExchangeWatch*> watches;
+  for (Truth& truth : truths_) watches.push_back(&truth);
+  return watches;
+}
+
 void Life::add_node(NodeId home, std::uint64_t memory_bytes) {
   const Turn ours(options_.memory_faults, false);
   NodeOptions node;
   node.memory_bytes = memory_bytes;
   node.progress_interval = std::chrono::hours(24);
   node.hooks = {options_.trace, network_, home};
-  nodes_[home] =
-      system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, &truth_, home));
+  nodes_[home] = system_.spawn<NodeActor>(std::move(node),
+                                          std::make_shared<MemoryParts>(setting_, storage_, watches(), home, second_));
 }
 
 CoordinatorOptions Life::coordinator_options() {
   CoordinatorOptions job;
   const std::size_t number = coordinators_.size();
   job.spec = setting_.spec;
+  job.stages = second_ ? 2 : 1;
+  job.spec.table.stage = first_stage();
   job.spec.grace_s = options_.faults.waits() ? grace_s : 0;
   job.term = number;
   job.take_over = number > 0;
   job.home = home_of_coordinator(number);
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
-    job.points.push_back(setting_.tiles[t].size());
+    job.weights.push_back(setting_.tiles[t].size());
     if (!setting_.tiles[t].empty()) job.order.push_back(TileId{t});
   }
-  job.mark_settled = [this, number](bool settled) -> Status {
+  job.first_stage = [this]() -> Result<std::uint32_t> { return first_stage(); };
+  job.mark_settled = [this, number](std::uint32_t stage, bool settled) -> Status {
     if (number + 1 < owners_.size()) return error(Errc::io, "another coordinator has taken over");
-    storage_.settled = settled;
-    if (!settled) storage_.forget_settled();
+    storage_.settled = stage + (settled ? 1 : 0);
+    if (!settled) storage_.forget_settled(stage);
     return success();
   };
   job.replaced = [this, number] { return number + 1 < owners_.size(); };
-  job.is_settled = [this]() -> Result<bool> { return storage_.settled; };
-  job.stored = [this]() -> Result<std::vector<TileEntry>> { return storage_.stored(); };
+  job.is_settled = [this](std::uint32_t stage) -> Result<bool> { return storage_.settled > stage; };
+  job.stored = [this](std::uint32_t stage) -> Result<std::vector<TileReceipt>> {
+    return stage == 0 ? storage_.stored() : second_->stored();
+  };
   job.on_quiet = [this, number](const Table& table) {
     if (number + 1 == owners_.size()) believed_quiet(table);
   };
   return job;
 }
+
+// Where a job begins that no node has a part of.
+std::uint32_t Life::first_stage() const { return std::max(storage_.settled, 1U) - 1; }
 
 void Life::add_coordinator() {
   const Turn ours(options_.memory_faults, false);
@@ -134,7 +151,7 @@ void Life::believed_quiet(const Table& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
   outcome_.epochs = (table.epoch >> 32) + (table.epoch & 0xffff'ffff);  // terms, and those of the last one
-  const auto under_way = truth_.under_way(table);
+  const auto under_way = truths_.at(table.stage).under_way(table);
   // To or from tiles that are no more, some may be left on the way.
   if (under_way != 0 || (table.epoch == setting_.spec.table.epoch && network_state_.held > 0)) {
     outcome_.failure = "quiescence believed with " + std::to_string(under_way) + " updates not processed";
@@ -175,7 +192,9 @@ void Life::end_all() {
   for (const NodeId home : homes) {
     const bool gone = given_up_.contains(home) || storage_.failed().contains(home);
     if (!gone && (home.value < setting_.nodes || !resumed)) continue;
-    if (!storage_.at(home).clear(ScratchKind::mail)) std::abort();
+    for (std::uint32_t stage = 0; stage < truths_.size(); ++stage) {
+      if (!storage_.at(home, stage).clear(ScratchKind::mail)) std::abort();
+    }
   }
 }
 

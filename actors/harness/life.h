@@ -34,7 +34,8 @@ enum class End : std::uint8_t { never, cancel, kill };
 class Life final : private Misfortune {
  public:
   // All outlive it.
-  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, std::mt19937_64& rng);
+  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, SecondStage* second,
+       std::mt19937_64& rng);
   // Once.
   Outcome live(End end, std::uint64_t end_at);
 
@@ -79,6 +80,8 @@ class Life final : private Misfortune {
 
   void add_node(NodeId home, std::uint64_t memory_bytes = ~std::uint64_t{0});
   void tell_of(NodeId node);
+  std::vector<ExchangeWatch*> watches();
+  std::uint32_t first_stage() const;
   void tell_that_leaves(NodeId node);
   void let(const NodeLet& let);
   void add_coordinator();
@@ -92,8 +95,9 @@ class Life final : private Misfortune {
   const HarnessOptions& options_;
   const Setting& setting_;
   MemoryStorage& storage_;
+  SecondStage* second_;  // null: there is none
   std::mt19937_64& rng_;
-  Truth truth_;
+  std::vector<Truth> truths_;  // by stage
   NetworkState network_state_;
   Outcome outcome_;
   std::vector<std::unique_ptr<Owner>> owners_;  // beside the coordinators

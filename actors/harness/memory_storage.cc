@@ -29,28 +29,28 @@ Status MemoryStorage::maybe_fail(StorageFault::Call call, NodeId node, ScratchKi
   return failed;
 }
 
-class MemoryStorage::AtNode final : public TileStorage {
+class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
  public:
-  AtNode(MemoryStorage& all, NodeId node) : all_(all), node_(node) {}
+  AtNode(MemoryStorage& all, NodeId node, std::uint32_t stage) : all_(all), node_(node), stage_(stage) {}
 
   Result<LoadedTile> load_points(TileId tile) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::load));
-    ++all_.reads_[{tile, {}}];
+    ++all_.reads_[{stage_, tile, {}}];
     return order_points(all_.points_[tile.value], all_.dimension_);
   }
 
   Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write, node_, what));
-    all_.scratch_[place_of(node_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
+    all_.scratch_[place_of(node_, stage_, tile, what)] = {{{bytes.begin(), bytes.end()}}, false};
     return success();
   }
 
   Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::append, node_, what));
-    all_.scratch_[place_of(node_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
+    all_.scratch_[place_of(node_, stage_, tile, what)].pieces.emplace_back(bytes.begin(), bytes.end());
     ++all_.spills_;
     return success();
   }
@@ -58,37 +58,37 @@ class MemoryStorage::AtNode final : public TileStorage {
   Result<Pieces> read(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read, node_, what));
-    const auto found = all_.scratch_.find(place_of(node_, tile, what));
+    const auto found = all_.scratch_.find(place_of(node_, stage_, tile, what));
     if (found == all_.scratch_.end()) return Pieces{};
-    ++all_.reads_[{tile, what}];
+    ++all_.reads_[{stage_, tile, what}];
     if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
     return found->second.pieces;
   }
 
   Result<bool> has(TileId tile, ScratchKind what) override {
-    return all_.scratch_.contains(place_of(node_, tile, what));
+    return all_.scratch_.contains(place_of(node_, stage_, tile, what));
   }
 
   Status remove(TileId tile, ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::remove, node_, what));
-    all_.scratch_.erase(place_of(node_, tile, what));
+    all_.scratch_.erase(place_of(node_, stage_, tile, what));
     return success();
   }
 
   Status hand_over(TileId tile, std::span<const std::byte> bytes) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::write));
-    all_.scratch_[handed_place(tile)] = {{{bytes.begin(), bytes.end()}}, false};
+    all_.scratch_[handed_place(stage_, tile)] = {{{bytes.begin(), bytes.end()}}, false};
     return success();
   }
 
   Result<Pieces> handed(TileId tile) override {
     const Turn ours(all_.memory_faults, false);
     BOOST_OUTCOME_TRYV(all_.maybe_fail(StorageFault::Call::read));
-    const auto found = all_.scratch_.find(handed_place(tile));
+    const auto found = all_.scratch_.find(handed_place(stage_, tile));
     if (found == all_.scratch_.end()) {
-      ++all_.begun_[tile];
+      ++all_.begun_[{stage_, tile}];
       return Pieces{};
     }
     if (found->second.damaged) return error(Errc::corrupt, "the harness has damaged it");
@@ -99,15 +99,17 @@ class MemoryStorage::AtNode final : public TileStorage {
 
   Status forget_handed(TileId tile) override {
     const Turn ours(all_.memory_faults, false);
-    all_.scratch_.erase(handed_place(tile));
+    all_.scratch_.erase(handed_place(stage_, tile));
     return success();
   }
 
   Status clear(ScratchKind what) override {
     const Turn ours(all_.memory_faults, false);
-    const auto node = place_of(node_, {}, what).node;
-    std::erase_if(all_.scratch_,
-                  [&](const auto& entry) { return entry.first.node == node && entry.first.what == what; });
+    const auto node = place_of(node_, stage_, {}, what).node;
+    std::erase_if(all_.scratch_, [&](const auto& entry) {
+      const Place& place = entry.first;
+      return place.node == node && place.what == what && place.stage == stage_;
+    });
     return success();
   }
 
@@ -128,7 +130,7 @@ class MemoryStorage::AtNode final : public TileStorage {
     return success();
   }
 
-  void store(TileId tile, CollectedTile collected, Stored done) override {
+  void store(TileId tile, CollectedTile collected, Finished::Stored done) override {
     const Turn ours(all_.memory_faults, false);
     Early early;
     if (collected.early > 0) {
@@ -167,25 +169,37 @@ class MemoryStorage::AtNode final : public TileStorage {
     return name_of(node_);
   }
 
-  static Place handed_place(TileId tile) { return {{}, tile, ScratchKind::state}; }
+  static Place handed_place(std::uint32_t stage, TileId tile) { return {{}, tile, ScratchKind::state, stage}; }
 
   MemoryStorage& all_;
   NodeId node_;
+  std::uint32_t stage_;
 };
 
-TileStorage& MemoryStorage::at(NodeId node) {
-  auto& view = views_[node];
-  if (!view) view = std::make_unique<AtNode>(*this, node);
+MemoryStorage::MemoryStorage(int dimension, std::vector<std::vector<LocalPoint>> points)
+    : dimension_(dimension), points_(std::move(points)) {}
+
+MemoryStorage::~MemoryStorage() = default;
+
+TileStorage& MemoryStorage::at(NodeId node, std::uint32_t stage) { return view_of(node, stage); }
+
+DelaunayStore& MemoryStorage::store_at(NodeId node) { return view_of(node, 0); }
+
+MemoryStorage::AtNode& MemoryStorage::view_of(NodeId node, std::uint32_t stage) {
+  auto& view = views_[{node, stage}];
+  if (!view) view = std::make_unique<AtNode>(*this, node, stage);
   return *view;
 }
 
-MemoryStorage::Place MemoryStorage::place_of(NodeId node, TileId tile, ScratchKind what) {
-  if (what == ScratchKind::settled) return {{}, tile, what};
-  return {node, tile, what};
+MemoryStorage::Place MemoryStorage::place_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what) {
+  if (what == ScratchKind::settled) return {{}, tile, what, stage};
+  return {node, tile, what, stage};
 }
 
-void MemoryStorage::forget_settled() {
-  std::erase_if(scratch_, [](const auto& entry) { return entry.first.what == ScratchKind::settled; });
+void MemoryStorage::forget_settled(std::uint32_t stage) {
+  std::erase_if(scratch_, [&](const auto& entry) {
+    return entry.first.what == ScratchKind::settled && entry.first.stage == stage;
+  });
 }
 
 void MemoryStorage::store_now(Pending pending) {
@@ -201,14 +215,9 @@ void MemoryStorage::store_now(Pending pending) {
   } catch (const std::exception& e) {
     stored = error(Errc::internal, e.what());
   }
-  Result<TileEntry> entry = TileEntry{};
-  if (stored) {
-    entry.value().tile = pending.tile;
-  } else {
-    entry = stored.error();
-  }
   const Turn theirs(memory_faults, true);
-  pending.done(std::move(entry));
+  if (!stored) return pending.done(stored.error());
+  pending.done(Receipt());
 }
 
 bool MemoryStorage::store_one(std::mt19937_64& rng) {
@@ -247,10 +256,10 @@ std::uint64_t MemoryStorage::take_begun() {
   return most;
 }
 
-std::vector<TileEntry> MemoryStorage::stored() const {
-  std::vector<TileEntry> entries;
-  for (const auto& [tile, mesh] : meshes_) entries.emplace_back().tile = tile;
-  return entries;
+std::vector<TileReceipt> MemoryStorage::stored() const {
+  std::vector<TileReceipt> stored;
+  for (const auto& [tile, mesh] : meshes_) stored.push_back({tile, {}});
+  return stored;
 }
 
 bool MemoryStorage::holds_mail() const {

@@ -9,10 +9,12 @@
 #include <optional>
 #include <random>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "actors/harness/memory_faults.h"
+#include "src/run/delaunay_store.h"
 #include "src/run/tile_storage.h"
 
 namespace tessera {
@@ -30,13 +32,14 @@ struct StorageFault {
 // which no other reads.
 class MemoryStorage {
  public:
-  MemoryStorage(int dimension, std::vector<std::vector<LocalPoint>> points)
-      : dimension_(dimension), points_(std::move(points)) {}
+  MemoryStorage(int dimension, std::vector<std::vector<LocalPoint>> points);
+  ~MemoryStorage();
 
   // As a node sees it. It outlives the parts that use it.
-  TileStorage& at(NodeId node);
-  // What makes tiles independent goes.
-  void forget_settled();
+  TileStorage& at(NodeId node, std::uint32_t stage = 0);
+  DelaunayStore& store_at(NodeId node);
+  // What makes tiles independent in a stage goes.
+  void forget_settled(std::uint32_t stage);
 
   // Meshes that wait to be stored, as long as nobody calls store_one(). False when there are none.
   bool late_stores = false;
@@ -48,13 +51,13 @@ class MemoryStorage {
 
   std::optional<StorageFault> fault;
   MemoryFaults* memory_faults = nullptr;
-  bool settled = false;  // the marker of the run
+  std::uint32_t settled = 0;  // so many stages of the run: its markers
   // Nodes have scratch of their own: when that fails, others can go on.
   bool many_nodes = false;
   const std::set<NodeId>& failed() const { return failed_; }  // those whose scratch has
 
   const std::map<TileId, TileMesh>& meshes() const { return meshes_; }
-  std::vector<TileEntry> stored() const;
+  std::vector<TileReceipt> stored() const;
   // Whether any mail is left.
   bool holds_mail() const;
   std::uint64_t spills() const { return spills_; }
@@ -69,9 +72,10 @@ class MemoryStorage {
     std::optional<NodeId> node;  // none: all see it
     TileId tile;
     ScratchKind what = ScratchKind::state;
+    std::uint32_t stage = 0;
     friend auto operator<=>(const Place&, const Place&) = default;
   };
-  static Place place_of(NodeId node, TileId tile, ScratchKind what);
+  static Place place_of(NodeId node, std::uint32_t stage, TileId tile, ScratchKind what);
   struct Scratch {
     TileStorage::Pieces pieces;
     bool damaged = false;
@@ -83,7 +87,7 @@ class MemoryStorage {
     NodeId node;
     TileId tile;
     TileMesh mesh;
-    TileStorage::Stored done;
+    Finished::Stored done;
   };
   Status maybe_fail(StorageFault::Call call);
   // On the scratch of a node, which is not asked any more when it has failed.
@@ -94,13 +98,16 @@ class MemoryStorage {
   std::vector<std::vector<LocalPoint>> points_;
   std::map<Place, Scratch> scratch_;
   std::map<std::pair<TileId, NodeId>, Early> early_;  // all see them
-  std::map<NodeId, std::unique_ptr<TileStorage>> views_;
+  AtNode& view_of(NodeId node, std::uint32_t stage);
+
+  std::map<std::pair<NodeId, std::uint32_t>, std::unique_ptr<AtNode>> views_;
   std::vector<Pending> pending_;
   std::map<TileId, TileMesh> meshes_;
   std::uint64_t spills_ = 0;
   std::set<NodeId> failed_;
-  std::map<std::pair<TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;  // no kind: of its points
-  std::map<TileId, std::uint64_t> begun_;
+  // By stage. No kind: of its points.
+  std::map<std::tuple<std::uint32_t, TileId, std::optional<ScratchKind>>, std::uint64_t> reads_;
+  std::map<std::pair<std::uint32_t, TileId>, std::uint64_t> begun_;
 };
 
 }  // namespace tessera

@@ -100,7 +100,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     s.spec.table.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
   }
   s.tile_points = points_of(s.tiles);
-  s.context.table = std::make_shared<const Table>(s.spec.table);
+  s.table = std::make_shared<const Table>(s.spec.table);
   s.context.many_nodes = s.schedule.settle_asleep = s.nodes > 1 || options.faults.nodes();
   // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
@@ -110,27 +110,43 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   return s;
 }
 
+std::shared_ptr<const TilePrograms> MemoryParts::programs(Part& part, std::uint32_t stage) const {
+  if (stage > 0) return second_->programs(storage_.meshes());
+  auto delaunay = std::make_shared<DelaunayStage>(setting_.stage);
+  delaunay->storage = &storage_.at(home_);
+  delaunay->store = &storage_.store_at(home_);
+  delaunay->stop = part.stopping.get_token();
+  return delaunay;
+}
+
+std::vector<TileReceipt> MemoryParts::stored(std::uint32_t stage) const {
+  return stage == 0 ? storage_.stored() : second_->stored();
+}
+
 Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
   auto part = std::make_unique<Part>();
-  TileStorage& storage = storage_.at(home_);
-  part->context = setting_.context;
-  if (spec.table != *setting_.context.table) part->context.table = std::make_shared<const Table>(spec.table);
-  auto stage = std::make_shared<DelaunayStage>(setting_.stage);
-  stage->storage = part->context.storage = &storage;
-  stage->stop = part->stopping.get_token();
-  part->context.programs = std::move(stage);
-  part->context.watch = watch_;
-  part->schedule = setting_.schedule;
+  for (std::uint32_t stage = 0; stage < (second_ ? 2U : 1U); ++stage) {
+    PartStage& one = part->stages.emplace_back(PartStage{setting_.context, setting_.schedule, {}});
+    one.context.storage = &storage_.at(home_, stage);
+    one.context.programs = programs(*part, stage);
+    one.context.watch = watches_.at(stage);
+    // As from disk: it was for tiles that are no more.
+    BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
+  }
+  part->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const Table>(spec.table);
   part->gates = setting_.gates;
-  BOOST_OUTCOME_TRYV(storage.clear(ScratchKind::mail));  // as from disk: it was for tiles that are no more
-  part->settled = storage_.settled;
-  part->tile_points = setting_.tile_points;
+  part->weights = setting_.tile_points;
+  part->settled = storage_.settled > spec.table.stage;
+  const std::vector<TileReceipt> stored_there = stored(spec.table.stage);
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
     if (setting_.tiles[t].empty() || spec.table.node_of(TileId{t}) != self) continue;
-    if (storage_.meshes().contains(TileId{t})) {
-      part->stored.emplace_back().tile = TileId{t};
+    const auto kept = std::find_if(stored_there.begin(), stored_there.end(),
+                                   [&](const TileReceipt& stored) { return stored.tile == TileId{t}; });
+    if (kept != stored_there.end()) {
+      part->stored.push_back(*kept);
     } else {
+      TileStorage& storage = storage_.at(home_, spec.table.stage);
       BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, setting_.context.many_nodes));
       part->settled = part->settled && alone;
     }

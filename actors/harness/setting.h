@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "actors/harness/harness.h"
@@ -19,9 +20,10 @@ struct Setting {
   std::vector<std::vector<LocalPoint>> tiles;
   std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // how many these are
   PartSpec spec;
+  std::shared_ptr<const Table> table;  // of the spec
   std::uint32_t nodes = 1;
-  DelaunayStage stage;  // without storage and stop
-  TileContext context;  // without programs, storage and watch; the table of the spec
+  DelaunayStage stage;  // without storage, store and stop
+  TileContext context;  // without programs, storage and watch
   ScheduleOptions schedule;
   std::uint32_t patience = 0;  // of the network
   GateOptions gates;
@@ -43,16 +45,22 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 // Parts whose points and scratch are in memory.
 class MemoryParts final : public PartSource {
  public:
-  // `home`: whose scratch it is, whatever number the node has in the job. `watch`: may be null. All outlive this.
-  MemoryParts(const Setting& setting, MemoryStorage& storage, ExchangeWatch* watch, NodeId home)
-      : setting_(setting), storage_(storage), watch_(watch), home_(home) {}
+  // `home`: whose scratch it is, whatever number the node has in the job. `watches`: by stage; they may be null.
+  // `second`: null, there is none. All outlive this.
+  MemoryParts(const Setting& setting, MemoryStorage& storage, std::vector<ExchangeWatch*> watches, NodeId home,
+              SecondStage* second = nullptr)
+      : setting_(setting), storage_(storage), watches_(std::move(watches)), home_(home), second_(second) {}
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 
  private:
+  std::shared_ptr<const TilePrograms> programs(Part& part, std::uint32_t stage) const;
+  std::vector<TileReceipt> stored(std::uint32_t stage) const;
+
   const Setting& setting_;
   MemoryStorage& storage_;
-  ExchangeWatch* watch_;
+  std::vector<ExchangeWatch*> watches_;
   NodeId home_;
+  SecondStage* second_;
 };
 
 }  // namespace tessera

@@ -207,12 +207,12 @@ class Bench {
     table_.note("  as the tile says", held, o_.points);
     const Growth asleep = growth([&] { put(folder_ / "state.bin", t->save()); });
     table_.row("sleep, above what it holds", asleep.peak, o_.points,
-               model(budget::sleeping_bytes(t->memory(), kernel())));
+               model(t->memory() * budget::sleep_percent(kernel()) / 100));
     t.emplace(options_);
     const Growth awake = growth([&] {
       if (!t->load(take(folder_ / "state.bin"))) std::puts("cannot be woken");
     });
-    table_.row("wake", awake.peak, o_.points, model(budget::waking_bytes(t->memory(), kernel())));
+    table_.row("wake", awake.peak, o_.points, model(t->memory() * budget::wake_percent(kernel()) / 100));
     table_.note("  kept", awake.held, o_.points);
     const std::size_t before = t->memory();
     if (!t->receive(TileId{1}, foreign_)) throw std::logic_error("foreign points that no tile can have");

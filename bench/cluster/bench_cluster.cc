@@ -163,15 +163,16 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
         std::chrono::milliseconds progress) {
   CoordinatorOptions job;
   Setting setting = uniform_setting(tiles, points, seed, job.order);
-  job.points = *setting.tile_points;
+  job.weights = *setting.tile_points;
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < nodes; ++n) hosts.push_back({NodeId{n}, 1});
-  setting.spec.table = {0, std::vector<NodeId>(setting.tiles.size()), std::vector<std::uint32_t>(setting.tiles.size())};
-  const auto homes = share_out(job.order, job.points, hosts);
+  setting.spec.table = {0, 0, std::vector<NodeId>(setting.tiles.size()),
+                        std::vector<std::uint32_t>(setting.tiles.size())};
+  const auto homes = share_out(job.order, job.weights, hosts);
   for (std::size_t i = 0; i < homes.size(); ++i) setting.spec.table.nodes[job.order[i].value] = homes[i];
-  setting.context.table = std::make_shared<const Table>(setting.spec.table);
+  setting.table = std::make_shared<const Table>(setting.spec.table);
   job.spec = setting.spec;
-  job.mark_settled = [](bool) { return success(); };
+  job.mark_settled = [](std::uint32_t, bool) { return success(); };
   MemoryStorage storage(2, setting.tiles);
   Owner owner;
   Config config;
@@ -182,8 +183,9 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
     NodeOptions node;
     node.memory_bytes = ~std::uint64_t{0};
     node.progress_interval = progress;
-    handles.push_back(
-        system.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting, storage, nullptr, NodeId{n})));
+    handles.push_back(system.spawn<NodeActor>(
+        std::move(node),
+        std::make_shared<MemoryParts>(setting, storage, std::vector<ExchangeWatch*>{nullptr}, NodeId{n})));
   }
   scheduler.run_all();
   scheduler.forget();

@@ -95,9 +95,11 @@ class Exchange {
   Status run() {
     MemoryStorage storage(o_.dimension, std::move(points_));
     stage_.storage = context_.storage = &storage.at(NodeId{0});
+    stage_.store = &storage.store_at(NodeId{0});
+    const auto table = std::make_shared<const Table>();
     context_.programs = std::make_shared<DelaunayStage>(stage_);
     for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
-      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, 0}, context_));
+      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, 0}, context_, table));
     }
     const double begin = cpu_now();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
@@ -142,7 +144,7 @@ class Exchange {
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
       if (bounds_[t].empty()) continue;
       BOOST_OUTCOME_TRY(finished, tiles_[t]->finish());
-      finished->store(*context_.storage, TileId{t}, [](const Result<TileEntry>&) {});
+      finished->store([](const Result<Receipt>&) {});
       digest += digest_of(storage.meshes().at(TileId{t}));
       sum += tiles_[t]->counts();
       chain = std::max<std::uint64_t>(chain, tiles_[t]->hops());

@@ -28,7 +28,7 @@ void rethrow_as_failure() {
   } catch (const Failure&) {
     throw;
   } catch (const KernelFull& full) {
-    throw Failure(Cause::memory, full.what());
+    throw Failure(Cause::memory, std::string("a tile ") + full.what());
   } catch (const Stopped&) {
     throw Failure(Cause::interrupted, "stopped, as was requested");
   } catch (const std::bad_alloc&) {

@@ -7,13 +7,13 @@
 
 namespace tessera {
 
-// Points that tiles told each other.
+// What tiles told each other, in items of their program: points, in a triangulation.
 struct ExchangeCounts {
-  std::uint64_t received = 0;  // foreign points, repeats included
+  std::uint64_t received = 0;  // repeats included
   std::uint64_t inserted = 0;
-  std::uint64_t refused = 0;  // conflict with no local star when they came
-  std::uint64_t sent = 0;     // points put into updates
-  std::uint64_t kept = 0;     // foreign vertices of cells with a local vertex; known when a tile is collected
+  std::uint64_t refused = 0;  // of no use when they came: points in conflict with no local star
+  std::uint64_t sent = 0;     // put into updates
+  std::uint64_t kept = 0;     // of use in the end: foreign vertices of cells with a local vertex
 
   ExchangeCounts& operator+=(const ExchangeCounts& other) {
     received += other.received;

@@ -44,13 +44,9 @@ std::uint64_t region_bytes(int dimension, std::uint64_t points, std::uint64_t ro
   return points * ((dimension == 3 ? 800 : 330) + row_bytes);
 }
 
-std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel) {
-  return kernel == KernelKind::cgal ? held * 45 / 100 : held * 12 / 10;
-}
+std::uint64_t sleep_percent(KernelKind kernel) { return kernel == KernelKind::cgal ? 45 : 120; }
 
-std::uint64_t waking_bytes(std::uint64_t held, KernelKind kernel) {
-  return kernel == KernelKind::cgal ? held * 105 / 100 : held * 2;
-}
+std::uint64_t wake_percent(KernelKind kernel) { return kernel == KernelKind::cgal ? 105 : 200; }
 
 std::uint64_t fixed_bytes(std::uint32_t threads) {
   // Of a thread: a block for writing, a stack, what the allocator keeps for it.

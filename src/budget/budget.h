@@ -26,10 +26,10 @@ Needs needs(int dimension, KernelKind kernel);
 // Bytes a point of mail may cost the tile that inserts it: a vertex, its cells, what is known of who was told.
 std::uint64_t foreign_point_bytes(int dimension, KernelKind kernel);
 
-// What a tile that holds `held` bytes needs on top of them while it is written to disk, and in all while it is read
-// back until it holds them again.
-std::uint64_t sleeping_bytes(std::uint64_t held, KernelKind kernel);
-std::uint64_t waking_bytes(std::uint64_t held, KernelKind kernel);
+// In percent of the bytes that a tile holds: what it needs on top of them while it is written to disk, and in all while
+// it is read back until it holds them again.
+std::uint64_t sleep_percent(KernelKind kernel);
+std::uint64_t wake_percent(KernelKind kernel);
 
 // What a region takes that is triangulated from `points` points: they, what they carry, their triangulation by the flat
 // kernel, which grows, and the list of its cells.

@@ -56,7 +56,7 @@ class Health final : public http::NodeHealth {
     out.tiles_asleep = work.tiles_asleep;
     out.tiles_begun = work.tiles_begun;
     out.tiles_stored = work.tiles_stored;
-    out.points = work.points_begun;
+    out.points = work.weight_begun;
     out.bytes_sent = work.gates.bytes;
     out.credit_waits = work.gates.waits;
     out.waiting_bytes = work.waiting_bytes;

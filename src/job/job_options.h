@@ -10,7 +10,7 @@
 
 #include "src/base/result.h"
 #include "src/io/cloud/cloud.h"
-#include "src/run/part.h"
+#include "src/run/run_options.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {

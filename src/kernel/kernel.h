@@ -11,12 +11,12 @@
 #include <functional>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <stop_token>
 #include <vector>
 
 #include "src/base/big_vector.h"
 #include "src/base/point.h"
+#include "src/base/too_large.h"
 #include "src/kernel/flat/memory.h"
 
 namespace tessera {
@@ -64,8 +64,8 @@ struct KernelImage {
 
 // Thrown when a kernel would need more cells or vertices than its indices can number: the kernel can then only be
 // destroyed, built or loaded. The flat kernel holds 2^29 cells, some 79 million points in 3D.
-struct KernelFull : std::length_error {
-  KernelFull() : std::length_error("a tile has more points than a kernel can hold") {}
+struct KernelFull : TileTooLarge {
+  KernelFull() : TileTooLarge("has more points than a kernel can number") {}
 };
 
 // Who keeps the points that build() is given. Borrowed ones are read where they are: they must neither move nor change

@@ -17,7 +17,7 @@ Status DelaunayProgram::keep_finals(FinalCells finals, const LoadedTile& loaded,
                                                       stage_.early_unit, stage_.stop);
     *finals_ = sorted->left();
     if (sorted->early() > 0) {
-      storing_ = stage_.storage->store_early(self_, std::move(sorted));
+      storing_ = stage_.store->store_early(self_, std::move(sorted));
     }
   } else {
     finals_->cells = std::move(finals);
@@ -77,7 +77,7 @@ Result<bool> DelaunayProgram::restore_finals(std::span<const std::byte> bytes, b
   // What they were stored as depends on these, and others may have been in force then.
   const bool placed = !finals_->place.empty() || finals_->early > 0;
   if (placed != early() && (placed || finals_->cells.rows.size() > 0)) return false;
-  if (finals_->early > 0 && !stage_.storage->take_early(self_, stored_early_)) return false;
+  if (finals_->early > 0 && !stage_.store->take_early(self_, stored_early_)) return false;
   if (stage_.reduce && !at_once) {
     BOOST_OUTCOME_TRYV(put_finals());
   }

@@ -16,14 +16,15 @@ namespace {
 
 class FinishedTile final : public Finished {
  public:
-  explicit FinishedTile(CollectedTile tile) : tile_(std::move(tile)) {}
+  FinishedTile(TileId self, CollectedTile tile, DelaunayStore& store)
+      : self_(self), tile_(std::move(tile)), store_(store) {}
   std::uint64_t bytes() const override { return tile_.bytes(); }
-  void store(TileStorage& storage, TileId tile, TileStorage::Stored done) override {
-    storage.store(tile, std::move(tile_), std::move(done));
-  }
+  void store(Stored done) override { store_.store(self_, std::move(tile_), std::move(done)); }
 
  private:
+  TileId self_;
   CollectedTile tile_;
+  DelaunayStore& store_;
 };
 
 }  // namespace
@@ -37,7 +38,7 @@ Status DelaunayProgram::build(bool announce) {
   finals_.reset();  // of an image that was none
   stored_early_ = {};
   finals_sum_ = 0;
-  BOOST_OUTCOME_TRY(loaded, stage_.storage->load_points(self_));
+  BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
     BOOST_OUTCOME_TRYV(stage_.storage->write(self_, ScratchKind::duplicates, duplicates_to_bytes(loaded)));
@@ -155,7 +156,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
   BOOST_OUTCOME_TRYV(await_stored());
   tile.stored = std::move(stored_early_);
   counts_ = triangulation_->counts();
-  return std::unique_ptr<Finished>(std::make_unique<FinishedTile>(std::move(tile)));
+  return std::unique_ptr<Finished>(std::make_unique<FinishedTile>(self_, std::move(tile), *stage_.store));
 }
 
 Image DelaunayProgram::save() {
@@ -248,7 +249,7 @@ Result<bool> DelaunayProgram::load_packed(Image packed) {
 }
 
 Status DelaunayProgram::load_own_points() {
-  BOOST_OUTCOME_TRY(loaded, stage_.storage->load_points(self_));
+  BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
   points_ = std::make_unique<LoadedTile>(std::move(loaded));
   return points_->points.size() == own_points_ ? Status(success()) : damaged(self_, "file of points");
 }

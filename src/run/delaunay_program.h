@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/base/point.h"
+#include "src/run/delaunay_store.h"
 #include "src/run/tile_program.h"
 #include "src/tile/tile_triangulation.h"
 
@@ -28,7 +29,8 @@ struct DelaunayStage final : TilePrograms {
   // By tile; a tile with the empty box has no final cells, and announces nothing.
   std::shared_ptr<const std::vector<Box>> boxes;
   std::shared_ptr<const Surroundings> around;
-  TileStorage* storage = nullptr;
+  TileStorage* storage = nullptr;  // for what stands beside the images
+  DelaunayStore* store = nullptr;
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
 };
 
@@ -91,8 +93,8 @@ class DelaunayProgram final : public TileProgram {
   std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
   std::unique_ptr<KeptFinals> finals_;  // taken out of the triangulation; when they are not here, they are on scratch
   BigVector<std::byte> stored_early_;   // what the storage has said of those that it has already; with finals_
-  std::future<TileStorage::StoredEarly> storing_;  // what it will say
-  bool earlier_ = false;                           // the image on scratch is another life's
+  std::future<DelaunayStore::StoredEarly> storing_;  // what it will say
+  bool earlier_ = false;                             // the image on scratch is another life's
   std::uint64_t own_points_ = 0;
   std::uint64_t finals_sum_ = 0;  // of what is, or was, in finals_
   ExchangeCounts counts_;

@@ -20,7 +20,9 @@
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/run/delaunay_program.h"
-#include "src/run/disk_storage.h"
+#include "src/run/disk_scratch.h"
+#include "src/run/disk_store.h"
+#include "src/run/run_options.h"
 #include "src/run/touching.h"
 #include "src/store/early_cells.h"
 
@@ -37,10 +39,11 @@ constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
 struct DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
   DiskPart(std::shared_ptr<const RoutedRun> routed, std::filesystem::path scratch_folder,
-           const std::filesystem::path& out, StoreOptions store, std::uint32_t writers, std::uint64_t pool_bytes)
+           const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, std::uint64_t pool_bytes)
       : run(routed),
-        storage(routed, scratch_folder.empty() ? routed->folder : scratch_folder, out,
-                with(std::move(store), stopping.get_token()), writers),
+        storage({routed->folder, scratch_folder.empty() ? routed->folder : scratch_folder, routed->seal,
+                 options.lock_file, options.node}),
+        store(routed, out, with(options, stopping.get_token()), writers, storage),
         pool(pool_bytes) {
     scratch = std::move(scratch_folder);
   }
@@ -53,7 +56,8 @@ struct DiskPart final : Part {
     return store;
   }
   std::shared_ptr<const RoutedRun> run;
-  DiskStorage storage;
+  DiskScratch storage;
+  DiskStore store;
   MemoryPoolShare pool;
 };
 
@@ -69,10 +73,10 @@ Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storag
   BOOST_OUTCOME_TRY(marked, is_there(settled_marker(run.folder)));
   if (!marked) return false;
   std::set<TileId> stored;
-  for (const TileEntry& entry : part.stored) stored.insert(entry.tile);
+  for (const TileReceipt& tile : part.stored) stored.insert(tile.tile);
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
     if (!here(TileId{t}) || stored.contains(TileId{t})) continue;
-    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, part.context.many_nodes));
+    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, part.stages[0].context.many_nodes));
     if (!alone) return false;
   }
   return true;
@@ -104,13 +108,15 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
     return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
   }
+  if (spec.table.stage != 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  BOOST_OUTCOME_TRY(how, delaunay_options_from_bytes(spec.programs));
   std::vector<std::uint64_t> points = run->tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
     if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
   }
-  const bool reduce = spec.keep == Keep::reduced ||
-                      (spec.keep == Keep::by_budget &&
-                       !budget::fits_whole(points, run->dimension, spec.kernel, spec.threads, spec.memory_bytes));
+  const bool reduce = how.keep == Keep::reduced ||
+                      (how.keep == Keep::by_budget &&
+                       !budget::fits_whole(points, run->dimension, how.kernel, spec.threads, spec.memory_bytes));
   const bool many_nodes = spec.shares > 0;
   std::filesystem::path scratch;
   if (many_nodes) {
@@ -131,35 +137,38 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   // them.
   const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
   auto part = std::make_unique<DiskPart>(run, std::move(scratch), spec.out_folder,
-                                         StoreOptions{.neighbors = spec.neighbors,
+                                         StoreOptions{.neighbors = how.neighbors,
                                                       .schema = run->schema,
                                                       .lock_file = spec.lock_file,
                                                       .node = self,
                                                       .sync = many_nodes},
                                          spec.threads + 1, pool_bytes);  // one waits for the disk, mostly
-  const budget::Needs needs = budget::needs(run->dimension, spec.kernel);
-  part->schedule.threads = spec.threads;
+  const budget::Needs needs = budget::needs(run->dimension, how.kernel);
+  PartStage only;
+  ScheduleOptions& schedule = only.schedule;
+  schedule.threads = spec.threads;
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
-  part->schedule.memory_bytes = budget::for_tiles(
+  schedule.memory_bytes = budget::for_tiles(
       spec.memory_bytes - (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) - (reduce ? pool_bytes : 0),
       spec.threads, tiles);
-  part->schedule.begin_bytes = needs.triangulate;
-  part->schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
-  part->schedule.kernel = spec.kernel;
-  part->schedule.mail_growth =
-      static_cast<double>(budget::foreign_point_bytes(run->dimension, spec.kernel)) / sizeof(SharedPoint);
-  TileContext& context = part->context;
+  schedule.begin_bytes = needs.triangulate;
+  schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
+  schedule.sleep_percent = budget::sleep_percent(how.kernel);
+  schedule.wake_percent = budget::wake_percent(how.kernel);
+  schedule.mail_growth =
+      static_cast<double>(budget::foreign_point_bytes(run->dimension, how.kernel)) / sizeof(SharedPoint);
+  TileContext& context = only.context;
   if (many_nodes) {
     std::uint64_t peers = 4;  // and some that may come
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
     part->gates = gates_within(budget::gate_bytes(spec.memory_bytes), peers);
   }
-  context.many_nodes = part->schedule.settle_asleep = many_nodes;
-  if (many_nodes) part->sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
+  context.many_nodes = schedule.settle_asleep = many_nodes;
+  if (many_nodes) only.sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
   auto stage = std::make_shared<DelaunayStage>();
   stage->dimension = run->dimension;
-  stage->kernel = spec.kernel;
+  stage->kernel = how.kernel;
   stage->reduce = reduce;
   const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
   stage->early_points = cloud < early_cloud_min ? 0 : early_points_min;
@@ -168,19 +177,21 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   stage->boxes = final_boxes(shared(run, run->partition));
   stage->around = std::make_shared<const Surroundings>(
       shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
-  context.table = std::make_shared<const Table>(spec.table);
+  part->table = std::make_shared<const Table>(spec.table);
   stage->storage = context.storage = &part->storage;
+  stage->store = &part->store;
   stage->stop = part->stopping.get_token();
   context.programs = std::move(stage);
   context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
   part->mail = std::make_unique<MailCounts>(
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
-  part->tile_points = shared(run, run->tile_points);
+  part->weights = shared(run, run->tile_points);
+  part->stages.push_back(std::move(only));
   // Mail of an earlier process was for tiles that are no more.
   BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
   const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
   BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder, here));
-  part->stored = std::move(stored);
+  for (const TileEntry& entry : stored) part->stored.push_back({entry.tile, bytes_of(entry)});
   BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, part->storage, here));
   part->settled = all_settled;
   return std::unique_ptr<Part>(std::move(part));

@@ -32,7 +32,7 @@ class DiskParts final : public PartSource {
 
 // Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not, and then
 // what made them so goes.
-// `lock_file` as in RunOptions.
+// `lock_file` as in PartOptions.
 Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled);
 
 }  // namespace tessera

@@ -10,9 +10,7 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_out_folder(spec.out_folder);
   message.set_threads(spec.threads);
   message.set_memory_bytes(spec.memory_bytes);
-  message.set_kernel(static_cast<proto::PartSpec::Kernel>(spec.kernel));
-  message.set_keep(static_cast<proto::PartSpec::Keep>(spec.keep));
-  message.set_neighbors(spec.neighbors);
+  message.set_programs(spec.programs);
   message.set_resumable(spec.resumable);
   message.set_lock_file(spec.lock_file);
   message.set_grace_s(spec.grace_s);
@@ -20,6 +18,7 @@ std::string to_bytes(const PartSpec& spec) {
   for (const NodeId node : spec.table.nodes) message.add_nodes(node.value);
   message.mutable_incarnations()->Assign(spec.table.incarnations.begin(), spec.table.incarnations.end());
   message.set_epoch(spec.table.epoch);
+  message.set_stage(spec.table.stage);
   return message.SerializeAsString();
 }
 
@@ -27,8 +26,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   proto::PartSpec message;
   const auto refuse = [](const char* what) { return error(Errc::internal, std::string("a job's part ") + what); };
   if (!message.ParseFromString(bytes)) return refuse("cannot be read");
-  if (!proto::PartSpec::Kernel_IsValid(message.kernel()) || !proto::PartSpec::Keep_IsValid(message.keep()) ||
-      message.threads() == 0 || (message.nodes_size() != message.incarnations_size())) {
+  if (message.threads() == 0 || message.nodes_size() != message.incarnations_size()) {
     return refuse("is not what any coordinator sends");
   }
   PartSpec spec;
@@ -36,9 +34,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.out_folder = message.out_folder();
   spec.threads = message.threads();
   spec.memory_bytes = message.memory_bytes();
-  spec.kernel = static_cast<KernelKind>(message.kernel());
-  spec.keep = static_cast<Keep>(message.keep());
-  spec.neighbors = message.neighbors();
+  spec.programs = message.programs();
   spec.resumable = message.resumable();
   spec.lock_file = message.lock_file();
   spec.grace_s = message.grace_s();
@@ -46,6 +42,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   for (const std::uint32_t node : message.nodes()) spec.table.nodes.push_back(NodeId{node});
   spec.table.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
   spec.table.epoch = message.epoch();
+  spec.table.stage = message.stage();
   return spec;
 }
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "src/base/check.h"
-#include "src/budget/budget.h"
 
 namespace tessera {
 namespace {
@@ -16,9 +15,9 @@ constexpr TileId nobody{~std::uint32_t{0}};
 
 }  // namespace
 
-Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points) : options_(options) {
-  for (std::uint32_t t = 0; t < points.size(); ++t) {
-    if (points[t] > 0) add(TileId{t}, points[t]);
+Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& weights) : options_(options) {
+  for (std::uint32_t t = 0; t < weights.size(); ++t) {
+    if (weights[t] > 0) add(TileId{t}, weights[t]);
   }
 }
 
@@ -30,10 +29,10 @@ void Schedule::set_stored(TileId tile) {
   link(tile);
 }
 
-void Schedule::enter(Stage stage) {
-  const bool again = stage_ == Stage::settling && stage == Stage::exchanging;
-  check_read(stage >= stage_ || again, "stages follow one another");
-  stage_ = stage;
+void Schedule::enter(Phase phase) {
+  const bool again = phase_ == Phase::settling && phase == Phase::exchanging;
+  check_read(phase >= phase_ || again, "phases follow one another");
+  phase_ = phase;
   pending_.clear();
   for (auto& [id, tile] : tiles_) {
     if (again) tile.settled = false;
@@ -41,24 +40,24 @@ void Schedule::enter(Stage stage) {
   }
 }
 
-void Schedule::add(TileId id, std::uint64_t points) {
+void Schedule::add(TileId id, std::uint64_t weight) {
   Tile& tile = tiles_[id];
   check_read(tile.place == Place::gone, "a tile is here once");
-  check_read(stage_ != Stage::settling, "what has to begin is not settled");
+  check_read(phase_ != Phase::settling, "what has to begin is not settled");
   tile = {};
-  tile.points = points;
+  tile.weight = weight;
   tile.place = Place::fresh;
   ++fresh_;
   next_fresh_ = std::min(next_fresh_, id);
   link(id);
 }
 
-std::vector<TileId> Schedule::release(std::uint64_t points) {
+std::vector<TileId> Schedule::release(std::uint64_t weight) {
   std::vector<TileId> released;
-  for (auto next = tiles_.end(); next != tiles_.begin() && points > 0;) {
+  for (auto next = tiles_.end(); next != tiles_.begin() && weight > 0;) {
     auto& [id, tile] = *--next;
     if (tile.place != Place::fresh || tile.working || tile.is_stored) continue;
-    points -= std::min(points, tile.points);
+    weight -= std::min(weight, tile.weight);
     unlink(id);
     set_memory(tile, 0);
     --fresh_;
@@ -74,11 +73,11 @@ Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
 }
 
 bool Schedule::pending(const Tile& tile) const {
-  if (stage_ == Stage::settling) {
+  if (phase_ == Phase::settling) {
     return !tile.settled && (tile.place == Place::awake || (options_.settle_asleep && tile.place == Place::asleep));
   }
-  if (stage_ == Stage::handing) return tile.place == Place::awake || tile.place == Place::asleep;
-  if (stage_ != Stage::collecting) return false;
+  if (phase_ == Phase::handing) return tile.place == Place::awake || tile.place == Place::asleep;
+  if (phase_ != Phase::collecting) return false;
   if (tile.place == Place::awake) return true;  // at least dropped
   return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
 }
@@ -136,7 +135,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
       tile.place = Place::awake;
       --fresh_;
       break;
-    case Work::splay:
+    case Work::step:
       tile.place = Place::awake;
       break;
     case Work::sleep:
@@ -148,7 +147,7 @@ void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& wa
       tile.place = Place::awake;
       tile.settled = true;
       break;
-    case Work::collect:
+    case Work::finish:
       if (tile.place == Place::fresh) --fresh_;
       tile.place = Place::storing;
       tile.storing = storing;
@@ -194,24 +193,24 @@ void Schedule::abandon(TileId id) {
 
 bool Schedule::idle() const {
   if (working_ + storing_ > 0) return false;
-  switch (stage_) {
-    case Stage::exchanging:
+  switch (phase_) {
+    case Phase::exchanging:
       return fresh_ == 0 && ready_.empty() && called_.empty();
-    case Stage::settling:
-    case Stage::collecting:
-    case Stage::handing:
+    case Phase::settling:
+    case Phase::collecting:
+    case Phase::handing:
       return pending_.empty();
-    case Stage::suspending:
+    case Phase::suspending:
       return quiet_.empty() && awake_.empty();
-    case Stage::stopping:
+    case Phase::stopping:
       return true;
   }
   return true;
 }
 
 std::optional<Schedule::Grant> Schedule::next() {
-  if (working_ >= options_.threads + options_.threads || stage_ == Stage::stopping) return std::nullopt;
-  if (stage_ == Stage::suspending) {
+  if (working_ >= options_.threads + options_.threads || phase_ == Phase::stopping) return std::nullopt;
+  if (phase_ == Phase::suspending) {
     if (ahead()) return std::nullopt;
     while (const auto t = to_sleep(nobody)) {
       const std::uint64_t held = tiles_.at(*t).held;
@@ -224,37 +223,37 @@ std::optional<Schedule::Grant> Schedule::next() {
     }
     return std::nullopt;
   }
-  if (stage_ == Stage::handing) return hand_next();
-  if (stage_ == Stage::settling) {
+  if (phase_ == Phase::handing) return hand_next();
+  if (phase_ == Phase::settling) {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
     if (tile.place == Place::awake) return grant(t, Work::settle, tile.memory);
-    return grant_in_room(t, Work::settle, tile.memory + budget::waking_bytes(tile.held, options_.kernel));
+    return grant_in_room(t, Work::settle, tile.memory + waking_bytes(tile));
   }
-  if (stage_ == Stage::collecting) {
+  if (phase_ == Phase::collecting) {
     // Those that wait for the disk keep no others from memory, unless they are small.
     const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
     if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
     if (tile.is_stored) return grant(t, Work::drop, tile.memory);
-    const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.points
+    const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.weight
                                  : tile.place == Place::asleep ? tile.held
                                                                : 0;
-    return grant_in_room(t, Work::collect, tile.memory + before + options_.collect_bytes * tile.points);
+    return grant_in_room(t, Work::finish, tile.memory + before + options_.collect_bytes * tile.weight);
   }
   auto fresh = tiles_.lower_bound(next_fresh_);
   while (fresh != tiles_.end() && (fresh->second.place != Place::fresh || fresh->second.working)) ++fresh;
   next_fresh_ = fresh == tiles_.end() ? nobody : fresh->first;
   if (fresh != tiles_.end()) {
     const auto& [t, tile] = *fresh;
-    const std::uint64_t needed = tile.memory + options_.begin_bytes * tile.points;
-    if (!fits(t, needed) && !ready_.empty()) return splay_awake();
+    const std::uint64_t needed = tile.memory + options_.begin_bytes * tile.weight;
+    if (!fits(t, needed) && !ready_.empty()) return step_awake();
     sweep_ = t;
     return grant_in_room(t, Work::begin, needed);
   }
-  return ready_.empty() ? wake_next() : splay_awake();
+  return ready_.empty() ? wake_next() : step_awake();
 }
 
 // Of those asleep the image passes through memory.
@@ -262,16 +261,16 @@ std::optional<Schedule::Grant> Schedule::hand_next() {
   if (ahead() || pending_.empty()) return std::nullopt;
   const TileId t = pending_.begin()->second;
   const Tile& tile = tiles_.at(t);
-  const std::uint64_t needed = tile.memory + budget::sleeping_bytes(tile.held, options_.kernel);
+  const std::uint64_t needed = tile.memory + sleeping_bytes(tile);
   if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
   return grant(t, Work::hand_over, needed);
 }
 
 // REQUIRES: there is one with mail.
-std::optional<Schedule::Grant> Schedule::splay_awake() {
+std::optional<Schedule::Grant> Schedule::step_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_.at(t);
-  return grant_in_room(t, Work::splay, tile.memory + growth(tile.mail));
+  return grant_in_room(t, Work::step, tile.memory + growth(tile.mail));
 }
 
 std::uint64_t Schedule::growth(const Waiting& mail) const {
@@ -283,8 +282,7 @@ std::optional<Schedule::Grant> Schedule::wake_next() {
   if (!t) return std::nullopt;
   sweep_ = *t;
   const Tile& tile = tiles_.at(*t);
-  return grant_in_room(*t, Work::splay,
-                       tile.memory + budget::waking_bytes(tile.held, options_.kernel) + growth(tile.mail));
+  return grant_in_room(*t, Work::step, tile.memory + waking_bytes(tile) + growth(tile.mail));
 }
 
 // Of those asleep with mail, the first from where the sweep is; where it ends it turns.
@@ -308,7 +306,7 @@ std::optional<TileId> Schedule::to_sleep(TileId but) const {
   if (first != quiet_.end() && *first == but) ++first;
   if (last != quiet_.rend() && *last == but) ++last;
   if (first != quiet_.end() && last != quiet_.rend()) return distance(*first) > distance(*last) ? *first : *last;
-  for (const auto& [points, t] : awake_) {
+  for (const auto& [bytes, t] : awake_) {
     if (t != but) return t;
   }
   return std::nullopt;
@@ -332,7 +330,7 @@ std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std:
 
 std::optional<Schedule::Grant> Schedule::put_to_sleep(TileId t) {
   const Tile& tile = tiles_.at(t);
-  return grant(t, Work::sleep, tile.memory + budget::sleeping_bytes(tile.held, options_.kernel));
+  return grant(t, Work::sleep, tile.memory + sleeping_bytes(tile));
 }
 
 std::optional<Schedule::Grant> Schedule::grant(TileId t, Work work, std::uint64_t needed) {

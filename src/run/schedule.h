@@ -1,15 +1,15 @@
 // Which tile of a job works next on a node, within the job's share of memory and threads. Pure: told what has happened,
 // it says what to do. Every step takes time in the logarithm of the number of tiles.
 //
-// stage      | what is granted
-// exchanging | begin to every tile, in their order; splay in memory, first those with the shortest chain of mail behind
+// phase      | what is granted
+// exchanging | begin to every tile, in their order; step in memory, first those with the shortest chain of mail behind
 //            | them, of these those with most mail: once all have begun, or before the next begins where that needs
-//            | another to sleep. Then splay those asleep, in one sweep after the other along the order of the tiles and
+//            | another to sleep. Then step those asleep, in one sweep after the other along the order of the tiles and
 //            | back, for what is near is near in that order, too; sleep where room is needed: those without mail, the
 //            | farthest from the sweep first
 // settling   | settle to the tiles in memory
 // handing    | hand over to all that have begun: the node leaves
-// collecting | collect to all that are not stored, those in memory first; drop to the others; sleep as above
+// collecting | finish to all that are not stored, those in memory first; drop to the others; sleep as above
 // suspending | sleep to tiles in memory, up to suspend_bytes; the others are given up: what they began from, or an
 //            | earlier image, is still there
 // stopping   | nothing
@@ -24,7 +24,6 @@
 #include <vector>
 
 #include "src/base/ids.h"
-#include "src/kernel/kernel.h"
 #include "src/run/work.h"
 
 namespace tessera {
@@ -34,37 +33,39 @@ struct ScheduleOptions {
   // that is a large one, rather than waits for it. Small work takes less time than asking for more.
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;  // for tiles in memory, their mail and what is being stored
-  // What a tile needs, in bytes a point: while it begins; on top of what it holds while it is collected.
+  // What a tile needs, in bytes a unit of weight: while it begins; on top of what it holds while it is collected.
   std::uint64_t begin_bytes = 0, collect_bytes = 0;
   double mail_growth = 0;  // bytes that a tile holds more for each byte of mail that it takes in
   // Held by all tiles together that leave images when the run is suspended: some tenths of a second.
   std::uint64_t suspend_bytes = std::uint64_t{256} << 20;
-  KernelKind kernel = KernelKind::flat;
+  // In percent of what a tile holds while it is awake, what it takes beside that while it falls asleep, and while its
+  // image is read.
+  std::uint64_t sleep_percent = 120, wake_percent = 200;
   bool settle_asleep = false;  // images are no use to those who come after: settle the tiles asleep, too
 };
 
 class Schedule {
  public:
-  enum class Stage : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
+  enum class Phase : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
   struct Grant {
     TileId tile;
     Work work;
   };
 
-  // `points` by tile: 0 where there is no tile, or where it is another node's. Those are not kept.
-  Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& points);
+  // `weights` by tile: 0 where there is no tile, or where it is another node's. Those are not kept.
+  Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& weights);
 
   // A tile whose result is in the store already, if it is here: it takes part in the exchange, and is not collected.
   void set_stored(TileId tile);
   // A tile that has come here: fresh. REQUIRES: there is none of its number here, and more are granted.
-  void add(TileId tile, std::uint64_t points);
-  // Fresh tiles that nobody works on, the last first, until they hold `points` in all or there are no more: they are
+  void add(TileId tile, std::uint64_t weight);
+  // Fresh tiles that nobody works on, the last first, until they have `weight` in all or there are no more: they are
   // not here any longer.
-  std::vector<TileId> release(std::uint64_t points);
-  // REQUIRES: only forward, in the order of Stage; or back from settling to exchanging. Handing over follows
+  std::vector<TileId> release(std::uint64_t weight);
+  // REQUIRES: only forward, in the order of Phase; or back from settling to exchanging. Handing over follows
   // exchanging.
-  void enter(Stage stage);
-  Stage stage() const { return stage_; }
+  void enter(Phase phase);
+  Phase phase() const { return phase_; }
 
   // Mail that waits for a tile, and the memory it takes.
   struct Waiting {
@@ -83,7 +84,7 @@ class Schedule {
   std::optional<Grant> next();
 
   bool all_begun() const { return fresh_ == 0; }
-  // Nothing is under way and nothing waits that this stage would grant.
+  // Nothing is under way and nothing waits that this phase would grant.
   bool idle() const;
   bool working(TileId tile) const {
     const auto found = tiles_.find(tile);
@@ -100,7 +101,7 @@ class Schedule {
  private:
   enum class Place : std::uint8_t { fresh, awake, asleep, storing, gone };
   struct Tile {
-    std::uint64_t points = 0;
+    std::uint64_t weight = 0;
     Waiting mail;
     std::uint64_t memory = 0;  // reserved while it works, reported after; its mail and what is being stored included
     std::uint64_t storing = 0;
@@ -118,12 +119,14 @@ class Schedule {
   bool pending(const Tile& tile) const;
   // Whether it can have so much once others have given some back.
   bool fits(TileId tile, std::uint64_t needed, std::uint64_t freed = 0) const;
-  std::optional<Grant> splay_awake();
+  std::optional<Grant> step_awake();
   std::optional<Grant> hand_next();
   std::optional<Grant> wake_next();
   std::optional<TileId> next_of_sweep();
   std::optional<TileId> to_sleep(TileId but) const;
   std::uint64_t growth(const Waiting& mail) const;
+  std::uint64_t sleeping_bytes(const Tile& tile) const { return tile.held * options_.sleep_percent / 100; }
+  std::uint64_t waking_bytes(const Tile& tile) const { return tile.held * options_.wake_percent / 100; }
   bool ahead() const { return working_ >= options_.threads; }
   void set_memory(Tile& tile, std::uint64_t bytes);
   std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
@@ -132,7 +135,7 @@ class Schedule {
 
   ScheduleOptions options_;
   std::map<TileId, Tile> tiles_;  // here: there may be very many elsewhere
-  Stage stage_ = Stage::exchanging;
+  Phase phase_ = Phase::exchanging;
   std::set<Ready, std::greater<>> ready_;      // in memory, idle, with mail
   std::set<TileId> called_;                    // asleep, with mail
   std::set<TileId> quiet_;                     // in memory, idle, without mail

@@ -13,6 +13,7 @@ namespace tessera {
 
 struct Table {
   std::uint64_t epoch = 0;
+  std::uint32_t stage = 0;  // of the job; an epoch is of one stage
   // By tile. Empty: all on node 0, all incarnation 0.
   std::vector<NodeId> nodes;
   std::vector<std::uint32_t> incarnations;

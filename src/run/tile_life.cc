@@ -9,10 +9,10 @@
 
 namespace tessera {
 
-TileLife::TileLife(Peer self, const TileContext& context)
+TileLife::TileLife(Peer self, const TileContext& context, std::shared_ptr<const Table> table)
     : self_(self),
       context_(context),
-      table_(context.table),
+      table_(std::move(table)),
       program_(context.programs->program_of(self.tile)),
       mail_(self.tile, context.mail_bytes_max) {}
 

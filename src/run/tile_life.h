@@ -34,10 +34,9 @@ class ExchangeWatch {
   virtual void rejoined(Peer self, Totals now) = 0;
 };
 
-// What all tiles of a job on one node have in common, read-only.
+// What all tiles of a job on one node have in common in a stage, read-only.
 struct TileContext {
   std::shared_ptr<const TilePrograms> programs;
-  std::shared_ptr<const Table> table = std::make_shared<const Table>();  // that the part was opened with
   bool many_nodes = false;                           // images are no use to those who come after: everybody settles
   std::uint64_t mail_bytes_max = ~std::uint64_t{0};  // that a tile keeps in memory
   TileStorage* storage = nullptr;
@@ -46,7 +45,8 @@ struct TileContext {
 
 class TileLife {
  public:
-  TileLife(Peer self, const TileContext& context);
+  // `table`: by which it begins.
+  TileLife(Peer self, const TileContext& context, std::shared_ptr<const Table> table);
 
   // From the image that an earlier process has left, or another node has handed over, if there is a sound one, else
   // from what the stage before has left.

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <utility>
@@ -30,13 +31,23 @@ enum class ImageOf : std::uint8_t {
   settled   // another life's, which was quiet: finish() follows
 };
 
+// What is to be known of a tile that has come to the end of its stage: bytes that only the stage's owner understands.
+using Receipt = BigVector<std::byte>;
+inline constexpr std::size_t receipt_bytes_max = 1'000;
+struct TileReceipt {
+  TileId tile;
+  Receipt receipt;
+};
+
 // What a tile leaves at the end of its stage.
 class Finished {
  public:
   virtual ~Finished() = default;
   virtual std::uint64_t bytes() const = 0;  // in memory
-  // As TileStorage::store(). Once.
-  virtual void store(TileStorage& storage, TileId tile, TileStorage::Stored done) = 0;
+  // Keeps it where whoever comes after the stage finds it, and then tells `done`, from any thread. May return before.
+  // `done` does not throw, and is told whatever happens, unless this throws. Once.
+  using Stored = std::function<void(Result<Receipt>)>;
+  virtual void store(Stored done) = 0;
 };
 
 // Calls that change a program may throw Stopped, when the job is stopped, and Unsound, when what was read from scratch

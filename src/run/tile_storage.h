@@ -1,11 +1,8 @@
-// Where a tile's bytes live while it runs: on disk in production, in memory in the harness.
+// Where the tiles of one stage keep bytes while they run: on disk in production, in memory in the harness.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
-#include <future>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -13,10 +10,6 @@
 #include "src/base/ids.h"
 #include "src/base/result.h"
 #include "src/files/names.h"
-#include "src/store/tile_store.h"
-#include "src/tile/collected_tile.h"
-#include "src/tile/early_finals.h"
-#include "src/tiling/routed_run.h"
 
 namespace tessera {
 
@@ -25,9 +18,6 @@ namespace tessera {
 class TileStorage {
  public:
   virtual ~TileStorage() = default;
-  // Error corrupt when the points are not those that were routed.
-  virtual Result<LoadedTile> load_points(TileId tile) = 0;
-
   using Pieces = std::vector<BigVector<std::byte>>;
   // Replaces what was there: whatever happens, afterwards the old or the new bytes are there, or damage that read()
   // notices.
@@ -49,22 +39,10 @@ class TileStorage {
   }
   virtual Result<Pieces> handed(TileId) { return Pieces{}; }
   virtual Status forget_handed(TileId) { return success(); }
-
-  // Keeps the early ones of these cells for store(), which gets what comes of this with the rest of the tile. May
-  // return before, and wait before it does, so that few are under way.
-  using StoredEarly = Result<BigVector<std::byte>>;
-  virtual std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) = 0;
-  // The same bytes, of an earlier process or another node: an error when what they tell of cannot be gone on with.
-  virtual Status take_early(TileId tile, BigVector<std::byte>& stored) = 0;
-
-  // Keeps the result, and then tells `done`, from any thread. May return before. `done` does not throw, and is told
-  // whatever happens, unless this throws.
-  using Stored = std::function<void(Result<TileEntry>)>;
-  virtual void store(TileId tile, CollectedTile collected, Stored done) = 0;
 };
 
-// Forgets what only a tile that is not stored needs, and what is as large as its points. Its foreign vertices stay
-// until the run folder goes.
+// Forgets what only a tile that has not come to the end of its stage needs: its image, and what stands beside it. What
+// it has settled stays until the run folder goes.
 Status remove_beginnings(TileStorage& storage, TileId tile);
 
 // Error corrupt: something of a tile on scratch is not what was put there.

@@ -5,10 +5,10 @@
 
 namespace tessera {
 
-enum class Work : std::uint8_t { begin, splay, sleep, settle, collect, drop, hand_over };
+enum class Work : std::uint8_t { begin, step, sleep, settle, finish, drop, hand_over };
 
 constexpr const char* name_of(Work work) {
-  constexpr const char* names[] = {"begin", "splay", "sleep", "settle", "collect", "drop", "hand over"};
+  constexpr const char* names[] = {"begin", "step", "sleep", "settle", "finish", "drop", "hand over"};
   return names[static_cast<int>(work)];
 }
 

@@ -53,8 +53,8 @@ std::string shortest(double value) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
-// Nothing when the line, without its end, is not what write_done() wrote.
-std::optional<TileEntry> read_done(std::string_view line) {
+// Nothing when the line, without its end, is not what line_of() made.
+std::optional<TileEntry> read_line(std::string_view line) {
   constexpr std::size_t sum_bytes = 17;  // a space, the checksum
   if (line.size() < sum_bytes) return std::nullopt;
   auto text = line.substr(0, line.size() - sum_bytes);
@@ -93,9 +93,9 @@ const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entri
 
 }  // namespace
 
-namespace store {
+namespace {
 
-Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
+std::string line_of(const TileEntry& entry) {
   std::string text;
   for (const std::uint64_t number :
        {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
@@ -103,15 +103,33 @@ Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
   }
   text += checksum_text(entry.xxh3) + " " + (entry.digest ? digest_text(*entry.digest) : no_digest) + " ";
   text += entry.heights ? shortest(entry.heights->lo) + " " + shortest(entry.heights->hi) : no_heights;
+  return text + " " + checksum_text(checksum(std::as_bytes(std::span(text))));
+}
+
+}  // namespace
+
+namespace store {
+
+Status write_done(const fs::path& out, NodeId node, const TileEntry& entry) {
   // In one write, so that lines of several threads do not mix. It begins a line, whatever was left of the one before
   // when a process ended in the middle of it.
-  const std::string line = "\n" + text + " " + checksum_text(checksum(std::as_bytes(std::span(text)))) + "\n";
+  const std::string line = "\n" + line_of(entry) + "\n";
   BOOST_OUTCOME_TRY(file, DiskFile::open(done_file(out, node), DiskFile::Mode::append));
   BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(line))));
   return file.close();
 }
 
 }  // namespace store
+
+BigVector<std::byte> bytes_of(const TileEntry& entry) {
+  const std::string line = line_of(entry);
+  const auto bytes = std::as_bytes(std::span(line));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::optional<TileEntry> tile_entry_of(std::span<const std::byte> bytes) {
+  return read_line({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
 
 Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::function<bool(TileId)>& wanted) {
   std::vector<TileEntry> entries;
@@ -122,7 +140,7 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::func
     for (std::string_view rest = as_text(bytes); !rest.empty();) {
       const auto line = rest.substr(0, rest.find('\n'));
       rest.remove_prefix(std::min(line.size() + 1, rest.size()));
-      const auto entry = read_done(line);
+      const auto entry = read_line(line);
       if (entry && (!wanted || wanted(entry->tile))) entries.push_back(*entry);
     }
   }

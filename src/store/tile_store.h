@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/big_vector.h"
 #include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
@@ -73,6 +74,10 @@ Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, cons
 // whose line is damaged, is not listed, so that the tile is made again.
 Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out,
                                             const std::function<bool(TileId)>& wanted = {});
+
+// An entry on its way to another node. Nothing when these are no bytes of an entry, or some of them have changed.
+BigVector<std::byte> bytes_of(const TileEntry& entry);
+std::optional<TileEntry> tile_entry_of(std::span<const std::byte> bytes);
 
 // Reads a tile file back, of this format or an older one. Every array is checked (lengths, checksums, ranges, flags);
 // corrupt names the file and the place.

@@ -4,11 +4,13 @@
 namespace tessera {
 namespace {
 
-// Tile 2 has ten points, the others one each; a node of so many bytes has room for tiles of as many points.
+// Tile 2 has ten points, the others one each; a node of so many bytes has room for tiles of as many.
 CoordinatorOptions with_room(CoordinatorOptions options) {
-  options.points[2] = 10;
-  options.tile_points_max = [](std::uint32_t, std::uint64_t bytes) { return bytes; };
-  options.tile_bytes = [](std::uint64_t points) { return points << 20; };
+  options.weights[2] = 10;
+  options.weight_max = [](std::uint32_t, std::uint64_t bytes) { return bytes; };
+  options.tile_in_words = [](std::uint64_t weight) {
+    return "a tile of " + std::to_string(weight) + " points, which needs about 11 MiB";
+  };
   return options;
 }
 

@@ -34,10 +34,10 @@ inline constexpr std::uint32_t tiles = 6;
 inline CoordinatorOptions job() {
   CoordinatorOptions made;
   for (std::uint32_t t = 0; t < tiles; ++t) made.order.push_back(TileId{t});
-  made.points.assign(tiles, 1);
+  made.weights.assign(tiles, 1);
   made.spec.grace_s = 3600;
-  made.mark_settled = [](bool) { return success(); };
-  made.is_settled = [] { return Result<bool>(false); };
+  made.mark_settled = [](std::uint32_t, bool) { return success(); };
+  made.is_settled = [](std::uint32_t) { return Result<bool>(false); };
   return made;
 }
 
@@ -55,7 +55,7 @@ inline CoordinatorOptions taken_over() {
 }
 
 inline Table table_of(const std::vector<std::uint32_t>& nodes) {
-  Table table{0, {}, std::vector<std::uint32_t>(nodes.size())};
+  Table table{0, 0, {}, std::vector<std::uint32_t>(nodes.size())};
   for (const std::uint32_t node : nodes) table.nodes.push_back(NodeId{node});
   return table;
 }

@@ -18,16 +18,18 @@ class Config : public caf::actor_system_config {
 };
 
 // Parts whose tiles find no points, once they may look.
-class NoPoints final : public PartSource, public TileStorage {
+class NoPoints final : public PartSource, public TileStorage, public DelaunayStore {
  public:
   explicit NoPoints(std::size_t tiles) : tiles_(tiles) {}
   Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override {
     auto part = std::make_unique<Part>();
-    part->tile_points = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
-    part->schedule.threads = static_cast<std::uint32_t>(tiles_);
+    part->weights = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
+    PartStage& only = part->stages.emplace_back();
+    only.schedule.threads = static_cast<std::uint32_t>(tiles_);
     auto stage = std::make_shared<DelaunayStage>();
-    stage->storage = part->context.storage = this;
-    part->context.programs = std::move(stage);
+    stage->storage = only.context.storage = this;
+    stage->store = this;
+    only.context.programs = std::move(stage);
     return part;
   }
 
@@ -43,7 +45,7 @@ class NoPoints final : public PartSource, public TileStorage {
   Status clear(ScratchKind) override { return success(); }
   std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
   Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
-  void store(TileId, CollectedTile, Stored) override {}
+  void store(TileId, CollectedTile, Finished::Stored) override {}
 
   std::promise<void> may_look;
 

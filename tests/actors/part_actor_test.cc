@@ -49,9 +49,9 @@ Setting setting() {
   made.gates = {};
   made.schedule.threads = 1;
   made.schedule.memory_bytes = std::uint64_t{1} << 40;
-  Table table{0, std::vector<NodeId>(tiles, here), std::vector<std::uint32_t>(tiles)};
+  Table table{0, 0, std::vector<NodeId>(tiles, here), std::vector<std::uint32_t>(tiles)};
   table.nodes[foreign.value] = there;
-  made.context.table = std::make_shared<const Table>(table);
+  made.table = std::make_shared<const Table>(table);
   made.spec.table = std::move(table);
   return made;
 }
@@ -70,7 +70,8 @@ class OnePart : public ::testing::Test {
   OnePart() {
     NodeOptions node;
     node.memory_bytes = ~std::uint64_t{0};
-    node_ = system_.spawn<NodeActor>(std::move(node), std::make_shared<MemoryParts>(setting_, storage_, &watch_, here));
+    node_ = system_.spawn<NodeActor>(
+        std::move(node), std::make_shared<MemoryParts>(setting_, storage_, std::vector<ExchangeWatch*>{&watch_}, here));
     self_->send(node_, OpenPart{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_)});
     run();
     self_->receive([&](const PartOpened& opened) { part_ = caf::actor_cast<PartHandle>(opened.part); });
@@ -91,7 +92,7 @@ class OnePart : public ::testing::Test {
   void begin() { tell(BeginPart{parts(), {}, false}); }
   // The other node's tile was reborn, so often.
   void change_table(std::uint32_t incarnation) {
-    Table table = *setting_.context.table;
+    Table table = *setting_.table;
     table.epoch = incarnation;
     table.incarnations[foreign.value] = incarnation;
     tell(ChangeTable{std::move(table), parts(), false});
@@ -250,7 +251,7 @@ TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
 }
 
 TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
-  tell(BeginPart{parts(), Table{0, {NodeId{0}}, {0}}, false});
+  tell(BeginPart{parts(), Table{0, 0, {NodeId{0}}, {0}}, false});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);

@@ -17,6 +17,7 @@
 #include "src/io/npy/array_source.h"
 #include "src/reference/clouds.h"
 #include "src/run/disk_parts.h"
+#include "src/run/run_options.h"
 
 namespace tessera {
 namespace {
@@ -34,7 +35,7 @@ class NarrowParts final : public PartSource {
   }
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
     BOOST_OUTCOME_TRY(part, disk_.open(spec, self));
-    part->schedule.memory_bytes = 1;
+    part->stages[0].schedule.memory_bytes = 1;
     return std::move(part);
   }
 
@@ -76,11 +77,10 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   const TemporaryFolder folder = TemporaryFolder::make().value();
   const RoutedRun run = routed(dimension, tiles, folder.path());
   CoordinatorOptions job;
-  job.spec.run_folder = run.folder.string();
-  job.spec.out_folder = folder.path().string();
-  job.mark_settled = [](bool) -> Status { return success(); };
+  job.spec = spec_of({}, run.folder.string(), folder.path().string());
+  job.mark_settled = [](std::uint32_t, bool) -> Status { return success(); };
   std::size_t quiet = 0;
-  job.points = run.tile_points;
+  job.weights = run.tile_points;
   job.on_quiet = [&](const Table&) { quiet = heap_bytes(); };
   Config config;
   caf::actor_system system(config);
@@ -100,10 +100,8 @@ std::size_t bytes_of_part(std::uint32_t tiles) {
   constexpr int dimension = 3;
   const TemporaryFolder folder = TemporaryFolder::make().value();
   const RoutedRun run = routed(dimension, tiles, folder.path());
-  PartSpec spec;
-  spec.run_folder = run.folder.string();
-  spec.out_folder = folder.path().string();
-  spec.table = {0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}),
+  PartSpec spec = spec_of({}, run.folder.string(), folder.path().string());
+  spec.table = {0, 0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}),
                 std::vector<std::uint32_t>(run.tile_points.size())};
   std::fill_n(spec.table.nodes.begin(), 10, NodeId{0});
   Config config;

@@ -11,7 +11,6 @@ namespace {
 // Keeps mail alone.
 class Scratch final : public TileStorage {
  public:
-  Result<LoadedTile> load_points(TileId) override { return LoadedTile{}; }
   Status write(TileId, ScratchKind, std::span<const std::byte>) override { return success(); }
   Status append(TileId, ScratchKind what, std::span<const std::byte> bytes) override {
     EXPECT_EQ(what, ScratchKind::mail);
@@ -25,9 +24,6 @@ class Scratch final : public TileStorage {
     return success();
   }
   Status clear(ScratchKind) override { return success(); }
-  std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
-  Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
-  void store(TileId, CollectedTile, Stored) override {}
   Pieces pieces;
 };
 

@@ -9,7 +9,7 @@
 namespace tessera {
 namespace {
 
-using Stage = Schedule::Stage;
+using Phase = Schedule::Phase;
 
 ScheduleOptions options(std::uint32_t threads, std::uint64_t memory) {
   return {.threads = threads, .memory_bytes = memory, .begin_bytes = 10, .collect_bytes = 10, .mail_growth = 1};
@@ -34,10 +34,10 @@ TEST(Schedule, GrantsAsManyAsThereAreThreadsAndBeginsEveryTileFirst) {
   schedule.done(TileId{2}, Work::begin, 100, {});
   schedule.done(TileId{3}, Work::begin, 100, {1, 50, 100});
   EXPECT_TRUE(schedule.all_begun());
-  EXPECT_EQ(granted(schedule), "splay 3, splay 0") << "most mail first";
+  EXPECT_EQ(granted(schedule), "step 3, step 0") << "most mail first";
   EXPECT_FALSE(schedule.idle());
-  schedule.done(TileId{3}, Work::splay, 100, {});
-  schedule.done(TileId{0}, Work::splay, 100, {});
+  schedule.done(TileId{3}, Work::step, 100, {});
+  schedule.done(TileId{0}, Work::step, 100, {});
   EXPECT_TRUE(schedule.idle());
 }
 
@@ -51,7 +51,7 @@ TEST(Schedule, AsManyAgainAreGrantedAheadWhereTheyAreSmallAndNothingMustMakeRoom
   large.done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(large), "begin 1, begin 2");
   for (const std::uint32_t t : {1u, 2u}) large.done(TileId{t}, Work::begin, 100, {1, 5, 10});
-  large.enter(Stage::suspending);
+  large.enter(Phase::suspending);
   EXPECT_EQ(granted(large), "sleep 0") << "not more at once than there are threads";
   Schedule full(options(1, 50'000), {10, 10, 10});
   EXPECT_EQ(granted(full), "begin 0, begin 1");
@@ -66,7 +66,7 @@ TEST(Schedule, AnEmptyUpdateIsProcessedToo) {
   EXPECT_EQ(granted(schedule), "begin 0");
   schedule.done(TileId{0}, Work::begin, 100, {1, 0, 0});
   EXPECT_FALSE(schedule.idle());
-  EXPECT_EQ(granted(schedule), "splay 0");
+  EXPECT_EQ(granted(schedule), "step 0");
 }
 
 TEST(Schedule, MakesRoomByPuttingToSleepNoMoreTilesThanNeeded) {
@@ -91,10 +91,10 @@ TEST(Schedule, ATileWithMailSplaysBeforeAnotherIsPutToSleepForOneThatBegins) {
   EXPECT_EQ(granted(schedule), "begin 1");
   schedule.mail(TileId{0}, {1, 5, 10});
   schedule.done(TileId{1}, Work::begin, 100, {1, 5, 10});
-  EXPECT_EQ(granted(schedule), "splay 1");
-  schedule.done(TileId{1}, Work::splay, 100, {});
-  EXPECT_EQ(granted(schedule), "splay 0");
-  schedule.done(TileId{0}, Work::splay, 100, {});
+  EXPECT_EQ(granted(schedule), "step 1");
+  schedule.done(TileId{1}, Work::step, 100, {});
+  EXPECT_EQ(granted(schedule), "step 0");
+  schedule.done(TileId{0}, Work::step, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 0") << "it is farther from tile 2";
 }
 
@@ -118,13 +118,13 @@ TEST(Schedule, TilesAsleepAreWokenInSweepsAlongTheirOrderAndBack) {
   for (const std::uint32_t t : {0u, 1u, 3u}) schedule.mail(TileId{t}, {1, t, 0});
   for (int t = 0; t < 2; ++t) {
     work(Work::sleep);
-    work(Work::splay);
+    work(Work::step);
   }
   EXPECT_EQ(std::exchange(order, ""), "31") << "from the last one back";
   for (const std::uint32_t t : {2u, 4u}) schedule.mail(TileId{t}, {9, 90, 0});
   for (int t = 0; t < 3; ++t) {
     work(Work::sleep);
-    work(Work::splay);
+    work(Work::step);
   }
   EXPECT_EQ(order, "024") << "those it has passed wait until it comes again";
   EXPECT_TRUE(schedule.idle());
@@ -155,15 +155,15 @@ TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
   EXPECT_EQ(granted(schedule), "begin 0, begin 1, begin 2");
   for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Stage::settling);
+  schedule.enter(Phase::settling);
   EXPECT_EQ(granted(schedule), "settle 0, settle 1, settle 2");
   for (const std::uint32_t t : {0u, 1u, 2u}) schedule.done(TileId{t}, Work::settle, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Stage::collecting);
-  EXPECT_EQ(granted(schedule), "collect 0, drop 1, collect 2");
+  schedule.enter(Phase::collecting);
+  EXPECT_EQ(granted(schedule), "finish 0, drop 1, finish 2");
   schedule.done(TileId{1}, Work::drop, 0, {});
-  schedule.done(TileId{0}, Work::collect, 0, {}, 70);
-  schedule.done(TileId{2}, Work::collect, 0, {}, 70);
+  schedule.done(TileId{0}, Work::finish, 0, {}, 70);
+  schedule.done(TileId{2}, Work::finish, 0, {}, 70);
   EXPECT_EQ(schedule.memory(), 140u) << "meshes on their way count";
   EXPECT_FALSE(schedule.idle());
   schedule.stored(TileId{2});
@@ -175,11 +175,11 @@ TEST(Schedule, CollectsWhatIsInMemoryFirstAndDropsWhatIsStored) {
 TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreadsUnlessTheyAreSmall) {
   const auto waiting = [](std::uint64_t mesh_bytes) {
     Schedule schedule(options(1, 16'000), std::vector<std::uint64_t>(12, 10));
-    schedule.enter(Stage::collecting);  // settled before: the tiles are built and collected at once
+    schedule.enter(Phase::collecting);  // settled before: the tiles are built and collected at once
     std::uint32_t n = 0;
     while (const auto grant = schedule.next()) {
-      EXPECT_EQ(grant->work, Work::collect);
-      schedule.done(grant->tile, Work::collect, 0, {}, mesh_bytes);
+      EXPECT_EQ(grant->work, Work::finish);
+      schedule.done(grant->tile, Work::finish, 0, {}, mesh_bytes);
       ++n;
     }
     return n;
@@ -194,7 +194,7 @@ TEST(Schedule, AnInterruptedPartPutsEveryTileToSleepAndNothingElse) {
   EXPECT_EQ(granted(schedule), "begin 0");
   schedule.done(TileId{0}, Work::begin, 100, {1, 5, 5});
   EXPECT_EQ(granted(schedule), "begin 1");
-  schedule.enter(Stage::suspending);
+  schedule.enter(Phase::suspending);
   EXPECT_EQ(granted(schedule), "");
   schedule.done(TileId{1}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 1");
@@ -213,7 +213,7 @@ TEST(Schedule, AnInterruptedPartLeavesNoMoreImagesThanItMay) {
   schedule.done(TileId{0}, Work::begin, 100, {});
   EXPECT_EQ(granted(schedule), "begin 2");
   schedule.done(TileId{1}, Work::begin, 60, {});
-  schedule.enter(Stage::suspending);
+  schedule.enter(Phase::suspending);
   EXPECT_EQ(granted(schedule), "sleep 0");
   schedule.done(TileId{2}, Work::begin, 50, {});
   EXPECT_EQ(granted(schedule), "sleep 2");
@@ -226,7 +226,7 @@ TEST(Schedule, AnInterruptedPartLeavesNoMoreImagesThanItMay) {
 TEST(Schedule, WhatIsGivenUpIsNotWaitedFor) {
   Schedule schedule(options(2, 1000), {10, 10});
   EXPECT_EQ(granted(schedule), "begin 0, begin 1");
-  schedule.enter(Stage::stopping);
+  schedule.enter(Phase::stopping);
   schedule.abandon(TileId{0});
   EXPECT_FALSE(schedule.idle());
   schedule.done(TileId{1}, Work::begin, 100, {});
@@ -241,7 +241,7 @@ TEST(Schedule, TilesThatComeLaterBeginBeforeAnybodySplays) {
   EXPECT_FALSE(schedule.all_begun());
   EXPECT_EQ(granted(schedule), "begin 0");
   schedule.done(TileId{0}, Work::begin, 100, {});
-  EXPECT_EQ(granted(schedule), "splay 1");
+  EXPECT_EQ(granted(schedule), "step 1");
 }
 
 TEST(Schedule, GivesUpTheLastOfTheTilesThatNobodyHasBegun) {
@@ -261,15 +261,15 @@ TEST(Schedule, WhatWasSettledIsSettledAgainAfterTilesHaveBegunAgain) {
   Schedule schedule(options(2, 1000), {10, 0});
   granted(schedule);
   schedule.done(TileId{0}, Work::begin, 100, {});
-  schedule.enter(Stage::settling);
+  schedule.enter(Phase::settling);
   EXPECT_EQ(granted(schedule), "settle 0");
   schedule.done(TileId{0}, Work::settle, 100, {});
-  schedule.enter(Stage::exchanging);
+  schedule.enter(Phase::exchanging);
   schedule.add(TileId{1}, 10);
   EXPECT_EQ(granted(schedule), "begin 1");
   schedule.done(TileId{1}, Work::begin, 100, {});
   EXPECT_TRUE(schedule.idle());
-  schedule.enter(Stage::settling);
+  schedule.enter(Phase::settling);
   EXPECT_EQ(granted(schedule), "settle 0, settle 1");
 }
 
@@ -283,7 +283,7 @@ TEST(Schedule, TilesAsleepAreWokenToBeSettledWhereImagesAreNoUse) {
   schedule.done(TileId{0}, Work::sleep, 0, {});
   EXPECT_EQ(granted(schedule), "begin 1");
   schedule.done(TileId{1}, Work::begin, 100, {});
-  schedule.enter(Stage::settling);
+  schedule.enter(Phase::settling);
   EXPECT_EQ(granted(schedule), "settle 1") << "first what is in memory";
   schedule.done(TileId{1}, Work::settle, 100, {});
   EXPECT_EQ(granted(schedule), "sleep 1");

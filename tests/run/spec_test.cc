@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "src/run/part.h"
+#include <string>
+
+#include "src/run/run_options.h"
 
 namespace tessera {
 namespace {
@@ -11,13 +13,11 @@ TEST(PartSpec, CrossesAWireUnchanged) {
   spec.out_folder = "out";
   spec.threads = 3;
   spec.memory_bytes = 1ull << 40;
-  spec.kernel = KernelKind::cgal;
-  spec.keep = Keep::reduced;
-  spec.neighbors = false;
+  spec.programs = std::string("\0 any", 5);
   spec.resumable = false;
   spec.grace_s = 300;
   spec.lock_file = "out/.lock/me";
-  spec.table = {5, {{0}, {2}, {1}}, {0, 1, 7}};
+  spec.table = {5, 2, {{0}, {2}, {1}}, {0, 1, 7}};
   const auto back = spec_from_bytes(to_bytes(spec));
   ASSERT_TRUE(back);
   EXPECT_EQ(back.value(), spec);
@@ -30,6 +30,30 @@ TEST(PartSpec, WhatNoCoordinatorSendsIsRefused) {
   PartSpec spec;
   spec.table.nodes = {{0}, {1}};  // without incarnations
   EXPECT_FALSE(spec_from_bytes(to_bytes(spec)));
+}
+
+TEST(PartSpec, OfARunHasItsOptions) {
+  RunOptions run;
+  run.threads = 3;
+  run.memory_bytes = 1ull << 40;
+  run.kernel = KernelKind::cgal;
+  run.keep = Keep::reduced;
+  run.neighbors = run.resumable = false;
+  run.grace_s = 300;
+  run.lock_file = "out/.lock/me";
+  const PartSpec spec = spec_of(run, "out/.run", "out");
+  EXPECT_EQ(spec.threads, 3u);
+  EXPECT_EQ(spec.memory_bytes, 1ull << 40);
+  EXPECT_FALSE(spec.resumable);
+  EXPECT_EQ(spec.grace_s, 300u);
+  EXPECT_EQ(spec.lock_file, "out/.lock/me");
+  EXPECT_EQ(spec.run_folder, "out/.run");
+  EXPECT_EQ(spec.out_folder, "out");
+  const auto programs = delaunay_options_from_bytes(spec.programs);
+  ASSERT_TRUE(programs);
+  EXPECT_EQ(programs.value(), (DelaunayOptions{KernelKind::cgal, Keep::reduced, false}));
+  EXPECT_FALSE(delaunay_options_from_bytes("\xff\xff"));
+  EXPECT_FALSE(delaunay_options_from_bytes("\x08\x07"));  // a kernel that there is not
 }
 
 }  // namespace

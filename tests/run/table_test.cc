@@ -6,7 +6,7 @@ namespace tessera {
 namespace {
 
 TEST(Table, SaysWhereATileLivesAndInWhichLife) {
-  const Table table{3, {NodeId{1}, NodeId{0}}, {0, 2}};
+  const Table table{3, 0, {NodeId{1}, NodeId{0}}, {0, 2}};
   EXPECT_EQ(table.node_of(TileId{0}), NodeId{1});
   EXPECT_EQ(table.peer_of(TileId{1}), (Peer{TileId{1}, 2}));
   EXPECT_TRUE(table.alive({TileId{1}, 2}));
@@ -15,7 +15,7 @@ TEST(Table, SaysWhereATileLivesAndInWhichLife) {
 }
 
 TEST(Table, OfAYoungerIncarnationItDoesNotSayThatItIsDead) {
-  const Table table{3, {NodeId{1}, NodeId{0}}, {0, 2}};
+  const Table table{3, 0, {NodeId{1}, NodeId{0}}, {0, 2}};
   EXPECT_TRUE(table.dead({TileId{1}, 1}));
   EXPECT_FALSE(table.dead({TileId{1}, 2}));
   EXPECT_FALSE(table.dead({TileId{1}, 3}));

@@ -1,6 +1,6 @@
 // A tile whose scratch was exchanged with another's, or is older than its image: it is built again, or says so.
-#include "src/run/tile_life.h"
 #include "src/run/delaunay_program.h"
+#include "src/run/tile_life.h"
 
 #include <gtest/gtest.h>
 
@@ -52,8 +52,9 @@ class ExchangedScratch : public ::testing::Test {
     auto stage = std::make_shared<DelaunayStage>(common_);
     if (earlier) made->scratch.inherit(*earlier);
     stage->storage = made->context.storage = &made->scratch;
+    stage->store = &made->scratch;
     made->context.programs = std::move(stage);
-    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, 0}, made->context);
+    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, 0}, made->context, std::make_shared<const Table>());
     return made;
   }
   // One that has been put to sleep.

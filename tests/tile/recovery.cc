@@ -19,10 +19,10 @@ struct Life {
       : self(self), scratch(std::move(points), common.dimension), told(table->epoch) {
     auto stage = std::make_shared<DelaunayStage>(common);
     stage->storage = context.storage = &scratch;
+    stage->store = &scratch;
     context.programs = std::move(stage);
     context.mail_bytes_max = mail_bytes_max;
-    context.table = std::move(table);
-    state = std::make_unique<TileLife>(self, context);
+    state = std::make_unique<TileLife>(self, context, std::move(table));
   }
 
   Peer self;
@@ -103,7 +103,7 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.boxes = std::make_shared<const std::vector<Box>>(
       assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
   common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
-  Table first{0, {}, std::vector<std::uint32_t>(tiles)};
+  Table first{0, 0, {}, std::vector<std::uint32_t>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});
   table_ = std::make_shared<const Table>(std::move(first));
   tables_ = {table_};
@@ -250,7 +250,7 @@ void World::collect() {
     if (!life) continue;
     if (options_.settle) {
       require(life->state->settle());
-      life->state = std::make_unique<TileLife>(life->self, life->context);
+      life->state = std::make_unique<TileLife>(life->self, life->context, tables_.back());
     }
     auto finished = life->state->finish();
     if (!finished) return fail(finished.error().where);

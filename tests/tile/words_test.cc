@@ -30,10 +30,10 @@ class Words : public ::testing::Test {
     stage_.boxes = std::make_shared<const std::vector<Box>>(4, Box{{1, 1, 1}, {-1, -1, -1}});
     stage_.around =
         std::make_shared<const Surroundings>(std::vector<Bounds>(4, bounds), neighbours, std::vector<Seed>{});
-    context_.table = first_;
     stage_.storage = context_.storage = &scratch_;
+    stage_.store = &scratch_;
     context_.programs = std::make_shared<DelaunayStage>(stage_);
-    tile_ = std::make_unique<TileLife>(Peer{self, 0}, context_);
+    tile_ = std::make_unique<TileLife>(Peer{self, 0}, context_, first_);
     EXPECT_TRUE(tile_->begin());
     hear(fence_owner, 0,
          {of(fence_owner, 0, 0, fence), of(fence_owner, 10, 0, fence + 1), of(fence_owner, 0, 10, fence + 2),
@@ -78,7 +78,7 @@ class Words : public ::testing::Test {
 
  private:
   const std::shared_ptr<const Table> first_ =
-      std::make_shared<const Table>(Table{0, std::vector<NodeId>(4), std::vector<std::uint32_t>(4)});
+      std::make_shared<const Table>(Table{0, 0, std::vector<NodeId>(4), std::vector<std::uint32_t>(4)});
   Scratch scratch_;
   DelaunayStage stage_;
   TileContext context_;

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "tests/tile/greatest.h"
-#include "tests/tile/scratch.h"
+#include "tests/exchange/greatest.h"
+#include "tests/exchange/tile_scratch.h"
 
 namespace tessera::testing {
 namespace {
@@ -23,25 +23,26 @@ class Chain : public ::testing::Test {
  protected:
   Chain() {
     auto stage = std::make_shared<GreatestStage>();
-    stage->numbers = {60, 10, 50, 20, 40, 5, 30};
-    for (std::uint32_t t = 0; t < tiles; ++t) {
-      auto& neighbours = stage->neighbours.emplace_back();
-      if (t > 0) neighbours.push_back(TileId{t - 1});
-      if (t + 1 < tiles) neighbours.push_back(TileId{t + 1});
-      scratch_.push_back(std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2));
-    }
+    stage->number = [](TileId t) { return numbers[t.value]; };
+    stage->neighbours = [](TileId t) -> Result<std::vector<TileId>> {
+      std::vector<TileId> neighbours;
+      if (t.value > 0) neighbours.push_back(TileId{t.value - 1});
+      if (t.value + 1 < tiles) neighbours.push_back(TileId{t.value + 1});
+      return neighbours;
+    };
+    for (std::uint32_t t = 0; t < tiles; ++t) scratch_.push_back(std::make_unique<TileScratch>());
     stage_ = std::move(stage);
     for (std::uint32_t t = 0; t < tiles; ++t) bear(t);
   }
+  static constexpr std::uint64_t numbers[] = {60, 10, 50, 20, 40, 5, 30};
   static constexpr std::uint64_t expected[] = {60, 60, 60, 50, 50, 40, 40};
 
   void bear(std::uint32_t t) {
     auto context = std::make_unique<TileContext>();
     context->programs = stage_;
-    context->table = table_;
     context->storage = scratch_[t].get();
     context->mail_bytes_max = 20;
-    lives_[t] = std::make_unique<TileLife>(table_->peer_of(TileId{t}), *context);
+    lives_[t] = std::make_unique<TileLife>(table_->peer_of(TileId{t}), *context, table_);
     contexts_[t] = std::move(context);
   }
   TileLife& tile(std::uint32_t t) { return *lives_[t]; }
@@ -103,13 +104,13 @@ class Chain : public ::testing::Test {
     }
   }
 
-  std::vector<std::unique_ptr<Scratch>> scratch_;
+  std::vector<std::unique_ptr<TileScratch>> scratch_;
   std::vector<Update> mail_;
 
  private:
   std::shared_ptr<const GreatestStage> stage_;
   std::shared_ptr<const Table> table_ =
-      std::make_shared<const Table>(Table{0, std::vector<NodeId>(tiles), std::vector<std::uint32_t>(tiles)});
+      std::make_shared<const Table>(Table{0, 0, std::vector<NodeId>(tiles), std::vector<std::uint32_t>(tiles)});
   std::map<std::uint32_t, std::unique_ptr<TileContext>> contexts_;
   std::map<std::uint32_t, std::unique_ptr<TileLife>> lives_;
 };
@@ -222,7 +223,7 @@ TEST_F(Chain, IsRightAfterAnyLosses) {
     std::vector<bool> begun(tiles);
     std::vector<TileId> all;
     for (std::uint32_t t = 0; t < tiles; ++t) all.push_back(TileId{t});
-    for (auto& scratch : scratch_) scratch = std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2);
+    for (auto& scratch : scratch_) scratch = std::make_unique<TileScratch>();
     lose(all);
     mail_.clear();
     for (int left = 60; left > 0 || !mail_.empty() || std::count(begun.begin(), begun.end(), false) > 0; --left) {
@@ -232,7 +233,7 @@ TEST_F(Chain, IsRightAfterAnyLosses) {
         begun[t] = true;
       } else if (left > 0 && random() % 12 == 0) {
         const bool image = random() % 2 == 0;
-        if (!image) scratch_[t] = std::make_unique<Scratch>(std::vector<LocalPoint>{}, 2);
+        if (!image) scratch_[t] = std::make_unique<TileScratch>();
         ASSERT_TRUE(scratch_[t]->remove({}, ScratchKind::mail));
         lose({TileId{t}});
         begun[t] = false;

@@ -1,4 +1,4 @@
-#include "src/run/disk_storage.h"
+#include "src/run/disk_scratch.h"
 
 #include <gtest/gtest.h>
 
@@ -12,28 +12,34 @@
 #include "src/files/handed_file.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
+#include "src/run/disk_store.h"
 
 namespace tessera {
 namespace {
 
 namespace fs = std::filesystem;
 
-class LockedStorage : public ::testing::Test {
+class LockedScratch : public ::testing::Test {
  protected:
-  LockedStorage() {
+  LockedScratch() {
     run_->folder = run_folder(out());
-    storage_.emplace(run_, run_->folder, out(), StoreOptions{.lock_file = lock_.file()}, 1);
+    open({.lock_file = lock_.file()});
+  }
+  void open(StoreOptions options) {
+    store_.reset();
+    storage_.emplace(DiskScratchOptions{run_->folder, run_->folder, run_->seal, lock_.file(), {}});
+    store_.emplace(run_, out(), std::move(options), 1, *storage_);
   }
   const fs::path& out() const { return folder_.path(); }
 
   // As another process that found it silent.
   void take_the_lock_away() const { fs::rename(lock_.file(), lock_folder(out()) / "another"); }
 
-  Result<TileEntry> store(TileId tile) {
+  Result<Receipt> store(TileId tile) {
     CollectedTile empty;
     empty.mesh.dimension = 3;
-    std::promise<Result<TileEntry>> stored;
-    storage_->store(tile, std::move(empty), [&](const Result<TileEntry>& entry) { stored.set_value(entry); });
+    std::promise<Result<Receipt>> stored;
+    store_->store(tile, std::move(empty), [&](Result<Receipt> receipt) { stored.set_value(std::move(receipt)); });
     return stored.get_future().get();
   }
 
@@ -48,11 +54,12 @@ class LockedStorage : public ::testing::Test {
   TemporaryFolder folder_ = TemporaryFolder::make().value();
   FolderLock lock_ = FolderLock::take(folder_.path()).value();
   std::shared_ptr<RoutedRun> run_ = std::make_shared<RoutedRun>();
-  std::optional<DiskStorage> storage_;
+  std::optional<DiskScratch> storage_;
+  std::optional<DiskStore> store_;
 };
 
 // All kinds, of a tile's own or of another run with the same tiles.
-TEST_F(LockedStorage, GivesNoTileWhatAnotherHasWritten) {
+TEST_F(LockedScratch, GivesNoTileWhatAnotherHasWritten) {
   constexpr TileId other{8};
   for (const ScratchKind what : {ScratchKind::state, ScratchKind::finals, ScratchKind::mail, ScratchKind::duplicates}) {
     ASSERT_TRUE(storage_->write(tile, what, bytes_));
@@ -61,8 +68,10 @@ TEST_F(LockedStorage, GivesNoTileWhatAnotherHasWritten) {
     EXPECT_EQ(storage_->read(tile, what).error().code, Errc::corrupt);
     ASSERT_TRUE(storage_->write(tile, what, bytes_));
     run_->seal += 1;
+    open({.lock_file = lock_.file()});
     EXPECT_EQ(storage_->read(tile, what).error().code, Errc::corrupt);
     run_->seal -= 1;
+    open({.lock_file = lock_.file()});
     EXPECT_EQ(storage_->read(tile, what).value(), TileStorage::Pieces{bytes_});
   }
   ASSERT_TRUE(storage_->hand_over(other, bytes_));
@@ -70,7 +79,7 @@ TEST_F(LockedStorage, GivesNoTileWhatAnotherHasWritten) {
   EXPECT_EQ(storage_->handed(tile).error().code, Errc::corrupt);
 }
 
-TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
+TEST_F(LockedScratch, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   EXPECT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
   EXPECT_EQ(storage_->read(tile, ScratchKind::mail).value(), TileStorage::Pieces{bytes_});
@@ -81,14 +90,16 @@ TEST_F(LockedStorage, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_TRUE(storage_->read(tile, ScratchKind::settled).value().empty());
   EXPECT_TRUE(mark_settled(*run_, lock_.file(), true));
   EXPECT_TRUE(storage_->clear(ScratchKind::mail));
-  EXPECT_TRUE(store(tile));
+  const auto receipt = store(tile);
+  ASSERT_TRUE(receipt);
+  EXPECT_EQ(tile_entry_of(receipt.value())->tile, tile);
   EXPECT_TRUE(storage_->read(tile, ScratchKind::state).value().empty());  // not needed any more
   EXPECT_TRUE(fs::exists(tile_file(out(), tile)));
 }
 
-TEST_F(LockedStorage, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
+TEST_F(LockedScratch, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
   std::stop_source stop;
-  storage_.emplace(run_, run_->folder, out(), StoreOptions{.lock_file = lock_.file(), .stop = stop.get_token()}, 1);
+  open({.lock_file = lock_.file(), .stop = stop.get_token()});
   ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   stop.request_stop();
   const auto stored = store(tile);
@@ -101,7 +112,7 @@ TEST_F(LockedStorage, AStoreThatIsStoppedLeavesNoFileAndWhatTheTileBeginsFrom) {
   EXPECT_TRUE(fs::is_empty(tiles_folder(out())));
 }
 
-TEST_F(LockedStorage, TouchesNothingOnceTheLockIsAnothers) {
+TEST_F(LockedScratch, TouchesNothingOnceTheLockIsAnothers) {
   ASSERT_TRUE(storage_->write(tile, ScratchKind::state, bytes_));
   ASSERT_TRUE(storage_->append(tile, ScratchKind::mail, bytes_));
   take_the_lock_away();

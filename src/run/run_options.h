@@ -1,0 +1,40 @@
+// How a routed cloud is worked on.
+#pragma once
+
+#include <string>
+
+#include "src/kernel/kernel.h"
+#include "src/run/part.h"
+
+namespace tessera {
+
+// Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
+enum class Keep : std::uint8_t { by_budget, whole, reduced };
+
+struct RunOptions {
+  std::uint32_t threads = 1;
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  KernelKind kernel = KernelKind::flat;
+  Keep keep = Keep::by_budget;
+  bool neighbors = true;  // store them
+  bool resumable = true;  // as in PartOptions, and below
+  std::uint32_t grace_s = 0;
+  std::string lock_file = {};
+
+  friend bool operator==(const RunOptions&, const RunOptions&) = default;
+};
+
+// What the programs of a job must know beside that (PartSpec::programs).
+struct DelaunayOptions {
+  KernelKind kernel = KernelKind::flat;
+  Keep keep = Keep::by_budget;
+  bool neighbors = true;
+  friend bool operator==(const DelaunayOptions&, const DelaunayOptions&) = default;
+};
+std::string to_bytes(const DelaunayOptions& options);
+Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes);
+
+// A job on one node.
+PartSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder);
+
+}  // namespace tessera
