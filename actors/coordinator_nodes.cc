@@ -139,6 +139,10 @@ void Coordinator::join(const NodeHandle& node) {
 // All tiles are fresh, so the work is shared out anew: nodes have come and gone. A tile that stays where it is keeps
 // its incarnation: nothing of the stage before is on its way to it.
 void Coordinator::begin_next_stage() {
+  if (table_.nodes.empty()) {  // one node had all
+    table_.nodes.assign(options_.weights.size(), NodeId{0});
+    table_.incarnations.assign(options_.weights.size(), 0);
+  }
   ++table_.stage;
   if (Status marked = options_.mark_settled(table_.stage, false); !marked) {
     return fail(failure_of(std::move(marked).error()));

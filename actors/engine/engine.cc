@@ -15,8 +15,6 @@
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
 #include "src/budget/budget.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
 #include "src/run/disk_parts.h"
 #include "src/run/terms.h"
 #include "src/store/tile_store.h"
@@ -36,14 +34,21 @@ class EngineConfig : public caf::actor_system_config {
   }
 };
 
+// The last stage that is settled, or the first one: what it has settled comes to its end.
+Result<std::uint32_t> first_stage(const std::filesystem::path& run, std::uint32_t stages) {
+  BOOST_OUTCOME_TRY(settled, settled_stages(run, stages));
+  return std::max(settled, 1U) - 1;
+}
+
 }  // namespace
 
 struct Engine::Impl {
-  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::unique_ptr<Membership> membership)
+  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::unique_ptr<Membership> membership, NextStages after)
       : threads(own_threads),
+        next(std::move(after)),
         seat(std::move(membership)),
         config(threads, seat.get()),
-        source(std::make_shared<DiskParts>(seat ? seat->options().scratch : std::filesystem::path())),
+        source(std::make_shared<DiskParts>(seat ? seat->options().scratch : std::filesystem::path(), next)),
         system(config) {
     if (seat && !seat->options().node) return;
     NodeOptions own;
@@ -70,6 +75,7 @@ struct Engine::Impl {
                                           const std::stop_token& stop);
 
   const std::uint32_t threads;
+  const NextStages next;
   const std::unique_ptr<Membership> seat;  // null: alone
   EngineConfig config;
   std::shared_ptr<DiskParts> source;
@@ -90,12 +96,13 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.term = term;
   job.take_over = true;
   job.replaced = [folder = run.folder, term] { return is_replaced(folder, term); };
-  job.is_settled = [folder = run.folder](std::uint32_t) { return is_there(settled_marker(folder)); };
-  job.stored = [out = std::filesystem::path(job.spec.out_folder)](std::uint32_t) -> Result<std::vector<TileReceipt>> {
-    BOOST_OUTCOME_TRY(entries, stored_tiles(out, [](TileId) { return true; }));
-    std::vector<TileReceipt> stored;
-    for (const TileEntry& entry : entries) stored.push_back({entry.tile, bytes_of(entry)});
-    return stored;
+  job.is_settled = [folder = run.folder](std::uint32_t stage) -> Result<bool> {
+    BOOST_OUTCOME_TRY(settled, settled_stages(folder, stage + 1));
+    return settled > stage;
+  };
+  job.first_stage = [folder = run.folder, stages = job.stages] { return first_stage(folder, stages); };
+  job.stored = [out = std::filesystem::path(job.spec.out_folder), stages = next](std::uint32_t stage) {
+    return stored_by(stages, out, stage, [](TileId) { return true; });
   };
   job.weight_max = [dimension = run.dimension, kernel](std::uint32_t own, std::uint64_t bytes) {
     return budget::tile_points_max(dimension, kernel, own, bytes);
@@ -142,7 +149,12 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
   }
   std::stable_sort(job.order.begin(), job.order.end(),
                    [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
-  job.mark_settled = [&](std::uint32_t, bool settled) { return mark_settled(run, options.lock_file, settled); };
+  job.stages = static_cast<std::uint32_t>(next.size()) + 1;
+  BOOST_OUTCOME_TRY(first, first_stage(run.folder, job.stages));
+  job.spec.table.stage = first;
+  job.mark_settled = [&](std::uint32_t stage, bool settled) {
+    return mark_settled(run.folder, stage, options.lock_file, settled);
+  };
   std::vector<NodeHandle> nodes{node};
   if (seat) {
     BOOST_OUTCOME_TRY(free, prepare(job, run, options.kernel, stop));
@@ -166,17 +178,21 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
   gone.wait();
   again = end.again;
   if (end.failure) return error_of(std::move(end.failure));
+  if (!next.empty()) {  // one that took office in a later stage has heard nothing of the first
+    BOOST_OUTCOME_TRY(stored, stored_by({}, out, 0, [](TileId) { return true; }));
+    for (const TileReceipt& tile : stored) caller.know(tile);
+  }
   return caller.summary(end);
 }
 
-Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes)
-    : impl_(std::make_unique<Impl>(threads, memory_bytes, nullptr)) {}
+Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes, NextStages next)
+    : impl_(std::make_unique<Impl>(threads, memory_bytes, nullptr, std::move(next))) {}
 
 Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                             std::unique_ptr<Membership> membership) {
-  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(membership));
+                                             std::unique_ptr<Membership> membership, NextStages next) {
+  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(membership), std::move(next));
   Membership::Own own;
   own.node = caf::actor_cast<caf::actor>(impl->node);
   own.threads = threads;

@@ -15,6 +15,7 @@
 #include "src/base/result.h"
 #include "src/budget/budget.h"
 #include "src/cluster/members.h"
+#include "src/run/next_stage.h"
 #include "src/run/run_options.h"
 #include "src/run/run_summary.h"
 #include "src/tiling/routed_run.h"
@@ -26,10 +27,11 @@ class Membership;  // membership.h
 class Engine {
  public:
   // For all jobs together: threads that work on tiles, and memory.
-  Engine(std::uint32_t threads, std::uint64_t memory_bytes);
+  // `next`: stages that each job runs after its triangulation.
+  Engine(std::uint32_t threads, std::uint64_t memory_bytes, NextStages next = {});
   // The same as a process of a cluster. Error io when it cannot listen.
   static Result<std::unique_ptr<Engine>> join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                              std::unique_ptr<Membership> membership);
+                                              std::unique_ptr<Membership> membership, NextStages next = {});
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;

@@ -23,6 +23,7 @@ constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
 constexpr const char* of_node = "node-";
 constexpr const char* settled_ending = ".bin";
+constexpr const char* of_stage = ".stage";
 constexpr const char* new_run = ".run.new";
 constexpr const char* unfinished = ".unfinished-";
 constexpr const char* removed = ".removed-";
@@ -115,6 +116,9 @@ fs::path stretch_file(const fs::path& run, std::uint32_t attempt) {
   return numbered(stretches_folder(run), attempt, ".bin");
 }
 
+fs::path stage_folder(const fs::path& run, std::uint32_t stage) {
+  return stage == 0 ? run : numbered(run, stage, of_stage);
+}
 fs::path scratch_folder(const fs::path& run, ScratchKind kind) { return run / folder_name(kind); }
 fs::path scratch_file(const fs::path& run, ScratchKind kind, TileId tile) {
   return numbered(scratch_folder(run, kind), tile, ".bin");
@@ -227,6 +231,7 @@ bool is_run_name(const fs::path& file) {
   return name == plan_file("") || name == points_folder("") || name == attributes_folder("") ||
          name == segments_file("") || name == routing_file("") || name == stretches_folder("") ||
          name == settled_marker("") || name == terms_folder("") || name == handed_file("", {}).parent_path() ||
+         fs::path(name).extension() == of_stage ||
          std::any_of(std::begin(scratch_kinds), std::end(scratch_kinds),
                      [&](ScratchKind kind) { return name == scratch_folder("", kind); });
 }

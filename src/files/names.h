@@ -111,6 +111,8 @@ enum class ScratchKind : std::uint32_t {
 // Of tiles.
 inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind::finals, ScratchKind::mail,
                                                 ScratchKind::duplicates, ScratchKind::settled};
+// Where a stage of a run keeps what is its own: the run folder itself for the first one.
+std::filesystem::path stage_folder(const std::filesystem::path& run, std::uint32_t stage);
 std::filesystem::path scratch_folder(const std::filesystem::path& run, ScratchKind kind);
 std::filesystem::path scratch_file(const std::filesystem::path& run, ScratchKind kind, TileId tile);
 // Of all tiles of a node.

@@ -6,9 +6,9 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <numeric>
 #include <set>
-#include <system_error>
 #include <utility>
 
 #include "src/base/memory_pool.h"
@@ -36,7 +36,9 @@ constexpr std::uint64_t early_points_min = std::uint64_t{1} << 15, early_cloud_m
 // A node with less is done without from the start: it would fail with its first tiles.
 constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
 
-struct DiskPart final : Part {
+}  // namespace
+
+struct DiskParts::DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
   DiskPart(std::shared_ptr<const RoutedRun> routed, std::filesystem::path scratch_folder,
            const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, std::uint64_t pool_bytes)
@@ -56,10 +58,13 @@ struct DiskPart final : Part {
     return store;
   }
   std::shared_ptr<const RoutedRun> run;
-  DiskScratch storage;
+  DiskScratch storage;  // of the first stage
+  std::vector<std::unique_ptr<DiskScratch>> later;
   DiskStore store;
   MemoryPoolShare pool;
 };
+
+namespace {
 
 // Something of the run, which lives as long.
 template <class Of>
@@ -70,19 +75,48 @@ std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedRun>& run, co
 // Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
 Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage,
                      const std::function<bool(TileId)>& here) {
-  BOOST_OUTCOME_TRY(marked, is_there(settled_marker(run.folder)));
+  BOOST_OUTCOME_TRY(marked, is_there(settled_marker(stage_folder(run.folder, part.table->stage))));
   if (!marked) return false;
   std::set<TileId> stored;
   for (const TileReceipt& tile : part.stored) stored.insert(tile.tile);
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
     if (!here(TileId{t}) || stored.contains(TileId{t})) continue;
-    BOOST_OUTCOME_TRY(alone, can_be_built_alone(storage, TileId{t}, part.stages[0].context.many_nodes));
+    BOOST_OUTCOME_TRY(alone,
+                      can_be_built_alone(storage, TileId{t}, part.stages.at(part.table->stage).context.many_nodes));
     if (!alone) return false;
   }
   return true;
 }
 
 }  // namespace
+
+// Each of later stages keeps what it needs in a folder of its own, and works as the first one does.
+void DiskParts::add_later_stages(DiskPart& part, const PartSpec& spec, NodeId self) const {
+  for (std::uint32_t stage = 1; stage <= next_.size(); ++stage) {
+    const auto& run = part.run;
+    const auto own = part.scratch.empty() ? run->folder : part.scratch;
+    DiskScratch& scratch = *part.later.emplace_back(std::make_unique<DiskScratch>(DiskScratchOptions{
+        stage_folder(run->folder, stage), stage_folder(own, stage), run->seal, spec.lock_file, self}));
+    PartStage& one = part.stages.emplace_back(part.stages.front());
+    one.context.storage = &scratch;
+    one.context.programs = next_[stage - 1]->programs({run, spec.out_folder, &scratch, part.stopping.get_token()});
+    if (one.sync_settled) one.sync_settled = [&scratch] { return scratch.sync_settled(); };
+  }
+}
+
+Result<std::vector<TileReceipt>> stored_by(const NextStages& next, const std::filesystem::path& out,
+                                           std::uint32_t stage, const std::function<bool(TileId)>& wanted) {
+  std::vector<TileReceipt> stored;
+  if (stage > 0) {
+    BOOST_OUTCOME_TRY(later, next.at(stage - 1)->stored(out));
+    std::copy_if(later.begin(), later.end(), std::back_inserter(stored),
+                 [&](const TileReceipt& tile) { return wanted(tile.tile); });
+    return stored;
+  }
+  BOOST_OUTCOME_TRY(entries, stored_tiles(out, wanted));
+  for (const TileEntry& entry : entries) stored.push_back({entry.tile, bytes_of(entry)});
+  return stored;
+}
 
 void DiskParts::offer(std::shared_ptr<const RoutedRun> run) {
   const std::lock_guard lock(mutex_);
@@ -108,7 +142,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
     return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
   }
-  if (spec.table.stage != 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  if (spec.table.stage > next_.size()) return error(Errc::internal, spec.run_folder + ": has no such stage");
   BOOST_OUTCOME_TRY(how, delaunay_options_from_bytes(spec.programs));
   std::vector<std::uint64_t> points = run->tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
@@ -187,27 +221,17 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
   part->weights = shared(run, run->tile_points);
   part->stages.push_back(std::move(only));
+  add_later_stages(*part, spec, self);
   // Mail of an earlier process was for tiles that are no more.
-  BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
+  for (const PartStage& one : part->stages) {
+    BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
+  }
   const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
-  BOOST_OUTCOME_TRY(stored, stored_tiles(spec.out_folder, here));
-  for (const TileEntry& entry : stored) part->stored.push_back({entry.tile, bytes_of(entry)});
-  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, part->storage, here));
+  BOOST_OUTCOME_TRY(stored, stored_by(next_, spec.out_folder, spec.table.stage, here));
+  part->stored = std::move(stored);
+  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, *part->stages[spec.table.stage].context.storage, here));
   part->settled = all_settled;
   return std::unique_ptr<Part>(std::move(part));
-}
-
-Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled) {
-  BOOST_OUTCOME_TRYV(check_held(lock_file));
-  const auto marker = settled_marker(run.folder);
-  if (settled) return write_whole(marker, std::string_view("settled\n"));
-  std::error_code failed;
-  std::filesystem::remove(marker, failed);
-  if (failed) return error(Errc::io, marker.string() + ": cannot remove it: " + failed.message());
-  const auto files = scratch_folder(run.folder, ScratchKind::settled);
-  if (const auto left = remove_tree(files))
-    return error(Errc::io, files.string() + ": cannot remove it: " + left.message());
-  return success();
 }
 
 }  // namespace tessera

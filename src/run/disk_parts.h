@@ -2,12 +2,15 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "src/run/next_stage.h"
 #include "src/run/part.h"
 #include "src/tiling/routed_run.h"
 
@@ -16,8 +19,9 @@ namespace tessera {
 class DiskParts final : public PartSource {
  public:
   // `scratch`: where parts of a cluster's jobs put tiles that are not in memory, each in a folder of its own; none:
-  // such parts are refused.
-  explicit DiskParts(std::filesystem::path scratch = {}) : scratch_(std::move(scratch)) {}
+  // such parts are refused. `next`: the stages that follow the triangulation.
+  explicit DiskParts(std::filesystem::path scratch = {}, NextStages next = {})
+      : scratch_(std::move(scratch)), next_(std::move(next)) {}
   // A run that this process has in memory need not be read again. Until withdraw().
   void offer(std::shared_ptr<const RoutedRun> run);
   void withdraw(const RoutedRun& run) noexcept;
@@ -25,14 +29,17 @@ class DiskParts final : public PartSource {
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 
  private:
+  struct DiskPart;
+  void add_later_stages(DiskPart& part, const PartSpec& spec, NodeId self) const;
+
   const std::filesystem::path scratch_;
+  const NextStages next_;
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const RoutedRun>> offered_;  // by folder
 };
 
-// Writes down that all tiles of a run were quiet and are independent of each other now; or that they are not, and then
-// what made them so goes.
-// `lock_file` as in PartOptions.
-Status mark_settled(const RoutedRun& run, const std::filesystem::path& lock_file, bool settled);
+// What a stage of a run has stored, of the tiles that are wanted.
+Result<std::vector<TileReceipt>> stored_by(const NextStages& next, const std::filesystem::path& out,
+                                           std::uint32_t stage, const std::function<bool(TileId)>& wanted);
 
 }  // namespace tessera

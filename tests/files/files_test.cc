@@ -214,6 +214,8 @@ TEST_F(Files, NamesInAResultFolderAreToldApart) {
   EXPECT_TRUE(is_result_name("r/triangulation.vtkhdf"));
   EXPECT_FALSE(is_result_name("r/notes.txt"));
   for (const auto kind : scratch_kinds) EXPECT_TRUE(is_run_name(scratch_folder("r", kind)));
+  EXPECT_EQ(stage_folder("r", 0), "r");
+  EXPECT_TRUE(is_run_name(stage_folder("r", 1)));
   EXPECT_TRUE(is_run_name(temporary_name(plan_file("r"))));
   EXPECT_FALSE(is_run_name("r/tests.run.xml"));
   EXPECT_FALSE(is_tile_name("r/tiles/mine.vtu"));

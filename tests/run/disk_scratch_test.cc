@@ -13,6 +13,7 @@
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
 #include "src/run/disk_store.h"
+#include "src/run/next_stage.h"
 
 namespace tessera {
 namespace {
@@ -88,7 +89,7 @@ TEST_F(LockedScratch, WritesAndRemovesWhileTheLockIsItsOwn) {
   EXPECT_EQ(storage_->read(tile, ScratchKind::settled).value(), TileStorage::Pieces{bytes_});
   EXPECT_TRUE(storage_->clear(ScratchKind::settled));
   EXPECT_TRUE(storage_->read(tile, ScratchKind::settled).value().empty());
-  EXPECT_TRUE(mark_settled(*run_, lock_.file(), true));
+  EXPECT_TRUE(mark_settled(run_->folder, 0, lock_.file(), true));
   EXPECT_TRUE(storage_->clear(ScratchKind::mail));
   const auto receipt = store(tile);
   ASSERT_TRUE(receipt);
@@ -128,7 +129,7 @@ TEST_F(LockedScratch, TouchesNothingOnceTheLockIsAnothers) {
   EXPECT_TRUE(refused(storage_->remove(tile, ScratchKind::state)));
   EXPECT_TRUE(refused(storage_->clear(ScratchKind::mail)));
   EXPECT_TRUE(refused(store(tile)));
-  EXPECT_TRUE(refused(mark_settled(*run_, lock_.file(), true)));
+  EXPECT_TRUE(refused(mark_settled(run_->folder, 0, lock_.file(), true)));
   EXPECT_EQ(files(), before);
   // Also when it went while the tile was written.
   EXPECT_TRUE(refused(write_tile(out(), tile, TileMesh{}, {}, {true, {}, lock_.file(), {}})));

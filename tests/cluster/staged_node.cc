@@ -1,0 +1,39 @@
+// A node of a cluster whose jobs have a second stage. Its arguments: name, port to listen at, port of the coordinator,
+// folder of certificates, scratch folder, folder of the stage's results. It ends when it is killed, or its input ends.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "actors/cluster/seat.h"
+#include "actors/engine/engine.h"
+#include "src/files/names.h"
+#include "tests/cluster/greatest_on_disk.h"
+
+int main(int argc, char** argv) {
+  using namespace tessera;
+  if (argc != 7) return 2;
+  const auto port = [](const char* text) { return static_cast<std::uint16_t>(std::stoul(text)); };
+  const std::filesystem::path certs = argv[4];
+  ClusterOptions options;
+  options.node_name = argv[1];
+  options.listen = {"127.0.0.1", port(argv[2])};
+  options.coordinator = false;
+  options.join = {{"127.0.0.1", port(argv[3])}};
+  options.authority = authority_file(certs);
+  options.certificate = node_certificate_file(certs, "all");
+  options.key = node_key_file(certs, "all");
+  options.scratch = argv[5];
+  auto stage = std::make_shared<testing::GreatestOnDisk>(argv[6]);
+  stage->name = argv[1];
+  const auto engine =
+      Engine::join(1, std::uint64_t{256} << 20, std::make_unique<Seat>(std::move(options)), {std::move(stage)});
+  if (!engine) {
+    std::fprintf(stderr, "%s\n", engine.error().where.c_str());
+    return 1;
+  }
+  while (std::getchar() != EOF) {
+  }
+  return 0;
+}
