@@ -1,5 +1,8 @@
 // A coordinator and nodes that come, are lost, and answer at moments that the harness hardly ever finds. The test is
 // each of the nodes, and its part.
+#include <utility>
+#include <vector>
+
 #include "tests/actors/coordinator_testing.h"
 
 namespace tessera {
@@ -50,6 +53,81 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredKeepTheirNumber) {
   const auto open = listen(c_).open;
   ASSERT_TRUE(open);
   EXPECT_EQ(open->node, NodeId{2});
+}
+
+class Stages : public Nodes {
+ protected:
+  void all_is_quiet(std::uint64_t epoch) {
+    tell(a_, PartIdle{NodeId{0}});
+    tell(b_, PartIdle{NodeId{1}});
+    for (int i = 0; i < 2; ++i) {
+      ++wave_;
+      tell(a_, PartTally{NodeId{0}, epoch, wave_, true, 4, 4});
+      tell(b_, PartTally{NodeId{1}, epoch, wave_, true, 5, 5});
+      tell(a_, PartIdle{NodeId{0}});
+      tell(b_, PartIdle{NodeId{1}});
+    }
+    tell(a_, PartSettled{NodeId{0}, epoch});
+    tell(b_, PartSettled{NodeId{1}, epoch});
+  }
+  void all_come_to_the_end(std::uint64_t epoch, std::uint32_t stage) {
+    for (std::uint32_t t = 0; t < tiles; ++t) tell(t < 3 ? a_ : b_, TileDone{stage, {TileId{t}, {}}, 0});
+    tell(a_, PartCollected{NodeId{0}, epoch});
+    tell(b_, PartCollected{NodeId{1}, epoch});
+  }
+  // What the job is settled in, as it is written down.
+  std::vector<std::pair<std::uint32_t, bool>> marks_;
+
+  void start_both() {
+    CoordinatorOptions two = begun_with(table_of({0, 0, 0, 1, 1, 1}));
+    two.stages = 2;
+    two.mark_settled = [this](std::uint32_t stage, bool settled) {
+      marks_.emplace_back(stage, settled);
+      return success();
+    };
+    start(std::move(two), {&a_, &b_});
+    tell_opened(a_);
+    tell_opened(b_);
+  }
+
+ private:
+  std::uint64_t wave_ = 0;
+};
+
+TEST_F(Stages, FollowEachOther) {
+  start_both();
+  all_is_quiet(0);
+  EXPECT_FALSE(listen(a_).table);
+  all_come_to_the_end(0, 0);
+  const auto next = listen(a_).table;
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->stage, 1u);
+  EXPECT_EQ(next->epoch, 1u);
+  EXPECT_FALSE(owner_.end);
+  all_is_quiet(1);
+  all_come_to_the_end(1, 1);
+  PartEnded end;
+  tell(a_, end);
+  end.node = NodeId{1};
+  tell(b_, end);
+  ASSERT_TRUE(owner_.end);
+  EXPECT_FALSE(owner_.end->failure);
+  EXPECT_EQ(owner_.end->stages.size(), 2u);
+  const std::vector<std::pair<std::uint32_t, bool>> expected{{0, false}, {0, true}, {1, false}, {1, true}};
+  EXPECT_EQ(marks_, expected);
+}
+
+// A node that is slow to say it, and is lost: its tiles are not at the end of the stage that runs.
+TEST_F(Stages, WhatWasStoredInOneIsNotStoredInTheNext) {
+  start_both();
+  all_is_quiet(0);
+  all_come_to_the_end(0, 0);
+  ASSERT_TRUE(listen(a_).table);
+  tell(b_, TileDone{0, {TileId{4}, {}}, 0});
+  tell(a_, NodeLost{handle_of(b_)});
+  const auto next = listen(a_).table;
+  ASSERT_TRUE(next);
+  for (std::uint32_t t = 0; t < tiles; ++t) EXPECT_EQ(next->node_of(TileId{t}), NodeId{0}) << t;
 }
 
 }  // namespace
