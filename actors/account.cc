@@ -26,6 +26,7 @@ StageTimes Account::times(Time now) const {
 
 void Account::begin_stage(Time now) {
   before_.push_back(times(now));
+  before_.reserve(before_.size() + 1);
   started_ = now;
   begun_.reset();
   quiet_.reset();
@@ -91,8 +92,8 @@ RunEnded Account::end(Time now, std::uint64_t waves) {
   end.nodes_lost = nodes_lost_;
   end.tiles_again = tiles_again_;
   end.sum = std::move(sum_);
-  end.stages = before_;
-  end.stages.push_back(times(now));
+  before_.push_back(times(now));
+  end.stages = std::move(before_);
   return end;
 }
 

@@ -17,7 +17,7 @@ class Account {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  explicit Account(Time now) : started_(now) {}
+  explicit Account(Time now) : started_(now) { before_.reserve(1); }
 
   // The first stage begins; settled: nothing is left of it but its end. Then the next one.
   void start(Time now, bool settled);
@@ -48,7 +48,7 @@ class Account {
   RunProgress progress(const std::vector<Node>& nodes);
 
   void ended(const PartEnded& part);
-  // Without failure and memory.
+  // Without failure and memory. Once; takes no memory, of which there may be none.
   RunEnded end(Time now, std::uint64_t waves);
 
  private:
@@ -62,7 +62,7 @@ class Account {
   Time started_;
   std::optional<Time> begun_, quiet_;
   StageTimes times(Time now) const;
-  std::vector<StageTimes> before_;  // of the stages that have ended
+  std::vector<StageTimes> before_;  // of the stages that have ended, with room for one more
 };
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // The coordinator of one job: opens a part on every node, knows when all is quiet (two successive equal waves,
-// src/quiescence/detector.h), places the tiles of lost nodes anew, and ends the job.
+// src/exchange/detector.h), places the tiles of lost nodes anew, and ends the job.
 //
 // state      | message          | effect                                                      | next
 // finding    | PartFound        | when all nodes have answered: a new table                   | where the parts are
@@ -42,8 +42,8 @@
 #include "actors/protocol.h"
 #include "actors/run_owner.h"
 #include "actors/steady_actor.h"
-#include "src/quiescence/detector.h"
-#include "src/run/part.h"
+#include "src/exchange/detector.h"
+#include "src/exchange/part.h"
 
 namespace tessera {
 
@@ -67,7 +67,7 @@ struct CoordinatorOptions {
   std::function<Result<std::uint32_t>()> first_stage;
   // How heavy a tile may be where so many threads and so much memory are; none: as heavy as it is.
   std::function<std::uint64_t(std::uint32_t threads, std::uint64_t memory_bytes)> weight_max;
-  // What a tile of this weight is, and needs, for people: "a tile of 5 points, which needs about 3 MiB".
+  // What a tile of this weight is, and needs, for people: "a tile of size 5, which needs about 3 MiB".
   std::function<std::string(std::uint64_t weight)> tile_in_words;
   // When set, called at the moment quiescence is believed: the harness checks there that it is true.
   std::function<void(const Table&)> on_quiet;

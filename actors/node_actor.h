@@ -24,7 +24,7 @@
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
-#include "src/run/part.h"
+#include "src/exchange/part.h"
 
 namespace tessera {
 

@@ -5,7 +5,7 @@
 #include <map>
 #include <mutex>
 
-#include "src/run/gate.h"
+#include "src/exchange/gate.h"
 
 namespace tessera {
 

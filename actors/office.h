@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "actors/protocol.h"
-#include "src/run/part.h"
+#include "src/exchange/part.h"
 
 namespace tessera {
 

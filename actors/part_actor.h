@@ -45,8 +45,8 @@
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
-#include "src/run/part.h"
-#include "src/run/schedule.h"
+#include "src/exchange/part.h"
+#include "src/exchange/schedule.h"
 
 namespace tessera {
 

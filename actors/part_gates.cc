@@ -1,4 +1,4 @@
-// What a part sends to other nodes, and gets from them, within credit (src/run/gate.h).
+// What a part sends to other nodes, and gets from them, within credit (src/exchange/gate.h).
 #include <algorithm>
 #include <utility>
 

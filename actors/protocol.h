@@ -14,12 +14,12 @@
 #include "src/base/ids.h"
 #include "src/base/mail_arcs.h"
 #include "src/base/result.h"
-#include "src/run/assignment.h"
-#include "src/run/gate.h"
-#include "src/run/table.h"
-#include "src/run/tile_program.h"
-#include "src/run/update.h"
-#include "src/run/work.h"
+#include "src/exchange/assignment.h"
+#include "src/exchange/gate.h"
+#include "src/exchange/table.h"
+#include "src/exchange/tile_program.h"
+#include "src/exchange/update.h"
+#include "src/exchange/work.h"
 
 namespace tessera {
 
@@ -104,7 +104,7 @@ struct Credit {
   std::uint64_t bytes = 0;
 };
 
-// part -> tile: there is a new table (src/run/assignment.h); answered by a TileRejoined, at once.
+// part -> tile: there is a new table (src/exchange/assignment.h); answered by a TileRejoined, at once.
 struct Rejoin {};
 // tile -> part: it goes by this table.
 struct TileRejoined {

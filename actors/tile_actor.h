@@ -22,8 +22,8 @@
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
-#include "src/run/part.h"
-#include "src/run/tile_life.h"
+#include "src/exchange/part.h"
+#include "src/exchange/tile_life.h"
 
 namespace tessera {
 

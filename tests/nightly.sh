@@ -83,7 +83,7 @@ for name in $parts; do
       part seeds-coordinator run_seeds coordinator 4
       part seeds-leave run_seeds leave,join 4
       part seeds-leave-coordinator run_seeds leave,join,coordinator 4
-      SECOND_STAGE_SEEDS=$((seeds / 15)) part seeds-second-stage "$build/tests/exchange/exchange_test" '--gtest_filter=SecondStage.*'
+      SECOND_STAGE_SEEDS=$((seeds / 15)) part seeds-second-stage "$build/tests/exchange/second_stage_test" '--gtest_filter=SecondStage.*'
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;

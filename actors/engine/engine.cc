@@ -15,8 +15,8 @@
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
 #include "src/budget/budget.h"
+#include "src/exchange/terms.h"
 #include "src/run/disk_parts.h"
-#include "src/run/terms.h"
 #include "src/store/tile_store.h"
 #include "src/tiling/hilbert.h"
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "actors/harness/memory_faults.h"
+#include "src/exchange/tile_program.h"
 #include "src/mesh/tile_mesh.h"
-#include "src/run/tile_program.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "actors/harness/memory_faults.h"
-#include "src/run/delaunay_store.h"
-#include "src/run/tile_storage.h"
+#include "src/delaunay/delaunay_store.h"
+#include "src/exchange/tile_storage.h"
 
 namespace tessera {
 

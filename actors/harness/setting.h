@@ -9,8 +9,8 @@
 
 #include "actors/harness/harness.h"
 #include "actors/harness/memory_storage.h"
-#include "src/run/delaunay_program.h"
-#include "src/run/part.h"
+#include "src/delaunay/delaunay_program.h"
+#include "src/exchange/part.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "actors/harness/memory_faults.h"
-#include "src/run/table.h"
-#include "src/run/tile_life.h"
+#include "src/exchange/table.h"
+#include "src/exchange/tile_life.h"
 
 namespace tessera {
 

@@ -22,7 +22,7 @@
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
 #include "actors/node_actor.h"
-#include "src/run/assignment.h"
+#include "src/exchange/assignment.h"
 #include "src/run/touching.h"
 #include "src/tiling/hilbert.h"
 

@@ -17,7 +17,7 @@
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
-#include "src/run/duplicates.h"
+#include "src/delaunay/duplicates.h"
 #include "src/tiling/kept_points.h"
 
 namespace tessera {

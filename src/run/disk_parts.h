@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/exchange/part.h"
 #include "src/run/next_stage.h"
-#include "src/run/part.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {

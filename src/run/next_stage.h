@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/run/tile_program.h"
-#include "src/run/tile_storage.h"
+#include "src/exchange/tile_program.h"
+#include "src/exchange/tile_storage.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {

@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "src/exchange/part.h"
 #include "src/kernel/kernel.h"
-#include "src/run/part.h"
 
 namespace tessera {
 

@@ -9,7 +9,7 @@
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
-#include "src/run/terms.h"
+#include "src/exchange/terms.h"
 #include "src/service/costs.h"
 #include "src/service/data_format.h"
 #include "src/service/service.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "src/run/delaunay_program.h"
+#include "src/delaunay/delaunay_program.h"
 
 namespace tessera {
 namespace {

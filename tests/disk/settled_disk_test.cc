@@ -7,7 +7,7 @@
 
 #include "src/files/names.h"
 #include "src/files/temporary.h"
-#include "src/run/settled_files.h"
+#include "src/exchange/settled_files.h"
 #include "tests/disk/failing_disk.h"
 
 namespace tessera::testing {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "src/io/cloud/cloud.h"
-#include "src/run/duplicates.h"
+#include "src/delaunay/duplicates.h"
 
 namespace tessera::testing {
 

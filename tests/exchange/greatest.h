@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "src/base/flat_codec.h"
-#include "src/run/tile_program.h"
+#include "src/exchange/tile_program.h"
 
 namespace tessera::testing {
 

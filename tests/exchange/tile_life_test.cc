@@ -1,5 +1,5 @@
 // How a tile lives, whatever its program does.
-#include "src/run/tile_life.h"
+#include "src/exchange/tile_life.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <span>
 
-#include "src/run/tile_storage.h"
+#include "src/exchange/tile_storage.h"
 
 namespace tessera::testing {
 

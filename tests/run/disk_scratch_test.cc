@@ -1,4 +1,4 @@
-#include "src/run/disk_scratch.h"
+#include "src/exchange/disk_scratch.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "src/files/handed_file.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
-#include "src/run/disk_store.h"
+#include "src/delaunay/disk_store.h"
 #include "src/run/next_stage.h"
 
 namespace tessera {

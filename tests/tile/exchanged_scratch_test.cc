@@ -1,6 +1,6 @@
 // A tile whose scratch was exchanged with another's, or is older than its image: it is built again, or says so.
-#include "src/run/delaunay_program.h"
-#include "src/run/tile_life.h"
+#include "src/delaunay/delaunay_program.h"
+#include "src/exchange/tile_life.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/run/delaunay_store.h"
+#include "src/delaunay/delaunay_store.h"
 #include "tests/exchange/tile_scratch.h"
 
 namespace tessera::testing {

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/run/delaunay_program.h"
-#include "src/run/tile_life.h"
+#include "src/delaunay/delaunay_program.h"
+#include "src/exchange/tile_life.h"
 #include "tests/tile/scratch.h"
 
 namespace tessera::testing {

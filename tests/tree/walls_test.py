@@ -55,6 +55,20 @@ class Walls(unittest.TestCase):
     def test_a_header_of_what_a_linked_library_links_privately_is_not_found(self):
         self.assertFalse(self.compiles("src/job/estimate.cc", "src/reference/clouds.h"))
 
+    # What the machine carries, only programs know.
+    def test_exchange_and_actors_name_nothing_of_what_programs_compute(self):
+        files = [path for folder in ("src/exchange", "actors") for path in sorted((SOURCE / folder).glob("*.*"))
+                 if path.suffix in (".h", ".cc")]
+        self.assertGreater(len(files), 50)
+        wrong = [f"{path.relative_to(SOURCE)}:{number}: {line.strip()}" for path in files
+                 for number, line in enumerate(path.read_text().splitlines(), 1)
+                 if re.search(r"points?\b|points?_|_points?|cells?\b|cells?_|kernel|delaunay|triangul|mesh", line, re.IGNORECASE)
+                 and not re.search(r"time_point", line)]
+        self.assertEqual(wrong, [])
+        for header in ("src/kernel/kernel.h", "src/tile/tile_triangulation.h", "src/mesh/tile_mesh.h",
+                       "src/delaunay/delaunay_program.h", "src/store/tile_store.h", "src/tiling/routed_run.h"):
+            self.assertFalse(self.compiles("src/exchange/tile_life.cc", header))
+
     def test_no_source_sees_the_folder_of_the_project(self):
         wrong = [f"{entry['file']}: {root}" for entry in COMMANDS for root in include_roots(entry)
                  if pathlib.Path(root) in (SOURCE, SOURCE / "src", SOURCE / "tests")]

@@ -1,0 +1,268 @@
+#include "src/delaunay/delaunay_program.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <string>
+#include <utility>
+
+#include "src/delaunay/duplicates.h"
+#include "src/exchange/update.h"
+#include "src/kernel/brio.h"
+#include "src/tiling/hilbert.h"
+
+namespace tessera {
+namespace {
+
+class FinishedTile final : public Finished {
+ public:
+  FinishedTile(TileId self, CollectedTile tile, DelaunayStore& store)
+      : self_(self), tile_(std::move(tile)), store_(store) {}
+  std::uint64_t bytes() const override { return tile_.bytes(); }
+  void store(Stored done) override { store_.store(self_, std::move(tile_), std::move(done)); }
+
+ private:
+  TileId self_;
+  CollectedTile tile_;
+  DelaunayStore& store_;
+};
+
+}  // namespace
+
+std::unique_ptr<TileProgram> DelaunayStage::program_of(TileId tile) const {
+  return std::make_unique<DelaunayProgram>(tile, *this);
+}
+
+// `announce`: the exchange follows, not the end.
+Status DelaunayProgram::build(bool announce) {
+  finals_.reset();  // of an image that was none
+  stored_early_ = {};
+  finals_sum_ = 0;
+  BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
+  own_points_ = loaded.points.size();
+  if (!loaded.duplicates.empty()) {
+    BOOST_OUTCOME_TRYV(stage_.storage->write(self_, ScratchKind::duplicates, duplicates_to_bytes(loaded)));
+    std::vector<std::pair<PointId, PointId>>().swap(loaded.duplicates);
+  }
+  const Box& box = (*stage_.boxes)[self_.value];
+  triangulation_ = std::make_unique<TileTriangulation>(options());
+  // Kept until finish() when the tile is not reduced; moving the vector leaves its points where they are.
+  triangulation_->triangulate(loaded.points, loaded.ids, KeepPoints::borrowed);
+  // A tile that is collected at once is not worth reducing, but for what it stores.
+  if (early() || (stage_.reduce && announce)) {
+    FinalCells finals = triangulation_->reduce(loaded.points, box, !stage_.reduce || !announce);
+    if (triangulation_->handed_out()) {
+      BOOST_OUTCOME_TRYV(keep_finals(std::move(finals), loaded, !announce));
+    }
+  }
+  if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
+  if (!triangulation_->reduced() || !announce) points_ = std::make_unique<LoadedTile>(std::move(loaded));
+  counts_ = triangulation_->counts();
+  return success();
+}
+
+Status DelaunayProgram::begin_settled(Message settled) {
+  if (settled.size() % sizeof(SharedPoint) != 0) return damaged(self_, "list of foreign vertices");
+  BOOST_OUTCOME_TRYV(take(self_, true, std::move(settled)));
+  BOOST_OUTCOME_TRYV(build(false));
+  return insert();
+}
+
+// That others have told a tile of a point is believed of those alone who go by the same table.
+Status DelaunayProgram::take(TileId from, bool current, Message message) {
+  if (message.size() % sizeof(SharedPoint) != 0) {
+    return error(Errc::internal, "tile " + std::to_string(self_.value) + ": of the " + std::to_string(message.size()) +
+                                     " bytes that tile " + std::to_string(from.value) +
+                                     " has sent, the last are no point");
+  }
+  for (std::size_t at = 0; at < message.size(); at += sizeof(SharedPoint)) {
+    Heard& heard = heard_.emplace_back();
+    heard.from = from;
+    std::memcpy(&heard.point, message.data() + at, sizeof(SharedPoint));
+    if (!current) heard.point.told = 0;
+  }
+  return success();
+}
+
+Status DelaunayProgram::step() {
+  if (storing_.valid() && storing_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    BOOST_OUTCOME_TRYV(await_stored());  // a full disk need not be found at the end
+  }
+  BOOST_OUTCOME_TRYV(insert());
+  triangulation_->introduce();
+  counts_ = triangulation_->counts();
+  return success();
+}
+
+// In Hilbert order, so that each insertion starts where the last one ended, but a random few first: the first points
+// beyond the hull see a whole face of it, and in Hilbert order alone every point would be the first of its region. Few,
+// for they are far from each other, and each finds its cells out of the cache.
+Status DelaunayProgram::insert() {
+  struct Item {
+    std::uint64_t key;
+    const Heard* heard;
+  };
+  const std::vector<Heard> heard = std::exchange(heard_, {});
+  Bounds bounds;
+  for (const Heard& h : heard) bounds.add(h.point.at);
+  const HilbertKey key(bounds, stage_.dimension);
+  std::vector<Item> items;
+  items.reserve(heard.size());
+  for (const Heard& h : heard) items.push_back({key(h.point.at), &h});
+  std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+  Status done = success();
+  for_each_in_brio_order<5>(items.size(), [&](std::size_t i) {
+    if (done) done = triangulation_->receive(items[i].heard->from, std::span(&items[i].heard->point, 1));
+  });
+  return done;
+}
+
+std::vector<std::pair<TileId, Message>> DelaunayProgram::messages() {
+  constexpr std::size_t most = message_bytes_max / sizeof(SharedPoint);
+  std::vector<std::pair<TileId, Message>> out;
+  if (!triangulation_) return out;
+  for (const auto& [tile, points] : triangulation_->take_updates()) {
+    std::span<const SharedPoint> rest(points);
+    for (; !rest.empty(); rest = rest.subspan(std::min(most, rest.size()))) {
+      const auto bytes = std::as_bytes(rest.first(std::min(most, rest.size())));
+      out.emplace_back(tile, Message(bytes.begin(), bytes.end()));
+    }
+  }
+  return out;
+}
+
+// The star of a point among the tile's own points and their neighbours is its star among all points, and more points
+// change nothing: all foreign vertices are written, which include the neighbours.
+Message DelaunayProgram::settled() const {
+  const std::vector<SharedPoint> foreign = triangulation_->foreign_vertices();
+  const auto bytes = std::as_bytes(std::span(foreign));
+  return Message(bytes.begin(), bytes.end());
+}
+
+Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
+  if (!points_) {
+    BOOST_OUTCOME_TRYV(load_own_points());
+  }
+  KeptFinals finals;
+  if (triangulation_->handed_out()) {
+    auto taken = take_finals();
+    if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them
+      BOOST_OUTCOME_TRYV(stage_.storage->remove(self_, ScratchKind::state));
+    }
+    if (!taken) return taken.error();
+    finals = std::move(taken).value();
+  }
+  CollectedTile tile = triangulation_->collect(std::move(points_->points), std::move(points_->ids), std::move(finals));
+  BOOST_OUTCOME_TRYV(await_stored());
+  tile.stored = std::move(stored_early_);
+  counts_ = triangulation_->counts();
+  return std::unique_ptr<Finished>(std::make_unique<FinishedTile>(self_, std::move(tile), *stage_.store));
+}
+
+Image DelaunayProgram::save() {
+  Image bytes = triangulation_->save();
+  const ImageEnd end{own_points_, finals_sum_};
+  const auto last = std::as_bytes(std::span(&end, 1));
+  bytes.insert(bytes.end(), last.begin(), last.end());
+  earlier_ = false;
+  return bytes;
+}
+
+// Null when the bytes are not what save() has made.
+std::unique_ptr<TileTriangulation> DelaunayProgram::decode(Image image, ImageEnd& end) const {
+  if (image.size() < sizeof end) return nullptr;
+  std::memcpy(&end, image.data() + image.size() - sizeof end, sizeof end);
+  image.resize(image.size() - sizeof end);
+  auto tile = std::make_unique<TileTriangulation>(options());
+  if (!tile->load(std::move(image))) return nullptr;
+  return tile;
+}
+
+Result<bool> DelaunayProgram::load(Image image, ImageOf whose) {
+  if (whose == ImageOf::sleeper) return wake(std::move(image));
+  return restore(std::move(image), nullptr, whose == ImageOf::settled);
+}
+
+Result<bool> DelaunayProgram::wake(Image image) {
+  ImageEnd end;
+  triangulation_ = decode(std::move(image), end);
+  if (!triangulation_ || end.own_points != own_points_ || end.finals_sum != finals_sum_) return false;
+  if (earlier_) triangulation_->forget_words();
+  if (!triangulation_->reduced()) {
+    BOOST_OUTCOME_TRYV(load_own_points());
+  }
+  return true;
+}
+
+// An image is a right beginning whatever the other tiles begin from, if all it has ever told is told again. What was
+// told to it since, those tell again who remember it: they begin from images, too, or have not told it yet.
+// `finals`: the list of final cells; null: it is on scratch.
+Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_once) {
+  ImageEnd end;
+  auto tile = decode(std::move(image), end);
+  if (!tile) return false;
+  own_points_ = end.own_points;
+  finals_sum_ = end.finals_sum;
+  if (tile->handed_out()) {
+    TileStorage::Pieces pieces;
+    if (!finals) {
+      auto read = stage_.storage->read(self_, ScratchKind::finals);
+      if (!read || read.value().size() != 1) return false;
+      pieces = std::move(read).value();
+    }
+    BOOST_OUTCOME_TRY(sound, restore_finals(finals ? *finals : pieces[0], at_once));
+    if (!sound) return false;
+  }
+  triangulation_ = std::move(tile);
+  if (!triangulation_->reduced()) {
+    BOOST_OUTCOME_TRYV(load_own_points());
+  }
+  triangulation_->replay();
+  counts_ = triangulation_->counts();
+  earlier_ = true;
+  return true;
+}
+
+// One piece: the image, the tile's list of final cells if it has one, the bytes of the image.
+Result<Image> DelaunayProgram::pack(Image image) {
+  const std::uint64_t of_image = image.size();
+  BOOST_OUTCOME_TRY(finals, stage_.storage->read(self_, ScratchKind::finals));
+  if (finals.size() > 1) return damaged(self_, "list of final cells");
+  if (!finals.empty()) image.insert(image.end(), finals[0].begin(), finals[0].end());
+  const auto length = std::as_bytes(std::span(&of_image, 1));
+  image.insert(image.end(), length.begin(), length.end());
+  return image;
+}
+
+Result<bool> DelaunayProgram::load_packed(Image packed) {
+  std::uint64_t of_image = 0;
+  if (packed.size() < sizeof of_image) return false;
+  const std::size_t end = packed.size() - sizeof of_image;
+  std::memcpy(&of_image, packed.data() + end, sizeof of_image);
+  if (of_image > end) return false;
+  const Image finals(packed.begin() + static_cast<std::ptrdiff_t>(of_image),
+                     packed.begin() + static_cast<std::ptrdiff_t>(end));
+  packed.resize(of_image);
+  BOOST_OUTCOME_TRY(restored, restore(std::move(packed), &finals, false));
+  earlier_ = false;  // of the image on scratch, if there is one, nothing is known
+  return restored;
+}
+
+Status DelaunayProgram::load_own_points() {
+  BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
+  points_ = std::make_unique<LoadedTile>(std::move(loaded));
+  return points_->points.size() == own_points_ ? Status(success()) : damaged(self_, "file of points");
+}
+
+void DelaunayProgram::free() {
+  triangulation_.reset();
+  points_.reset();
+  finals_.reset();
+}
+
+std::size_t DelaunayProgram::memory() const {
+  return (triangulation_ ? triangulation_->memory() : 0) + (points_ ? points_->points.size() * 32 : 0) +
+         (finals_ ? finals_->bytes() : 0);
+}
+
+}  // namespace tessera

@@ -1,0 +1,103 @@
+// Delaunay triangulations as a program of tiles: messages are lists of points, and a tile that is quiet has the cells
+// of the whole cloud that touch its points (src/tile/tile_triangulation.h).
+#pragma once
+
+#include <future>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/delaunay/delaunay_store.h"
+#include "src/exchange/tile_program.h"
+#include "src/tile/tile_triangulation.h"
+
+namespace tessera {
+
+// What all tiles of a job on one node have in common, read-only.
+struct DelaunayStage final : TilePrograms {
+  std::unique_ptr<TileProgram> program_of(TileId tile) const override;
+
+  int dimension = 3;
+  KernelKind kernel = KernelKind::flat;
+  // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
+  bool reduce = false;
+  // Tiles of so many points do so in any case, and store as many of them early, before there are others, as are whole
+  // units; 0: none does. What they store depends on these two, not on who stores it when.
+  std::uint64_t early_points = 0, early_unit = 1;
+  // By tile; a tile with the empty box has no final cells, and announces nothing.
+  std::shared_ptr<const std::vector<Box>> boxes;
+  std::shared_ptr<const Surroundings> around;
+  TileStorage* storage = nullptr;  // for what stands beside the images
+  DelaunayStore* store = nullptr;
+  std::stop_token stop = {};  // once requested, long work soon throws Stopped
+};
+
+class DelaunayProgram final : public TileProgram {
+ public:
+  DelaunayProgram(TileId self, const DelaunayStage& stage) : self_(self), stage_(stage) {}
+
+  Status begin() override { return build(true); }
+  Status begin_settled(Message settled) override;
+  Status take(TileId from, bool current, Message message) override;
+  Status step() override;
+  bool due() const override { return triangulation_->due(); }
+  std::vector<std::pair<TileId, Message>> messages() override;
+  void replay_to(std::span<const TileId> reborn) override { triangulation_->replay_to(reborn); }
+  Status put_aside() override;
+  Image save() override;
+  Result<bool> load(Image image, ImageOf whose) override;
+  Result<Image> pack(Image image) override;
+  Result<bool> load_packed(Image packed) override;
+  void free() override;
+  Message settled() const override;
+  Result<std::unique_ptr<Finished>> finish() override;
+  std::size_t memory() const override;
+  const ExchangeCounts& counts() const override { return counts_; }
+
+ private:
+  // What stands behind the triangulation in an image.
+  struct ImageEnd {
+    std::uint64_t own_points = 0;
+    std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
+  };
+  struct Heard {
+    TileId from;
+    SharedPoint point;
+  };
+  static std::uint64_t sum_of(const KeptFinals& finals);
+
+  Status build(bool announce);
+  Status insert();
+  Status load_own_points();
+  std::unique_ptr<TileTriangulation> decode(Image image, ImageEnd& end) const;
+  Result<bool> wake(Image image);
+  Result<bool> restore(Image image, const Image* finals, bool at_once);
+  Status keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once);
+  Status put_finals();
+  Result<KeptFinals> take_finals();
+  Status await_stored();
+  bool decode_finals(std::span<const std::byte> bytes);
+  Result<bool> restore_finals(std::span<const std::byte> bytes, bool at_once);
+  // Its first cells are stored before the others.
+  bool early() const { return stage_.early_points > 0 && own_points_ >= stage_.early_points; }
+  TileOptions options() const {
+    return {self_, stage_.dimension, stage_.kernel, ExchangeRule::introduce, stage_.around.get(), stage_.stop};
+  }
+
+  TileId self_;
+  const DelaunayStage& stage_;
+  std::unique_ptr<TileTriangulation> triangulation_;
+  std::vector<Heard> heard_;            // taken, and not worked on yet
+  std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
+  std::unique_ptr<KeptFinals> finals_;  // taken out of the triangulation; when they are not here, they are on scratch
+  BigVector<std::byte> stored_early_;   // what the storage has said of those that it has already; with finals_
+  std::future<DelaunayStore::StoredEarly> storing_;  // what it will say
+  bool earlier_ = false;                             // the image on scratch is another life's
+  std::uint64_t own_points_ = 0;
+  std::uint64_t finals_sum_ = 0;  // of what is, or was, in finals_
+  ExchangeCounts counts_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,122 @@
+#include "src/delaunay/disk_store.h"
+
+#include <cstring>
+#include <exception>
+#include <map>
+#include <new>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/base/stopped.h"
+#include "src/files/folder_lock.h"
+#include "src/store/early_cells.h"
+
+namespace tessera {
+
+DiskStore::DiskStore(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
+                     std::uint32_t writers, TileStorage& scratch)
+    : run_(std::move(run)),
+      out_(std::move(out)),
+      options_(std::move(options)),
+      scratch_(scratch),
+      early_(writers),
+      writers_(writers) {}
+
+Result<LoadedTile> DiskStore::load_points(TileId tile) { return load_tile(*run_, tile); }
+
+// Foreign vertices' rows stand in their owners' files.
+Result<std::vector<std::byte>> DiskStore::gather_rows(const TileMesh& mesh) const {
+  const std::size_t width = row_bytes(run_->schema);
+  std::vector<std::byte> rows(mesh.points.size() * width);
+  if (width == 0) return rows;
+  std::map<TileId, std::vector<std::size_t>> by_owner;
+  for (std::size_t i = 0; i < mesh.owners.size(); ++i) by_owner[mesh.owners[i]].push_back(i);
+  BundleMaps maps(*run_);
+  for (const auto& [owner, places] : by_owner) {
+    std::vector<PointId> ids;
+    ids.reserve(places.size());
+    for (const std::size_t i : places) ids.push_back(mesh.ids[i]);
+    BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      std::memcpy(&rows[places[k] * width], &part[k * width], width);
+    }
+  }
+  return rows;
+}
+
+// What `write` gives, or why it could not.
+template <class Write>
+auto DiskStore::written(TileId tile, const Write& write) const noexcept -> decltype(write()) {
+  const auto name = [&] { return "tile " + std::to_string(tile.value); };
+  try {
+    throw_if_stopped(options_.stop);
+    BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
+    return write();
+  } catch (const Stopped&) {
+    return worded([&] { return error(Errc::interrupted, "interrupted while " + name() + " was stored"); });
+  } catch (const std::bad_alloc&) {
+    return worded([&] {
+      return error(Errc::memory,
+                   "out of memory while storing " + name() + ": use smaller tiles or a smaller " + option("memory"));
+    });
+  } catch (const std::exception& e) {
+    return worded([&] { return error(Errc::internal, name() + " cannot be stored: " + e.what()); });
+  }
+}
+
+// How much room the other cells need is known when all have come: cells that may still change become some more, hardly
+// ever twice as many.
+DiskStore::StoredEarly DiskStore::write_early(TileId tile, const EarlyFinals& cells) const {
+  const std::uint64_t others = cells.others();
+  BOOST_OUTCOME_TRY(early, write_early_cells(out_, tile,
+                                             {.dimension = run_->dimension,
+                                              .ids = cells.ids(),
+                                              .cells = cells,
+                                              .count = cells.early(),
+                                              .room = cells.all() + others + others / 4 * 3 + 4096},
+                                             options_));
+  return bytes_of(early);
+}
+
+std::future<DiskStore::StoredEarly> DiskStore::store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) {
+  auto promise = std::make_shared<std::promise<StoredEarly>>();
+  auto stored = promise->get_future();
+  early_.acquire();
+  writers_.take([this, tile, cells = std::move(cells), promise = std::move(promise)]() mutable noexcept {
+    StoredEarly early = written(tile, [&] { return write_early(tile, *cells); });
+    cells.reset();
+    early_.release();
+    promise->set_value(std::move(early));
+  });
+  return stored;
+}
+
+Status DiskStore::take_early(TileId tile, BigVector<std::byte>& stored) {
+  auto early = early_cells_of(stored);
+  if (!early) return error(Errc::corrupt, "what tells of a tile's first cells is damaged");
+  BOOST_OUTCOME_TRYV(take_early_cells(out_, tile, *early, options_));
+  stored = bytes_of(*early);
+  return success();
+}
+
+Result<Receipt> DiskStore::write_result(TileId tile, const CollectedTile& collected) {
+  BOOST_OUTCOME_TRY(rows, gather_rows(collected.mesh));
+  const auto early = early_cells_of(collected.stored);
+  if (collected.early > 0 && (!early || early->cells != collected.early))
+    return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost its first cells");
+  BOOST_OUTCOME_TRY(entry, write_tile(out_, tile, collected.mesh, collected, rows, options_,
+                                      collected.early > 0 ? &*early : nullptr));
+  BOOST_OUTCOME_TRYV(remove_beginnings(scratch_, tile));
+  return bytes_of(entry);
+}
+
+void DiskStore::store(TileId tile, CollectedTile collected, Finished::Stored done) {
+  auto held = std::make_shared<CollectedTile>(std::move(collected));  // a task can be copied
+  writers_.take([this, tile, held = std::move(held), done = std::move(done)]() mutable noexcept {
+    Result<Receipt> receipt = written(tile, [&] { return write_result(tile, *held); });
+    held.reset();  // before the node believes that it is gone
+    done(std::move(receipt));
+  });
+}
+
+}  // namespace tessera

@@ -1,0 +1,49 @@
+// The scratch of a stage's tiles on disk: a node's own, and what all nodes of a job see.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+
+#include "src/exchange/settled_files.h"
+#include "src/exchange/tile_storage.h"
+#include "src/files/frame.h"
+
+namespace tessera {
+
+struct DiskScratchOptions {
+  std::filesystem::path shared;     // what others need
+  std::filesystem::path own;        // tiles that are not in memory, and their mail
+  std::uint64_t seal = 0;           // of the run: scratch of another one is damage
+  std::filesystem::path lock_file;  // nothing is written or removed once it is another's (check_held())
+  NodeId node;
+};
+
+class DiskScratch final : public TileStorage {
+ public:
+  explicit DiskScratch(DiskScratchOptions options);
+  Status write(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
+  Status append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) override;
+  Result<Pieces> read(TileId tile, ScratchKind what) override;
+  Result<bool> has(TileId tile, ScratchKind what) override;
+  Status remove(TileId tile, ScratchKind what) override;
+  Status clear(ScratchKind what) override;
+  Status hand_over(TileId tile, std::span<const std::byte> bytes) override;
+  Result<Pieces> handed(TileId tile) override;
+  Status forget_handed(TileId tile) override;
+  // What settled tiles have left has reached the disk. Error io.
+  Status sync_settled() { return settled_.sync(); }
+  bool own_scratch_failed() const override { return own_scratch_failed_; }
+
+ private:
+  const std::filesystem::path& folder_of(ScratchKind what) const;
+  FrameOwner owner_of(TileId tile) const { return {options_.seal, tile.value}; }
+  // What came of it on scratch, which is noted when it could not be used, and is the node's own.
+  template <class Outcome>
+  Outcome on(ScratchKind what, Outcome outcome);
+
+  DiskScratchOptions options_;
+  std::atomic<bool> own_scratch_failed_{false};
+  SettledFiles settled_;
+};
+
+}  // namespace tessera

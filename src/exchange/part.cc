@@ -1,0 +1,49 @@
+#include "src/exchange/part.h"
+
+#include "job.pb.h"
+
+namespace tessera {
+
+std::string to_bytes(const PartSpec& spec) {
+  proto::PartSpec message;
+  message.set_run_folder(spec.run_folder);
+  message.set_out_folder(spec.out_folder);
+  message.set_threads(spec.threads);
+  message.set_memory_bytes(spec.memory_bytes);
+  message.set_programs(spec.programs);
+  message.set_resumable(spec.resumable);
+  message.set_lock_file(spec.lock_file);
+  message.set_grace_s(spec.grace_s);
+  message.set_shares(spec.shares);
+  for (const NodeId node : spec.table.nodes) message.add_nodes(node.value);
+  message.mutable_incarnations()->Assign(spec.table.incarnations.begin(), spec.table.incarnations.end());
+  message.set_epoch(spec.table.epoch);
+  message.set_stage(spec.table.stage);
+  return message.SerializeAsString();
+}
+
+Result<PartSpec> spec_from_bytes(const std::string& bytes) {
+  proto::PartSpec message;
+  const auto refuse = [](const char* what) { return error(Errc::internal, std::string("a job's part ") + what); };
+  if (!message.ParseFromString(bytes)) return refuse("cannot be read");
+  if (message.threads() == 0 || message.nodes_size() != message.incarnations_size()) {
+    return refuse("is not what any coordinator sends");
+  }
+  PartSpec spec;
+  spec.run_folder = message.run_folder();
+  spec.out_folder = message.out_folder();
+  spec.threads = message.threads();
+  spec.memory_bytes = message.memory_bytes();
+  spec.programs = message.programs();
+  spec.resumable = message.resumable();
+  spec.lock_file = message.lock_file();
+  spec.grace_s = message.grace_s();
+  spec.shares = message.shares();
+  for (const std::uint32_t node : message.nodes()) spec.table.nodes.push_back(NodeId{node});
+  spec.table.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
+  spec.table.epoch = message.epoch();
+  spec.table.stage = message.stage();
+  return spec;
+}
+
+}  // namespace tessera

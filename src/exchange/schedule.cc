@@ -1,0 +1,346 @@
+#include "src/exchange/schedule.h"
+
+#include <algorithm>
+#include <functional>
+#include <iterator>
+#include <utility>
+
+#include "src/base/check.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t ahead_part = 256;  // of the memory, for one that is granted ahead of a free thread
+constexpr TileId nobody{~std::uint32_t{0}};
+
+}  // namespace
+
+Schedule::Schedule(const ScheduleOptions& options, const std::vector<std::uint64_t>& weights) : options_(options) {
+  for (std::uint32_t t = 0; t < weights.size(); ++t) {
+    if (weights[t] > 0) add(TileId{t}, weights[t]);
+  }
+}
+
+void Schedule::set_stored(TileId tile) {
+  const auto found = tiles_.find(tile);
+  if (found == tiles_.end()) return;
+  unlink(tile);
+  found->second.is_stored = true;
+  link(tile);
+}
+
+void Schedule::enter(Phase phase) {
+  const bool again = phase_ == Phase::settling && phase == Phase::exchanging;
+  check_read(phase >= phase_ || again, "phases follow one another");
+  phase_ = phase;
+  pending_.clear();
+  for (auto& [id, tile] : tiles_) {
+    if (again) tile.settled = false;
+    link(id);
+  }
+}
+
+void Schedule::add(TileId id, std::uint64_t weight) {
+  Tile& tile = tiles_[id];
+  check_read(tile.place == Place::gone, "a tile is here once");
+  check_read(phase_ != Phase::settling, "what has to begin is not settled");
+  tile = {};
+  tile.weight = weight;
+  tile.place = Place::fresh;
+  ++fresh_;
+  next_fresh_ = std::min(next_fresh_, id);
+  link(id);
+}
+
+std::vector<TileId> Schedule::release(std::uint64_t weight) {
+  std::vector<TileId> released;
+  for (auto next = tiles_.end(); next != tiles_.begin() && weight > 0;) {
+    auto& [id, tile] = *--next;
+    if (tile.place != Place::fresh || tile.working || tile.is_stored) continue;
+    weight -= std::min(weight, tile.weight);
+    unlink(id);
+    set_memory(tile, 0);
+    --fresh_;
+    released.push_back(id);
+    next = tiles_.erase(next);
+  }
+  return released;
+}
+
+// An empty update counts, too: it must be processed.
+Schedule::Ready Schedule::place(TileId id, const Tile& tile) {
+  return {~tile.mail.hops, tile.mail.bytes + tile.mail.updates, id};
+}
+
+bool Schedule::pending(const Tile& tile) const {
+  if (phase_ == Phase::settling) {
+    return !tile.settled && (tile.place == Place::awake || (options_.settle_asleep && tile.place == Place::asleep));
+  }
+  if (phase_ == Phase::handing) return tile.place == Place::awake || tile.place == Place::asleep;
+  if (phase_ != Phase::collecting) return false;
+  if (tile.place == Place::awake) return true;  // at least dropped
+  return !tile.is_stored && (tile.place == Place::fresh || tile.place == Place::asleep);
+}
+
+void Schedule::unlink(TileId t) {
+  const Tile& tile = tiles_.at(t);
+  if (tile.working) return;
+  if (tile.place == Place::awake && tile.mail.updates > 0) {
+    ready_.erase(place(t, tile));
+    awake_.erase({tile.mail.bytes, t});
+  }
+  quiet_.erase(t);
+  called_.erase(t);
+  pending_.erase({tile.place != Place::awake, t});
+}
+
+void Schedule::link(TileId t) {
+  const Tile& tile = tiles_.at(t);
+  if (tile.working) return;
+  if (tile.place == Place::awake && tile.mail.updates > 0) {
+    ready_.insert(place(t, tile));
+    awake_.insert({tile.mail.bytes, t});
+  }
+  if (tile.place == Place::awake && tile.mail.updates == 0) quiet_.insert(t);
+  if (tile.place == Place::asleep && tile.mail.updates > 0) called_.insert(t);
+  if (pending(tile)) pending_.insert({tile.place != Place::awake, t});
+}
+
+void Schedule::set_memory(Tile& tile, std::uint64_t bytes) {
+  memory_ += bytes - tile.memory;
+  tile.memory = bytes;
+}
+
+void Schedule::mail(TileId id, const Waiting& waiting) {
+  const auto found = tiles_.find(id);
+  if (found == tiles_.end()) return;
+  Tile& tile = found->second;
+  if (tile.working || tile.place == Place::gone) return;
+  unlink(id);
+  set_memory(tile, tile.memory - tile.mail.memory + waiting.memory);
+  tile.mail = waiting;
+  link(id);
+}
+
+void Schedule::done(TileId id, Work work, std::uint64_t bytes, const Waiting& waiting, std::uint64_t storing) {
+  Tile& tile = tiles_.at(id);
+  check_read(tile.working, "only granted work is done");
+  if (work == Work::sleep) freeing_ -= tile.memory;
+  tile.working = false;
+  --working_;
+  tile.mail = waiting;
+  const bool woken = tile.place == Place::asleep;
+  switch (work) {
+    case Work::begin:
+      tile.place = Place::awake;
+      --fresh_;
+      break;
+    case Work::step:
+      tile.place = Place::awake;
+      break;
+    case Work::sleep:
+      tile.place = Place::asleep;
+      ++asleep_;
+      ++sleeps_;
+      break;
+    case Work::settle:
+      tile.place = Place::awake;
+      tile.settled = true;
+      break;
+    case Work::finish:
+      if (tile.place == Place::fresh) --fresh_;
+      tile.place = Place::storing;
+      tile.storing = storing;
+      ++storing_;
+      storing_bytes_ += storing;
+      break;
+    case Work::drop:
+    case Work::hand_over:
+      tile.place = Place::gone;
+      break;
+  }
+  if (woken) --asleep_;
+  if (work != Work::sleep) tile.held = bytes;
+  set_memory(tile, bytes + waiting.bytes + tile.storing);
+  link(id);
+}
+
+void Schedule::stored(TileId id) {
+  Tile& tile = tiles_.at(id);
+  check_read(tile.place == Place::storing, "only what was collected is stored");
+  set_memory(tile, tile.memory - tile.storing);
+  storing_bytes_ -= std::exchange(tile.storing, 0);
+  tile.place = Place::gone;
+  tile.is_stored = true;
+  --storing_;
+}
+
+void Schedule::abandon(TileId id) {
+  const auto found = tiles_.find(id);
+  if (found == tiles_.end()) return;
+  Tile& tile = found->second;
+  unlink(id);
+  if (tile.working) --working_;
+  if (tile.place == Place::storing) {
+    --storing_;
+    storing_bytes_ -= tile.storing;
+  }
+  if (tile.place == Place::fresh) --fresh_;
+  if (tile.place == Place::asleep) --asleep_;
+  tile.working = false;
+  tile.place = Place::gone;
+}
+
+bool Schedule::idle() const {
+  if (working_ + storing_ > 0) return false;
+  switch (phase_) {
+    case Phase::exchanging:
+      return fresh_ == 0 && ready_.empty() && called_.empty();
+    case Phase::settling:
+    case Phase::collecting:
+    case Phase::handing:
+      return pending_.empty();
+    case Phase::suspending:
+      return quiet_.empty() && awake_.empty();
+    case Phase::stopping:
+      return true;
+  }
+  return true;
+}
+
+std::optional<Schedule::Grant> Schedule::next() {
+  if (working_ >= options_.threads + options_.threads || phase_ == Phase::stopping) return std::nullopt;
+  if (phase_ == Phase::suspending) {
+    if (ahead()) return std::nullopt;
+    while (const auto t = to_sleep(nobody)) {
+      const std::uint64_t held = tiles_.at(*t).held;
+      if (suspended_bytes_ + held > options_.suspend_bytes) {
+        abandon(*t);
+        continue;
+      }
+      suspended_bytes_ += held;
+      return put_to_sleep(*t);
+    }
+    return std::nullopt;
+  }
+  if (phase_ == Phase::handing) return hand_next();
+  if (phase_ == Phase::settling) {
+    if (pending_.empty()) return std::nullopt;
+    const TileId t = pending_.begin()->second;
+    const Tile& tile = tiles_.at(t);
+    if (tile.place == Place::awake) return grant(t, Work::settle, tile.memory);
+    return grant_in_room(t, Work::settle, tile.memory + waking_bytes(tile));
+  }
+  if (phase_ == Phase::collecting) {
+    // Those that wait for the disk keep no others from memory, unless they are small.
+    const bool many = storing_ > options_.threads && storing_bytes_ > options_.memory_bytes / 16;
+    if (pending_.empty() || many) return std::nullopt;
+    const TileId t = pending_.begin()->second;
+    const Tile& tile = tiles_.at(t);
+    if (tile.is_stored) return grant(t, Work::drop, tile.memory);
+    const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.weight
+                                 : tile.place == Place::asleep ? tile.held
+                                                               : 0;
+    return grant_in_room(t, Work::finish, tile.memory + before + options_.collect_bytes * tile.weight);
+  }
+  auto fresh = tiles_.lower_bound(next_fresh_);
+  while (fresh != tiles_.end() && (fresh->second.place != Place::fresh || fresh->second.working)) ++fresh;
+  next_fresh_ = fresh == tiles_.end() ? nobody : fresh->first;
+  if (fresh != tiles_.end()) {
+    const auto& [t, tile] = *fresh;
+    const std::uint64_t needed = tile.memory + options_.begin_bytes * tile.weight;
+    if (!fits(t, needed) && !ready_.empty()) return step_awake();
+    sweep_ = t;
+    return grant_in_room(t, Work::begin, needed);
+  }
+  return ready_.empty() ? wake_next() : step_awake();
+}
+
+// Of those asleep the image passes through memory.
+std::optional<Schedule::Grant> Schedule::hand_next() {
+  if (ahead() || pending_.empty()) return std::nullopt;
+  const TileId t = pending_.begin()->second;
+  const Tile& tile = tiles_.at(t);
+  const std::uint64_t needed = tile.memory + sleeping_bytes(tile);
+  if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
+  return grant(t, Work::hand_over, needed);
+}
+
+// REQUIRES: there is one with mail.
+std::optional<Schedule::Grant> Schedule::step_awake() {
+  const TileId t = std::get<2>(*ready_.begin());
+  const Tile& tile = tiles_.at(t);
+  return grant_in_room(t, Work::step, tile.memory + growth(tile.mail));
+}
+
+std::uint64_t Schedule::growth(const Waiting& mail) const {
+  return static_cast<std::uint64_t>(options_.mail_growth * static_cast<double>(mail.bytes));
+}
+
+std::optional<Schedule::Grant> Schedule::wake_next() {
+  const auto t = next_of_sweep();
+  if (!t) return std::nullopt;
+  sweep_ = *t;
+  const Tile& tile = tiles_.at(*t);
+  return grant_in_room(*t, Work::step, tile.memory + waking_bytes(tile) + growth(tile.mail));
+}
+
+// Of those asleep with mail, the first from where the sweep is; where it ends it turns.
+std::optional<TileId> Schedule::next_of_sweep() {
+  for (int turns = 0; turns < 2; ++turns) {
+    if (sweeping_back_) {
+      if (const auto after = called_.upper_bound(sweep_); after != called_.begin()) return *std::prev(after);
+    } else {
+      if (const auto next = called_.lower_bound(sweep_); next != called_.end()) return *next;
+    }
+    sweeping_back_ = !sweeping_back_;
+  }
+  return std::nullopt;
+}
+
+// Of those in memory: without mail, the farthest from the sweep, in the order of tiles; else with the least mail.
+std::optional<TileId> Schedule::to_sleep(TileId but) const {
+  const auto distance = [&](TileId t) { return t < sweep_ ? sweep_.value - t.value : t.value - sweep_.value; };
+  auto first = quiet_.begin();
+  auto last = quiet_.rbegin();
+  if (first != quiet_.end() && *first == but) ++first;
+  if (last != quiet_.rend() && *last == but) ++last;
+  if (first != quiet_.end() && last != quiet_.rend()) return distance(*first) > distance(*last) ? *first : *last;
+  for (const auto& [bytes, t] : awake_) {
+    if (t != but) return t;
+  }
+  return std::nullopt;
+}
+
+bool Schedule::fits(TileId t, std::uint64_t needed, std::uint64_t freed) const {
+  return memory_ - freed - tiles_.at(t).memory + needed <= options_.memory_bytes;
+}
+
+// Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
+// with nothing else in memory a tile may exceed the budget. Ahead of a free thread only what is small is granted, for
+// it holds its memory while it waits.
+std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
+  if (ahead() && (!fits(t, needed) || needed > options_.memory_bytes / ahead_part)) return std::nullopt;
+  if (fits(t, needed)) return grant(t, work, needed);
+  if (fits(t, needed, freeing_)) return std::nullopt;  // there will be room in a moment
+  if (const auto other = to_sleep(t)) return put_to_sleep(*other);
+  if (working_ + storing_ > 0) return std::nullopt;
+  return grant(t, work, needed);
+}
+
+std::optional<Schedule::Grant> Schedule::put_to_sleep(TileId t) {
+  const Tile& tile = tiles_.at(t);
+  return grant(t, Work::sleep, tile.memory + sleeping_bytes(tile));
+}
+
+std::optional<Schedule::Grant> Schedule::grant(TileId t, Work work, std::uint64_t needed) {
+  unlink(t);
+  Tile& tile = tiles_.at(t);
+  set_memory(tile, needed);
+  tile.working = true;
+  ++working_;
+  if (work == Work::sleep) freeing_ += tile.memory;
+  return Grant{t, work};
+}
+
+}  // namespace tessera

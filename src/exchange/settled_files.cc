@@ -1,0 +1,109 @@
+#include "src/exchange/settled_files.h"
+
+#include <fcntl.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "src/files/descriptor.h"
+#include "src/files/folder.h"
+#include "src/files/frame.h"
+#include "src/files/names.h"
+#include "src/files/there.h"
+#include "src/files/whole_file.h"
+
+namespace tessera {
+
+SettledFiles::SettledFiles(const std::filesystem::path& run, std::uint64_t seal, NodeId node)
+    : folder_(scratch_folder(run, ScratchKind::settled)), own_(settled_file(run, node)), seal_(seal) {}
+
+Status SettledFiles::append(TileId tile, std::span<const std::byte> bytes) {
+  const std::lock_guard lock(mutex_);  // a write that is cut short goes on at the end of the file
+  index_.reset();
+  BOOST_OUTCOME_TRYV(make_directories(folder_));
+  appended_ = true;
+  return append_frame(own_, ScratchKind::settled, {seal_, tile.value}, bytes);
+}
+
+Status SettledFiles::sync() {
+  const std::lock_guard lock(mutex_);
+  if (!appended_) {  // an earlier process of this node may have
+    BOOST_OUTCOME_TRY(there, is_there(own_));
+    if (!there) return success();
+  }
+  BOOST_OUTCOME_TRYV(sync_files(std::span(&own_, 1)));
+  return sync_folder(folder_);
+}
+
+Result<std::uint64_t> SettledFiles::bytes_there() const {
+  std::uint64_t bytes = 0;
+  FolderReader reader(folder_);
+  while (const char* file = reader.next()) {
+    if (!is_settled_name(file)) continue;
+    // Opened: of a file that another machine writes, a network file system keeps for a while what it was told, until
+    // the file is opened.
+    const FileHandle opened(::open((folder_ / file).c_str(), O_RDONLY | O_CLOEXEC));
+    if (opened.get() < 0 && errno == ENOENT) continue;  // removed just now
+    if (opened.get() < 0) return io_error(folder_ / file, "cannot be opened", errno);
+    BOOST_OUTCOME_TRY(size, size_of(opened, folder_ / file));
+    bytes += size;
+  }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(folder_, "cannot be read", reader.error().value());
+  return bytes;
+}
+
+Result<SettledFiles::Index> SettledFiles::read_index() const {
+  Index index;
+  BOOST_OUTCOME_TRY(bytes, bytes_there());
+  index.bytes = bytes;
+  FolderReader reader(folder_);
+  while (const char* file = reader.next()) {
+    if (!is_settled_name(file)) continue;
+    BOOST_OUTCOME_TRY(places, places_of_frames(folder_ / file, ScratchKind::settled));
+    for (const FramePlace& place : places)
+      index.places[TileId{static_cast<std::uint32_t>(place.owner.item)}] = {folder_ / file, place.at};
+  }
+  if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
+    return io_error(folder_, "cannot be read", reader.error().value());
+  return index;
+}
+
+Result<std::optional<SettledFiles::Place>> SettledFiles::find(TileId tile) {
+  const std::lock_guard lock(mutex_);
+  bool old = !index_;
+  if (index_ && !index_->places.contains(tile)) {
+    BOOST_OUTCOME_TRY(bytes, bytes_there());
+    old = bytes != index_->bytes;
+  }
+  if (old) {
+    BOOST_OUTCOME_TRY(index, read_index());
+    index_ = std::move(index);
+  }
+  const auto found = index_->places.find(tile);
+  return found == index_->places.end() ? std::optional<Place>() : found->second;
+}
+
+Result<bool> SettledFiles::has(TileId tile) {
+  BOOST_OUTCOME_TRY(place, find(tile));
+  return place.has_value();
+}
+
+Result<std::optional<BigVector<std::byte>>> SettledFiles::read(TileId tile) {
+  BOOST_OUTCOME_TRY(place, find(tile));
+  if (!place) return std::optional<BigVector<std::byte>>();
+  BOOST_OUTCOME_TRY(payload, read_frame_at(place->file, ScratchKind::settled, {seal_, tile.value}, place->at));
+  return std::optional(std::move(payload));
+}
+
+Status SettledFiles::clear() {
+  const std::lock_guard lock(mutex_);
+  index_.reset();
+  if (const auto failed = remove_tree(folder_)) return io_error(folder_, "cannot remove it", failed.value());
+  return success();
+}
+
+}  // namespace tessera

@@ -1,0 +1,42 @@
+// Who hosts which tile, and in which of its lives. The coordinator makes a table of the next epoch whenever a node is
+// lost: the tiles that it hosted are reborn, each as the next incarnation, on nodes that live.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "src/base/ids.h"
+#include "src/exchange/counters.h"
+
+namespace tessera {
+
+struct Table {
+  std::uint64_t epoch = 0;
+  std::uint32_t stage = 0;  // of the job; an epoch is of one stage
+  // By tile. Empty: all on node 0, all incarnation 0.
+  std::vector<NodeId> nodes;
+  std::vector<std::uint32_t> incarnations;
+
+  NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
+  // The tile's living incarnation.
+  Peer peer_of(TileId tile) const { return {tile, incarnations.empty() ? 0 : incarnations[tile.value]}; }
+  bool alive(Peer peer) const { return peer == peer_of(peer.tile); }
+  // Known to have died. A younger one than the table's is neither alive nor dead: a later table tells of it.
+  bool dead(Peer peer) const { return peer.incarnation < peer_of(peer.tile).incarnation; }
+
+  friend bool operator==(const Table&, const Table&) = default;
+};
+
+// Which tiles a table has given another incarnation than the one before it, and what that one had done: whoever hears
+// of a table finds who was reborn since his own, without looking at all tiles.
+struct Rebirths {
+  std::uint64_t after = 0, epoch = 0;  // of the one before, of the table
+  std::vector<TileId> tiles;
+  std::shared_ptr<const Rebirths> before;  // null: nobody goes by an older one
+};
+// REQUIRES: tables of one job, the older first; `earlier` ends with the older one, or is null.
+std::shared_ptr<const Rebirths> rebirths_between(const Table& older, const Table& newer,
+                                                 std::shared_ptr<const Rebirths> earlier);
+
+}  // namespace tessera
