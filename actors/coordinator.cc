@@ -13,15 +13,14 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
     : SteadyActor(config),
       options_(std::move(options)),
       owner_(owner),
-      detector_({}),
-      table_(options_.spec.table),
-      stored_(options_.weights.size()) {
+      placements_({options_.weights, options_.order, options_.term}, options_.spec.table),
+      course_(options_.take_over ? At::finding : At::opening),
+      detector_({}) {
   live_at(options_.home);
   if (options_.take_over) {
-    state_ = State::finding;
     asked_ = std::move(nodes);
   } else {
-    for (NodeHandle& node : nodes) parts_.emplace_back().node = std::move(node);
+    for (const NodeHandle& node : nodes) add(node);
   }
 }
 
@@ -69,40 +68,38 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const PartOpened& message) { attempt([&] { opened(message); }); },
       [this](PartFound& message) { attempt([&] { found(message); }); },
       [this](const PartBegun& message) {
-        if (!has(message.node)) return;
-        parts_[message.node.value].begun = true;
-        if (all([](const PartOf& p) { return p.begun || !p.opened; }))
-          account_.all_have_begun(std::chrono::steady_clock::now());
+        if (!roster_.has(message.node)) return;
+        roster_[message.node].begun = true;
+        if (roster_.all_have_begun()) account_.all_have_begun(std::chrono::steady_clock::now());
       },
       [this](const PartIdle& idle) {
         attempt([&] {
-          if (state_ == State::exchanging) act(detector_.notice(idle.node));
+          if (course_.is(At::exchanging)) act(detector_.notice(idle.node));
         });
       },
       [this](const PartTally& tally) {
         attempt([&] {
-          if (state_ != State::exchanging || tally.epoch != table_.epoch) return;
-          if (!releasing_.empty() || !handing_.empty() || !lost_.empty() || !released_.empty()) return;
+          if (!course_.is(At::exchanging) || tally.epoch != table().epoch || !placements_.complete()) return;
           act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
         });
       },
       [this](const PartSettled& message) {
         attempt([&] {
-          if (message.epoch != table_.epoch || state_ != State::settling || !has(message.node)) return;
-          parts_.at(message.node.value).settled = true;
+          if (message.epoch != table().epoch || !course_.is(At::settling) || !roster_.has(message.node)) return;
+          roster_[message.node].reached = Reached::settled;
           collect_if_settled();
         });
       },
       [this](const PartCollected& message) {
         attempt([&] {
-          if (message.epoch != table_.epoch || state_ != State::collecting || !has(message.node)) return;
-          parts_.at(message.node.value).collected = true;
+          if (message.epoch != table().epoch || !course_.is(At::collecting) || !roster_.has(message.node)) return;
+          roster_[message.node].reached = Reached::collected;
           finish_if_collected();
         });
       },
       [this](PartReleased& released) {
         attempt([&] {
-          if (state_ != State::finding) take(released);
+          if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_orphans();
         });
       },
       [this](const NodeLost& lost) {
@@ -119,14 +116,14 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const TileDone& done) { attempt([&] { take(done); }); },
       [this](PartEnded& message) { attempt([&] { ended(message); }); },
       [this](const Cancel&) {
-        if (state_ != State::ending) attempt([&] { fail(failure_of(error(Errc::interrupted, "interrupted"))); });
+        if (!course_.is(At::ending)) attempt([&] { fail(failure_of(error(Errc::interrupted, "interrupted"))); });
       },
   };
 }
 
 SharedBytes Coordinator::spec_bytes() const {
   PartSpec spec = options_.spec;
-  spec.table = table_;
+  spec.table = table();
   return to_bytes(spec);
 }
 
@@ -139,54 +136,54 @@ void Coordinator::prepare(NodeId node, const SharedBytes& spec) {
 
 void Coordinator::opened(const PartOpened& message) {
   PartOf& p = parts_.at(message.node.value);
-  p.opened = true;
+  Roster::Node& node = roster_[message.node];
   if (message.failure) return not_opened(message);
   account_.node_came();
-  p.settled = message.settled;
-  p.threads = message.threads;
-  p.memory_bytes = message.memory_bytes;
-  p.name = message.name;
+  if (!node.gone()) node.standing = Standing::there;
+  if (message.settled) node.reached = Reached::settled;
+  node.threads = message.threads;
+  node.memory_bytes = message.memory_bytes;
+  node.name = message.name;
   p.part = caf::actor_cast<PartHandle>(message.part);
-  if (state_ == State::finishing) p.lost = p.ended = true;  // it is not needed any more
-  if (p.lost || state_ == State::ending) {
+  if (course_.is(At::finishing)) node.standing = Standing::left;  // it is not needed any more
+  if (node.gone() || course_.is(At::ending)) {
     p.abort.say(p.part);
     return finish_if_over();
   }
   monitor(p.part);
-  if (state_ == State::opening) return begin_if_opened();
-  if (!p.name.empty()) owner_.said("node " + p.name + " has come, and takes part");
+  if (course_.is(At::opening)) return begin_if_opened();
+  if (!node.name.empty()) owner_.said("node " + node.name + " has come, and takes part");
   welcome(message.node);
 }
 
-BeginPart Coordinator::beginning() const { return {part_handles(), table_, state_ == State::collecting}; }
+BeginPart Coordinator::beginning() const { return {part_handles(), table(), course_.is(At::collecting)}; }
 
 void Coordinator::take(const TileDone& done) {
-  if (done.stage != table_.stage) return;  // by one that was lost in the stage before
-  const TileId tile = done.tile.tile;
-  if (stored_.at(tile.value)) return;  // by a node that was lost, too
-  stored_[tile.value] = true;
-  owner_.stored(done);
+  if (done.stage != table().stage) return;  // by one that was lost in the stage before
+  if (placements_.store(done.tile.tile)) owner_.stored(done);
 }
 
 void Coordinator::begin_if_opened() {
-  if (all([](const PartOf& p) { return p.opened; })) begin();
+  if (roster_.all([](const Roster::Node& node) { return node.standing != Standing::asked; })) begin();
 }
 
 void Coordinator::begin() {
-  const bool settled = all([](const PartOf& p) { return p.settled; });
+  const bool settled = roster_.all([](const Roster::Node& node) { return node.reached == Reached::settled; });
   if (!settled) {
-    if (Status marked = options_.mark_settled(table_.stage, false); !marked)
+    if (Status marked = options_.mark_settled(table().stage, false); !marked)
       return fail(failure_of(std::move(marked).error()));
   }
   account_.start(std::chrono::steady_clock::now(), settled);
-  state_ = settled ? State::collecting : State::exchanging;
+  course_.begin(settled);
   const caf::message message = for_parts(beginning());
   for (const Host& host : hosts()) tell(parts_[host.node.value], message);
   detector_.restart_busy(nodes());
-  for (const TileId t : options_.order) {  // of nodes that were lost before anything began
-    if (parts_.at(table_.node_of(t).value).lost) released_.push_back(t);
+  std::vector<TileId> homeless;  // of nodes that were lost before anything began
+  for (const TileId t : placements_.order()) {
+    if (!roster_.has(table().node_of(t))) homeless.push_back(t);
   }
-  if (!released_.empty()) place_orphans();
+  placements_.release(homeless);
+  if (!homeless.empty()) place_orphans();
 }
 
 void Coordinator::act(QuiescenceDetector::Verdict verdict) {
@@ -197,26 +194,25 @@ void Coordinator::act(QuiescenceDetector::Verdict verdict) {
       return tell_parts(Probe{detector_.wave()});
     case QuiescenceDetector::Verdict::quiet:
       account_.is_quiet(std::chrono::steady_clock::now());
-      state_ = State::settling;
-      if (options_.on_quiet) options_.on_quiet(table_);
+      course_.settle();
+      if (options_.on_quiet) options_.on_quiet(table());
       return tell_parts(Settle{});
   }
 }
 
 // From here on no tile needs another one: what they know is on scratch.
 void Coordinator::collect_if_settled() {
-  if (state_ != State::settling || !all([](const PartOf& p) { return p.settled || !p.opened; })) return;
-  if (Status marked = options_.mark_settled(table_.stage, true); !marked)
+  if (!course_.is(At::settling) || !roster_.all_reached(Reached::settled)) return;
+  if (Status marked = options_.mark_settled(table().stage, true); !marked)
     return fail(failure_of(std::move(marked).error()));
-  state_ = State::collecting;
+  course_.collect();
   tell_parts(Collect{});
 }
 
 void Coordinator::finish_if_collected() {
-  const bool over = all([](const PartOf& p) { return p.collected || !p.opened; });
-  if (state_ != State::collecting || !releasing_.empty() || !lost_.empty() || !released_.empty() || !over) return;
-  if (table_.stage + 1 < options_.stages) return begin_next_stage();
-  state_ = State::finishing;
+  if (!course_.is(At::collecting) || !placements_.complete() || !roster_.all_reached(Reached::collected)) return;
+  if (table().stage + 1 < options_.stages) return begin_next_stage();
+  course_.finish();
   if (account_.has_untold()) tell_progress();
   tell_parts(Finish{});
 }
@@ -231,20 +227,20 @@ void Coordinator::step_down() noexcept {
 
 void Coordinator::fail(Failure failure) {
   if (options_.replaced && options_.replaced()) return step_down();
-  if (state_ == State::collecting && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
-    again_ = options_.mark_settled(table_.stage, false).has_value();  // if not, this failure is still the one to tell
+  if (course_.is(At::collecting) && failure.code == static_cast<std::uint8_t>(Errc::corrupt)) {
+    again_ = options_.mark_settled(table().stage, false).has_value();  // if not, this failure is still the one to tell
   }
   const bool interrupted = failure.code == static_cast<std::uint8_t>(Errc::interrupted);
-  if (!interrupted || state_ == State::ending) return give_up(std::move(failure));
+  if (!interrupted || course_.is(At::ending)) return give_up(std::move(failure));
   failure_ = std::move(failure);
-  state_ = State::ending;
+  course_.end();
   tell_parts(Suspend{});
   finish_if_over();
 }
 
 void Coordinator::give_up(Failure failure) noexcept {
   if (!failure_) failure_ = std::move(failure);
-  state_ = State::ending;
+  course_.end();
   abort_parts();
   finish_if_over();
 }
@@ -254,41 +250,39 @@ void Coordinator::abort_parts() noexcept {
 }
 
 void Coordinator::ended(PartEnded& message) {
-  if (state_ == State::finding) {  // it had answered: its node may open another
+  if (course_.is(At::finding)) {  // it had answered: its node may open another
     for (PartFound& found : answers_) {
       if (found.part && found.self == message.node) found.part = nullptr;
     }
     return;
   }
-  if (!has(message.node)) return;
-  PartOf& p = parts_[message.node.value];
-  if (std::exchange(p.ended, true)) return;
-  p.part = nullptr;
+  if (!roster_.has(message.node) || roster_[message.node].over()) return;
+  Roster::Node& node = roster_[message.node];
+  node.standing = Standing::ended;
+  parts_[message.node.value].part = nullptr;
   account_.ended(message);
   if (message.failure) {
-    if (!p.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
-      message.failure.text = "node " + p.name + ": " + message.failure.text;
-    const bool can = state_ == State::exchanging || state_ == State::settling || state_ == State::collecting;
-    if (!message.of_node || !can || hosts().empty()) return fail(std::move(message.failure));
-    p.lost = true;
+    if (!node.name.empty() && message.failure.code != static_cast<std::uint8_t>(Errc::interrupted))
+      message.failure.text = "node " + node.name + ": " + message.failure.text;
+    if (!message.of_node || !course_.works() || hosts().empty()) return fail(std::move(message.failure));
+    node.standing = Standing::lost;
     account_.node_lost();
     return missing(message.node, message.failure,
                    "cannot go on with its scratch folder (" + message.failure.text + ")");
   }
-  const bool handed = handing_.contains(message.node) && state_ == State::exchanging;
-  if (handed || (p.finished && state_ == State::collecting)) return left(message);
+  const bool handed = placements_.hands_over(message.node) && course_.is(At::exchanging);
+  if (handed || (node.dismissed && course_.is(At::collecting))) return left(message);
   finish_if_over();
 }
 
 void Coordinator::finish_if_over() noexcept {
   // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
-  const bool ends = state_ == State::finishing || state_ == State::ending;
-  if (told_ || !ends || !all([](const PartOf& p) { return p.ended; })) return;
+  if (told_ || !course_.ends() || !roster_.all([](const Roster::Node& node) { return node.over(); })) return;
   told_ = true;
   RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave());
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
-  for (const PartOf& p : parts_) end.memory_bytes += p.memory_bytes;
+  for (const Roster::Node& node : roster_.nodes()) end.memory_bytes += node.memory_bytes;
   owner_.ended(std::move(end));
   quit();
 }

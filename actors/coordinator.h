@@ -42,8 +42,11 @@
 #include "actors/protocol.h"
 #include "actors/run_owner.h"
 #include "actors/steady_actor.h"
+#include "src/exchange/course.h"
 #include "src/exchange/detector.h"
 #include "src/exchange/part.h"
+#include "src/exchange/placements.h"
+#include "src/exchange/roster.h"
 
 namespace tessera {
 
@@ -83,21 +86,13 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void on_exit() override;
 
  private:
-  enum class State : std::uint8_t { finding, opening, exchanging, settling, collecting, finishing, ending };
+  using At = Course::At;
+  using Standing = Roster::Standing;
+  using Reached = Roster::Reached;
+  // How a node and its part are reached; how they stand, the roster says.
   struct PartOf {
     NodeHandle node;
     PartHandle part;  // null before it is opened, and when it has ended
-    std::uint32_t threads = 1;
-    std::uint64_t memory_bytes = 0;
-    std::string name;         // of the node, once it is opened
-    std::uint32_t tiles = 0;  // by the table of the epoch counted_
-    bool opened = false, begun = false, lost = false, ended = false;
-    bool left = false;       // in order: it counts as lost
-    bool finished = false;   // has been told Finish, and leaves
-    bool refused = false;    // its node could not open it
-    bool settled = false;    // when it was opened, nobody needed an exchange; later, as it says of this epoch
-    bool collected = false;  // as it says of this epoch
-    bool there() const { return !ended && opened; }
     Prepared<OpenPart> open;
     Prepared<Abort> abort;
   };
@@ -130,28 +125,26 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void note(const NodeBack& back);
   bool knows(const NodeHandle& node) const;
   void welcome(NodeId node);
-  void take(PartReleased& released);
+  NodeId add(const NodeHandle& node);
   void lose(const NodeHandle& node, Failure failure, const std::string& why);
   void lose_found(const NodeHandle& node);
   void lose(NodeId node, Failure failure, const std::string& why);
   void orphan_tiles(NodeId node, const std::string& why);
   bool nobody() const;
+  void is_disturbed();
   void wait_for_a_node(Failure failure, const std::string& because = "no node is left");
   void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
-  // A part that it has: not one of a node that was lost, or that only the coordinator before it knew.
-  bool has(NodeId node) const { return node.value < parts_.size() && !parts_[node.value].lost; }
-  // Of one that was replaced, and does not know it, they are others.
-  std::uint64_t first_epoch() const { return options_.term << 32; }
-  std::uint32_t first_incarnation() const { return static_cast<std::uint32_t>(options_.term << 16); }
-  // Other incarnations of these where there is room; those for which there is none stay in the list, and wait. `all`:
-  // there are no other hosts.
-  std::vector<Placement> again(std::vector<TileId>& tiles, std::vector<Host> hosts, bool all = true) const;
+  void wait_if_homeless(bool any_host);
+  const Table& table() const { return placements_.table(); }
+  Placements::Lives lives() const {
+    return [this](NodeId node) { return roster_.has(node); };
+  }
   Host host(NodeId node, std::uint32_t threads, std::uint64_t memory_bytes) const;
   bool may_begin();
   bool has_room(NodeId node) const;
-  void wait_for_room(const std::vector<TileId>& tiles, const std::vector<PartFound>& nodes);
+  void wait_for_room(const std::vector<TileId>& tiles);
   void missing(NodeId node, Failure failure, const std::string& why);
   void step_down() noexcept;
   std::vector<Host> hosts() const;
@@ -187,32 +180,21 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
       if (p.part) tell(p, shared);
     }
   }
-  // Of those that are not lost.
-  template <class Done>
-  bool all(Done done) const {
-    return std::all_of(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.lost || done(p); });
-  }
-
   CoordinatorOptions options_;
   RunOwner& owner_;
   std::vector<PartOf> parts_;  // by node
+  Roster roster_;              // likewise
+  Placements placements_;
+  Course course_;
   QuiescenceDetector detector_;
-  State state_ = State::opening;
   std::vector<NodeHandle> asked_;  // for their parts, and have not answered
   std::vector<PartFound> answers_;
   std::uint32_t numbers_lost_ = 0;  // below it are those of parts whose nodes were lost after they had answered
-  Table table_;
-  std::vector<bool> stored_;         // by tile
-  std::vector<NodeId> waiting_;      // have joined, and wait for tiles
-  std::multiset<NodeId> releasing_;  // have been asked for tiles, each time that a node came, and have not answered
-  std::vector<TileId> released_;     // what they gave up, or have handed over
   struct Leaving {
     NodeHandle node;
     UsherHandle registry;
   };
   std::vector<Leaving> leaving_;  // nodes that are to leave, and are not let go yet
-  std::set<NodeId> handing_;      // of these, those that hand over what they have
-  std::vector<TileId> lost_;      // of lost nodes, not placed yet
   bool without_room_ = false;     // no node has the memory for one of them
   Failure missed_;                // why the job fails if no node comes
   std::uint64_t waits_ = 0;       // for one, so far

@@ -19,7 +19,7 @@ namespace tessera {
 
 void Coordinator::leave(const NodeLeaves& leaves) {
   const auto node = caf::actor_cast<NodeHandle>(leaves.node);
-  if (state_ == State::finding) join(node);
+  if (course_.is(At::finding)) join(node);
   leaving_.push_back({node, caf::actor_cast<UsherHandle>(leaves.registry)});
 }
 
@@ -41,49 +41,43 @@ void Coordinator::let_go() {
 }
 
 bool Coordinator::may_go(const NodeHandle& node) {
-  if (state_ == State::finding) return !knows(node);
-  const auto part =
-      std::find_if(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.node == node && !p.ended; });
-  if (part == parts_.end()) return true;
-  const NodeId number{static_cast<std::uint32_t>(part - parts_.begin())};
-  if (state_ == State::finishing || state_ == State::ending) return false;
-  if (state_ == State::opening || !part->opened) {
+  if (course_.is(At::finding)) return !knows(node);
+  NodeId number;
+  while (number.value < parts_.size() && (parts_[number.value].node != node || roster_[number].over())) ++number.value;
+  if (number.value == parts_.size()) return true;
+  if (course_.ends()) return false;
+  Roster::Node& known = roster_[number];
+  if (course_.is(At::opening) || !known.there()) {
     dismiss(number);
     return true;
   }
-  if (state_ == State::exchanging && handing_.insert(number).second) send(part->part, HandOver{});
-  if (state_ == State::collecting && part->collected && !std::exchange(part->finished, true))
-    send(part->part, Finish{});
+  const PartHandle& part = parts_[number.value].part;
+  if (course_.is(At::exchanging) && placements_.begin_handing(number)) send(part, HandOver{});
+  if (course_.is(At::collecting) && known.reached == Reached::collected && !std::exchange(known.dismissed, true))
+    send(part, Finish{});
   return false;
 }
 
 // It has begun nothing.
 void Coordinator::dismiss(NodeId node) {
   PartOf& p = parts_[node.value];
-  p.lost = p.ended = p.left = true;
+  roster_[node].standing = Standing::left;
   if (p.part) {
     demonitor(p.part.address());
     p.abort.say(p.part);
     p.part = nullptr;
   }
   if (nobody()) return wait_for_a_node(failure_of(error(Errc::internal, "the last node has left")));
-  if (state_ == State::opening) begin_if_opened();
+  if (course_.is(At::opening)) begin_if_opened();
 }
 
 // It has handed over, or has stored what it had.
 void Coordinator::left(const PartEnded& message) {
-  PartOf& p = parts_[message.node.value];
-  p.lost = p.left = true;
-  if (handing_.erase(message.node) > 0) {
-    std::vector<bool> moves(options_.weights.size());
-    for (const TileId t : released_) moves[t.value] = true;
-    for (const TileId t : options_.order) {
-      if (table_.node_of(t) == message.node && !stored_[t.value] && !moves[t.value]) released_.push_back(t);
-    }
-    account_.tiles_begin_again(message.not_handed);
-  }
-  if (!p.name.empty()) {
-    owner_.said("node " + p.name + " leaves: others go on with " + std::to_string(message.handed) +
+  Roster::Node& node = roster_[message.node];
+  node.standing = Standing::left;
+  if (placements_.end_handing(message.node)) account_.tiles_begin_again(message.not_handed);
+  if (!node.name.empty()) {
+    owner_.said("node " + node.name + " leaves: others go on with " + std::to_string(message.handed) +
                 " tiles that it had begun" +
                 (message.not_handed == 0 ? "" : "; " + std::to_string(message.not_handed) + " begin again"));
   }
@@ -94,8 +88,9 @@ void Coordinator::left(const PartEnded& message) {
 
 // `back`: another process of a node that has had a part in this job.
 void Coordinator::note(const NodeBack& back) {
-  const bool took_part = std::any_of(parts_.begin(), parts_.end(),
-                                     [&](const PartOf& p) { return !p.name.empty() && p.name == back.name; });
+  const bool took_part = std::any_of(roster_.nodes().begin(), roster_.nodes().end(), [&](const Roster::Node& node) {
+    return !node.name.empty() && node.name == back.name;
+  });
   if (took_part) owner_.said("node " + back.name + ": the process before this one " + back.last_words);
 }
 

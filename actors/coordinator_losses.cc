@@ -14,7 +14,7 @@ std::string gone(const caf::down_msg& down) { return "does not answer any more: 
 }  // namespace
 
 void Coordinator::lose(const NodeHandle& node, Failure failure, const std::string& why) {
-  if (state_ == State::finding) return lose_found(node);
+  if (course_.is(At::finding)) return lose_found(node);
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
     if (parts_[n].node == node) return lose(NodeId{n}, std::move(failure), why);
   }
@@ -38,9 +38,9 @@ void Coordinator::lose_found(const NodeHandle& node) {
 }
 
 void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
-  PartOf& p = parts_.at(node.value);
-  if (p.ended) return;
-  p.lost = p.ended = true;
+  if (roster_[node].over()) return;
+  PartOf& p = parts_[node.value];
+  roster_[node].standing = Standing::lost;
   if (p.part) {
     account_.node_lost();
     demonitor(p.part.address());
@@ -51,49 +51,38 @@ void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
 
 // It takes no part any more.
 void Coordinator::missing(NodeId node, Failure failure, const std::string& why) {
-  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
-  releasing_.erase(node);
-  handing_.erase(node);
-  if (state_ != State::opening) orphan_tiles(node, why);
+  if (course_.ends()) return finish_if_over();
+  if (!course_.is(At::opening)) orphan_tiles(node, why);
   if (nobody()) return wait_for_a_node(std::move(failure));
-  if (state_ == State::opening) return begin_if_opened();
+  if (course_.is(At::opening)) return begin_if_opened();
   place_orphans();
 }
 
 void Coordinator::orphan_tiles(NodeId node, const std::string& why) {
-  const std::size_t before = lost_.size();
-  for (const TileId t : options_.order) {
-    if (table_.node_of(t) == node && !stored_[t.value]) lost_.push_back(t);
-  }
-  const PartOf& p = parts_[node.value];
-  if (!p.name.empty()) {
-    owner_.said("node " + p.name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " +
-                std::to_string(lost_.size() - before) + " tiles begin again on others");
+  const std::size_t tiles = placements_.lose(node);
+  if (const std::string& name = roster_[node].name; !name.empty()) {
+    owner_.said("node " + name + " is lost" + (why.empty() ? "" : ": it " + why) + "; " + std::to_string(tiles) +
+                " tiles begin again on others");
   }
   // Of what it has said, or says still, nothing counts, also while no other node is there that takes the tiles.
   detector_.restart(nodes());
-  if (state_ == State::settling && !lost_.empty()) {
-    state_ = State::exchanging;
-    account_.is_not_quiet();
-  }
+  if (tiles > 0) is_disturbed();
 }
 
 // Others do without it, if there are any. What nobody can open, and nobody was lost, is not waited for.
 void Coordinator::not_opened(const PartOpened& message) {
-  PartOf& p = parts_.at(message.node.value);
-  p.lost = p.ended = p.refused = true;
-  if (state_ == State::finishing || state_ == State::ending) return finish_if_over();
-  const bool by_all = std::all_of(parts_.begin(), parts_.end(), [](const PartOf& part) { return part.refused; });
-  if (by_all && waits_ == 0) return fail(message.failure);
+  roster_[message.node].standing = Standing::refused;
+  if (course_.ends()) return finish_if_over();
+  if (roster_.all_refused() && waits_ == 0) return fail(message.failure);
   owner_.said((message.name.empty() ? "a node" : "node " + message.name) +
               " cannot take part: " + message.failure.text);
   if (nobody()) return wait_for_a_node(message.failure);
-  if (state_ == State::opening) begin_if_opened();
+  if (course_.is(At::opening)) begin_if_opened();
 }
 
 // No part is there, and none is on its way.
 bool Coordinator::nobody() const {
-  return state_ == State::finding ? asked_.empty() && answers_.empty() : all([](const PartOf&) { return false; });
+  return course_.is(At::finding) ? asked_.empty() && answers_.empty() : roster_.nobody();
 }
 
 // Its process may come again, and others may be on their way. `failure`: to be told when none comes.
@@ -106,7 +95,7 @@ void Coordinator::wait_for_a_node(Failure failure, const std::string& because) {
 }
 
 void Coordinator::give_up_waiting(const NobodyCame& over) {
-  const bool waits = over.wait == waits_ && state_ != State::finishing && state_ != State::ending;
+  const bool waits = over.wait == waits_ && !course_.ends();
   if (waits && (nobody() || without_room_)) fail(std::move(missed_));
 }
 
@@ -118,34 +107,25 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
     const PartOf& p = parts_[n];
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
-    if ((!node && !part) || p.ended) continue;
-    if (node && p.opened) continue;  // its part lives on, or will be missed by itself
+    if ((!node && !part) || roster_[NodeId{n}].over()) continue;
+    if (node && roster_[NodeId{n}].there()) continue;  // its part lives on, or will be missed by itself
     return lose(NodeId{n}, lost(node ? "a node" : "a node's part of the job", down.reason), gone(down));
   }
 }
 
 // All at once, when it is known which there are. Until then nothing is believed quiet, or finished.
 void Coordinator::place_orphans() {
-  const std::vector<Host> all = hosts();
-  if (!releasing_.empty() || !handing_.empty() || all.empty()) return;  // a part that is being opened will take them
-  std::vector<Host> late;
-  std::copy_if(all.begin(), all.end(), std::back_inserter(late), [&](const Host& host) {
-    return std::find(waiting_.begin(), waiting_.end(), host.node) != waiting_.end();
-  });
-  waiting_.clear();
-  std::vector<Placement> changes = again(lost_, all);
-  account_.tiles_begin_again(changes.size());
-  auto moved = again(released_, late, false);
-  changes.insert(changes.end(), moved.begin(), moved.end());
-  moved = again(released_, all);  // what whoever is late has no room for
-  changes.insert(changes.end(), moved.begin(), moved.end());
-  if (!lost_.empty() || !released_.empty()) {
-    wait_for_room(lost_.empty() ? released_ : lost_, {});
-  } else {
+  const std::vector<Host> there = hosts();
+  if (placements_.awaits() || there.empty()) return;  // a part that is being opened will take them
+  const Placements::Placed placed = placements_.place(there, lives());
+  account_.tiles_begin_again(placed.again);
+  if (placements_.homeless().empty()) {
     without_room_ = false;
+  } else {
+    wait_for_room(placements_.homeless());
   }
-  if (!changes.empty()) return change_table(changes);
-  if (state_ == State::exchanging) {
+  if (!placed.changes.empty()) return change_table(placed.changes);
+  if (course_.is(At::exchanging)) {
     detector_.restart(nodes());
     act(detector_.look());
   }

@@ -1,0 +1,122 @@
+#include "src/exchange/placements.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+namespace tessera {
+
+Placements::Placements(PlacementOptions options, Table table)
+    : options_(std::move(options)), table_(std::move(table)), stored_(options_.weights.size()) {}
+
+std::vector<std::uint64_t> Placements::held(std::size_t nodes) const {
+  std::vector<std::uint64_t> held(nodes);
+  for (const TileId t : options_.order) {
+    if (const NodeId node = table_.node_of(t); node.value < nodes) held[node.value] += weight(t);
+  }
+  return held;
+}
+
+std::vector<std::uint32_t> Placements::tiles(std::size_t nodes) const {
+  std::vector<std::uint32_t> tiles(nodes);
+  for (const TileId t : options_.order) {
+    if (const NodeId node = table_.node_of(t); node.value < nodes) ++tiles[node.value];
+  }
+  return tiles;
+}
+
+// Others than those of parts that nobody was asked for, and that go on.
+void Placements::begin(std::uint32_t stage, std::span<const Host> hosts) {
+  table_ = {first_epoch(), stage, std::vector<NodeId>(options_.weights.size()),
+            std::vector<std::uint32_t>(options_.weights.size(), first_incarnation())};
+  const std::vector<NodeId> nodes = share_out(options_.order, options_.weights, hosts);
+  for (std::size_t i = 0; i < nodes.size(); ++i) table_.nodes[options_.order[i].value] = nodes[i];
+}
+
+// Nodes have come and gone, so that the work is shared out anew. A tile that stays where it is keeps its incarnation:
+// nothing of the stage before is on its way to it.
+std::vector<Placement> Placements::begin_next_stage(const std::vector<Host>& hosts, const Lives& lives) {
+  if (table_.nodes.empty()) {  // one node had all
+    table_.nodes.assign(options_.weights.size(), NodeId{0});
+    table_.incarnations.assign(options_.weights.size(), 0);
+  }
+  ++table_.stage;
+  stored_.assign(stored_.size(), false);
+  late_.clear();
+  std::vector<TileId> tiles = options_.order;
+  std::vector<Placement> changes = hosts.empty() ? std::vector<Placement>() : again(tiles, hosts, lives);
+  std::erase_if(changes, [&](const Placement& change) { return table_.node_of(change.tile) == change.node; });
+  // Of those left over there is no room for some; or all nodes that are there are to leave.
+  std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(released_),
+               [&](TileId tile) { return hosts.empty() || !lives(table_.node_of(tile)); });
+  return changes;
+}
+
+bool Placements::store(TileId tile) {
+  if (stored_.at(tile.value)) return false;
+  stored_[tile.value] = true;
+  return true;
+}
+
+std::size_t Placements::lose(NodeId node) {
+  asked_.erase(node);
+  handing_.erase(node);
+  const std::size_t before = lost_.size();
+  std::copy_if(options_.order.begin(), options_.order.end(), std::back_inserter(lost_),
+               [&](TileId t) { return table_.node_of(t) == node && !stored_[t.value]; });
+  return lost_.size() - before;
+}
+
+bool Placements::answer(NodeId node, std::span<const TileId> tiles) {
+  const auto asked = asked_.find(node);
+  if (asked == asked_.end()) return false;  // lost meanwhile, and its tiles with it
+  asked_.erase(asked);
+  release(tiles);
+  return true;
+}
+
+bool Placements::end_handing(NodeId node) {
+  if (handing_.erase(node) == 0) return false;
+  std::vector<bool> moves(options_.weights.size());
+  for (const TileId t : released_) moves[t.value] = true;
+  std::copy_if(options_.order.begin(), options_.order.end(), std::back_inserter(released_),
+               [&](TileId t) { return table_.node_of(t) == node && !stored_[t.value] && !moves[t.value]; });
+  return true;
+}
+
+// One that nobody has begun, and that its node has given up, is nobody's until the table says otherwise, and the table
+// has it on a node that lives: it does not wait, and goes to whoever has most room. `all`: there are no other hosts.
+std::vector<Placement> Placements::again(std::vector<TileId>& tiles, std::vector<Host> hosts, const Lives& lives,
+                                         bool all) const {
+  const auto waits = std::stable_partition(tiles.begin(), tiles.end(), [&](TileId tile) {
+    return any_has_room(hosts, weight(tile)) || (all && lives(table_.node_of(tile)));
+  });
+  const std::vector<TileId> placed(tiles.begin(), waits);
+  tiles.erase(tiles.begin(), waits);
+  if (placed.empty()) return {};
+  const auto roomiest = std::max_element(hosts.begin(), hosts.end(),
+                                         [](const Host& a, const Host& b) { return a.weight_max < b.weight_max; });
+  for (const TileId tile : placed) roomiest->weight_max = std::max(roomiest->weight_max, weight(tile));
+  return place_again(table_, placed, options_.weights, hosts, first_incarnation());
+}
+
+Placements::Placed Placements::place(const std::vector<Host>& hosts, const Lives& lives) {
+  std::vector<Host> late;
+  std::copy_if(hosts.begin(), hosts.end(), std::back_inserter(late),
+               [&](const Host& host) { return std::find(late_.begin(), late_.end(), host.node) != late_.end(); });
+  late_.clear();
+  Placed placed{again(lost_, hosts, lives), 0};
+  placed.again = placed.changes.size();
+  for (const bool all : {false, true}) {  // then what those that came late have no room for
+    const auto moved = again(released_, all ? hosts : late, lives, all);
+    placed.changes.insert(placed.changes.end(), moved.begin(), moved.end());
+  }
+  return placed;
+}
+
+const Table& Placements::change(std::span<const Placement> changes) {
+  table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
+  return table_;
+}
+
+}  // namespace tessera
