@@ -48,9 +48,9 @@ void PartActor::on_exit() {
   meter_->end(id());
   stop_work();
   for (auto& [tile, hosted] : hosted_) hosted.leave.say(hosted.handle);
-  if (!ended_ && !sum_.failure) sum_.failure = ended_unexpectedly();
+  if (state_ != State::ended && !sum_.failure) sum_.failure = ended_unexpectedly();
   last_word_.message() = std::move(sum_);
-  if (!left_) last_word_.say(coordinator_);
+  if (!silent_) last_word_.say(coordinator_);
   office_ = nullptr;
   part_ = nullptr;
   coordinator_ = nullptr;
@@ -73,7 +73,7 @@ PartActor::behavior_type PartActor::make_behavior() {
   });
   return {
       [this](const BeginPart& begin) {
-        if (!obeyed() || opened_) return;  // once, whoever says it again
+        if (!obeyed() || opened()) return;  // once, whoever says it again
         open(begin);
         dispatch();
       },
@@ -107,7 +107,7 @@ PartActor::behavior_type PartActor::make_behavior() {
           return name_of(self_) + ": wave " + std::to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") +
                  ", sent " + std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
-        told_idle_ = false;
+        said_.forget(Word::idle);
         tell(tally);
       },
       [this](const Settle&) {
@@ -151,7 +151,7 @@ PartActor::behavior_type PartActor::make_behavior() {
         dispatch();
       },
       [this](const Leave&) {  // without a word: whoever watches takes the node for lost
-        left_ = true;
+        silent_ = true;
         stop(failure_of(error(Errc::interrupted, "the node leaves")));
         dispatch();
       },
@@ -240,24 +240,24 @@ void PartActor::stop_work() noexcept {
 }
 
 void PartActor::dispatch() {
-  if (ended_) return;
-  while (const auto grant = opened_ ? schedule_.next() : std::nullopt) {
+  if (state_ == State::ended) return;
+  while (const auto grant = opened() ? schedule_.next() : std::nullopt) {
     send(hosted_.at(grant->tile).handle, Grant{grant->work});
   }
   tell_progress(false);
   if (!schedule_.idle() || rejoining_ > 0) {
-    const bool begun = opened_ && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
-    if (begun && !std::exchange(told_begun_, true)) tell(PartBegun{self_});
+    const bool begun = opened() && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
+    if (begun && said_.first(Word::begun)) tell(PartBegun{self_});
     return;
   }
   switch (schedule_.phase()) {
     case Schedule::Phase::exchanging:
-      if (!opened_) return;
-      if (!std::exchange(told_begun_, true)) tell(PartBegun{self_});
-      if (!std::exchange(told_idle_, true)) tell(PartIdle{self_});
+      if (!opened()) return;
+      if (said_.first(Word::begun)) tell(PartBegun{self_});
+      if (said_.first(Word::idle)) tell(PartIdle{self_});
       return;
     case Schedule::Phase::settling:
-      if (std::exchange(told_settled_, true)) return;
+      if (!said_.first(Word::settled)) return;
       if (stage().sync_settled) {
         if (Status synced = stage().sync_settled(); !synced) {
           stop(failure_of(std::move(synced).error()));
@@ -266,7 +266,7 @@ void PartActor::dispatch() {
       }
       return tell(PartSettled{self_, table_->epoch});
     case Schedule::Phase::collecting:
-      if (!std::exchange(told_collected_, true)) tell(PartCollected{self_, table_->epoch});
+      if (said_.first(Word::collected)) tell(PartCollected{self_, table_->epoch});
       return;
     case Schedule::Phase::handing:
       if (leaving_ == 0) end();
@@ -297,7 +297,7 @@ void PartActor::end() {
     sum_.of_node = io && (gate_failed_ || stage().context.storage->own_scratch_failed());
     sum_.failure = std::move(*failure_);
   }
-  ended_ = true;
+  state_ = State::ended;
   quit();
 }
 

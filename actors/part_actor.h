@@ -46,6 +46,7 @@
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
 #include "src/exchange/part.h"
+#include "src/exchange/said.h"
 #include "src/exchange/schedule.h"
 
 namespace tessera {
@@ -123,7 +124,8 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
     return part_->stored;
   }
   const std::vector<std::uint64_t>& weights() const { return *part_->weights; }
-  bool idle() const { return opened_ && rejoining_ == 0 && !failure_ && schedule_.idle(); }
+  bool opened() const { return state_ != State::waiting; }
+  bool idle() const { return opened() && rejoining_ == 0 && !failure_ && schedule_.idle(); }
 
   // What another node has sent, and does not know to be taken.
   struct Owed {
@@ -160,9 +162,10 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::chrono::steady_clock::time_point progress_told_{};
   std::shared_ptr<NodeMeter> meter_;
   std::optional<Failure> failure_;
-  bool told_idle_ = false;  // since it has answered a probe, has had a new table, or another coordinator
-  bool opened_ = false, told_begun_ = false, told_settled_ = false, told_collected_ = false, ended_ = false,
-       left_ = false;
+  enum class State : std::uint8_t { waiting, open, ended };  // for BeginPart; from there on; it has said its last word
+  State state_ = State::waiting;
+  bool silent_ = false;  // it leaves without a word
+  Said said_;            // since its table, or its coordinator, is another one; that it is idle, since its last tally
 };
 
 }  // namespace tessera

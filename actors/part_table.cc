@@ -18,7 +18,7 @@ void PartActor::open(const BeginPart& begin) {
   for (const TileReceipt& stored : stored_before()) schedule_.set_stored(stored.tile);
   progress_.tiles_stored = stored_before().size();
   go_by(table_, begin.parts);
-  opened_ = true;
+  state_ = State::open;
   if (begin.settled) enter_collecting();
   deliver_early();
 }
@@ -37,7 +37,7 @@ void PartActor::begin_stage(const Table& table) {
   stored_.clear();
   rebirths_ = nullptr;
   totals_ = {};
-  told_begun_ = false;
+  said_.forget(Word::begun);
 }
 
 // Whoever says so may be another than the coordinator.
@@ -71,7 +71,7 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
     if (weights()[t] == 0 || table->node_of(TileId{t}) != self_ || hosts(TileId{t})) continue;
     Hosted& hosted = hosted_[TileId{t}];  // first: what is there must be told to leave
     hosted.handle = spawn<TileActor>(table->peer_of(TileId{t}), part_, std::shared_ptr<const Office>(office_), table);
-    if (opened_) schedule_.add(TileId{t}, weights()[t]);
+    if (opened()) schedule_.add(TileId{t}, weights()[t]);
   }
   routes->tiles.reserve(hosted_.size());
   for (const auto& [tile, hosted] : hosted_) routes->tiles.emplace_back(tile, hosted.handle);
@@ -80,7 +80,7 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
 }
 
 void PartActor::change_table(ChangeTable& change) {
-  if (failure_ || !opened_ || change.table.epoch <= table_->epoch) return;
+  if (failure_ || !opened() || change.table.epoch <= table_->epoch) return;
   office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
   if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
@@ -95,7 +95,7 @@ void PartActor::change_table(ChangeTable& change) {
   } else if (schedule_.phase() == Schedule::Phase::settling) {
     schedule_.enter(Schedule::Phase::exchanging);
   }
-  told_idle_ = told_settled_ = told_collected_ = false;
+  for (const Word word : {Word::idle, Word::settled, Word::collected}) said_.forget(word);
   const bool rejoins = schedule_.phase() == Schedule::Phase::exchanging;
   if (rejoins) rebirths_ = rebirths_between(*table_, change.table, std::move(rebirths_));
   std::vector<TileHandle> before;
@@ -125,7 +125,7 @@ void PartActor::take(const TileRejoined& rejoined) {
 // Their mail goes with them: what they were told they are told again, as other incarnations.
 void PartActor::release(const Release& wanted) {
   std::vector<TileId> released;
-  const bool can = !failure_ && opened_ && rejoining_ == 0 && schedule_.phase() != Schedule::Phase::settling &&
+  const bool can = !failure_ && opened() && rejoining_ == 0 && schedule_.phase() != Schedule::Phase::settling &&
                    schedule_.phase() != Schedule::Phase::handing;
   if (can) released = schedule_.release(wanted.weight);
   for (const TileId tile : released) {
@@ -149,7 +149,7 @@ void PartActor::take(const TileLeft&) {
 // does not hear any more, and is told again where it goes on. A part may be settling: when another node was lost
 // meanwhile the job exchanges again, but there is no new table before somebody is there who takes those tiles.
 void PartActor::hand_over() {
-  if (failure_ || !opened_ || schedule_.phase() > Schedule::Phase::settling) return;
+  if (failure_ || !opened() || schedule_.phase() > Schedule::Phase::settling) return;
   office_->hooks.tell([&] { return name_of(self_) + ": hands over"; });
   schedule_.enter(Schedule::Phase::handing);
 }
@@ -165,12 +165,12 @@ void PartActor::answer_if_left() {
   answer.node = finder_->node;
   answer.part = caf::actor_cast<caf::actor>(this);
   answer.self = self_;
-  answer.begun = opened_;
+  answer.begun = opened();
   answer.table = *table_;
   answer.threads = stage().schedule.threads;
   answer.memory_bytes = office_->options.memory_bytes;
   answer.name = finder_->name;
-  for (std::uint32_t t = 0; opened_ && t < weights().size(); ++t) {
+  for (std::uint32_t t = 0; opened() && t < weights().size(); ++t) {
     if (table_->node_of(TileId{t}) == self_ && weights()[t] > 0 && !hosts(TileId{t})) {
       answer.released.push_back(TileId{t});
     }
@@ -187,12 +187,12 @@ bool PartActor::obeyed() {
 
 // Whatever has been said to the one before may not have been heard.
 void PartActor::obey(const FindPart& found) {
-  if (found.term <= term_ || ended_) return;
+  if (found.term <= term_ || state_ == State::ended) return;
   term_ = found.term;
   if (coordinator_) demonitor(coordinator_.address());
   coordinator_ = caf::actor_cast<CoordinatorHandle>(found.coordinator);
   monitor(coordinator_);
-  told_begun_ = told_idle_ = told_settled_ = told_collected_ = false;
+  said_.forget_all();
   releases_ = 0;
   given_up_.clear();
   finder_ = found;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "src/exchange/course.h"
+#include "src/exchange/said.h"
 
 namespace tessera {
 namespace {
@@ -52,6 +53,18 @@ TEST(Roster, LeavesNumbersToThoseThatAreNotFound) {
   roster.take_numbers(2);
   EXPECT_TRUE(roster.nobody());
   EXPECT_EQ(roster.add(), NodeId{2});
+}
+
+TEST(Said, EachWordOnceUntilItIsForgotten) {
+  Said said;
+  EXPECT_TRUE(said.first(Word::idle));
+  EXPECT_FALSE(said.first(Word::idle));
+  EXPECT_TRUE(said.first(Word::begun));
+  said.forget(Word::idle);
+  EXPECT_TRUE(said.first(Word::idle));
+  EXPECT_FALSE(said.first(Word::begun));
+  said.forget_all();
+  EXPECT_TRUE(said.first(Word::begun));
 }
 
 using At = Course::At;
