@@ -279,7 +279,7 @@ void Coordinator::finish_if_over() noexcept {
   // A part that is not opened yet will be, or its node is missed: only then is it known that nothing goes on there.
   if (told_ || !course_.ends() || !roster_.all([](const Roster::Node& node) { return node.over(); })) return;
   told_ = true;
-  RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave());
+  RunEnded end = account_.end(std::chrono::steady_clock::now(), detector_.wave().value);
   if (failure_) end.failure = std::move(*failure_);
   end.again = again_;
   for (const Roster::Node& node : roster_.nodes()) end.memory_bytes += node.memory_bytes;

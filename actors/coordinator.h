@@ -56,7 +56,7 @@ struct CoordinatorOptions {
   std::vector<std::uint64_t> weights;  // by tile: how much work it is, in a unit of the job's own; 0: there is none
   std::vector<TileId> order;           // of the tiles that there are: neighbours near each other
   // Claimed: of all coordinators of a job the one with the highest is obeyed. Takes over what an earlier one has begun.
-  std::uint64_t term = 0;
+  Term term;
   bool take_over = false;
   std::uint32_t stages = 1;  // that the job has
   // Writes down that a stage is settled, or that it is not any more.
@@ -200,7 +200,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   std::uint64_t waits_ = 0;       // for one, so far
   std::optional<Failure> failure_;
   Account account_{std::chrono::steady_clock::now()};
-  std::optional<std::uint64_t> counted_;
+  std::optional<Epoch> counted_;
   bool told_ = false, again_ = false;
 };
 

@@ -109,10 +109,10 @@ Status NodeActor::check_path(const std::string& path) const {
 }
 
 // Of a job that has one coordinator ever nothing is kept.
-bool NodeActor::is_replaced(JobId job, std::uint64_t term) {
+bool NodeActor::is_replaced(JobId job, Term term) {
   const auto known = terms_.find(job);
   if (known != terms_.end() && term < known->second) return true;
-  if (term > 0) terms_[job] = term;
+  if (term > Term{}) terms_[job] = term;
   return false;
 }
 

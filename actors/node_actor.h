@@ -50,7 +50,7 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
   void prepare_answer() noexcept;
   PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
   Result<PartOpened> open(const OpenPart& wanted);
-  bool is_replaced(JobId job, std::uint64_t term);
+  bool is_replaced(JobId job, Term term);
   Status check_path(const std::string& path) const;
   void leave();
   void find(const FindPart& wanted);
@@ -65,8 +65,8 @@ class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
     std::optional<FindPart> wanted;  // the last that was passed on: it may not have arrived
   };
   std::map<JobId, Opened> parts_;
-  std::map<JobId, std::uint64_t> terms_;  // the highest heard of: what an earlier one wants is not done any more
-  Prepared<PartOpened> answer_;           // the next one
+  std::map<JobId, Term> terms_;  // the highest heard of: what an earlier one wants is not done any more
+  Prepared<PartOpened> answer_;  // the next one
   std::map<caf::actor_addr, std::jthread> routing_;  // by router; has ended or ends soon where that is gone
 };
 

@@ -17,8 +17,8 @@ constexpr std::size_t nodes_at_once = 50;
 }  // namespace
 
 PartActor::PartActor(caf::actor_config& config, NodeId self, PartOptions options, std::shared_ptr<const Part> part,
-                     CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks,
-                     std::chrono::milliseconds progress_interval, std::shared_ptr<NodeMeter> meter)
+                     CoordinatorHandle coordinator, Term term, Hooks hooks, std::chrono::milliseconds progress_interval,
+                     std::shared_ptr<NodeMeter> meter)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
@@ -104,8 +104,8 @@ PartActor::behavior_type PartActor::make_behavior() {
         if (!obeyed()) return;
         const PartTally tally{self_, table_->epoch, probe.wave, idle(), totals_.sent, totals_.processed};
         office_->hooks.tell([&] {
-          return name_of(self_) + ": wave " + std::to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") +
-                 ", sent " + std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
+          return name_of(self_) + ": wave " + to_string(probe.wave) + (tally.idle ? ": idle" : ": busy") + ", sent " +
+                 std::to_string(tally.sent) + ", processed " + std::to_string(tally.processed);
         });
         said_.forget(Word::idle);
         tell(tally);

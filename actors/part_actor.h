@@ -57,7 +57,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
  public:
   // `progress_interval`: how often at most the coordinator, and the meter, hear of progress, where nodes are few.
   PartActor(caf::actor_config& config, NodeId self, PartOptions options, std::shared_ptr<const Part> part,
-            CoordinatorHandle coordinator, std::uint64_t term, Hooks hooks, std::chrono::milliseconds progress_interval,
+            CoordinatorHandle coordinator, Term term, Hooks hooks, std::chrono::milliseconds progress_interval,
             std::shared_ptr<NodeMeter> meter);
   behavior_type make_behavior() override;
   void on_exit() override;
@@ -69,7 +69,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
     Totals totals;
     ExchangeCounts items;
     std::uint64_t updates = 0, microseconds = 0;
-    std::uint64_t epoch = 0;  // that it has last said it goes by
+    Epoch epoch;  // that it has last said it goes by
   };
 
   void failed(const std::exception_ptr& exception) noexcept override;
@@ -136,7 +136,7 @@ class PartActor : public SteadyActor<PartHandle, Pool::deciding> {
   std::shared_ptr<const Part> part_;
   std::shared_ptr<Office> office_;
   CoordinatorHandle coordinator_;
-  std::uint64_t term_ = 0;  // the coordinator's
+  Term term_;  // the coordinator's
   Schedule schedule_;
   std::map<TileId, Hosted> hosted_;
   std::uint32_t leaving_ = 0;       // tiles given up that are still there

@@ -81,7 +81,7 @@ void PartActor::go_by(std::shared_ptr<const Table> table, const std::vector<caf:
 
 void PartActor::change_table(ChangeTable& change) {
   if (failure_ || !opened() || change.table.epoch <= table_->epoch) return;
-  office_->hooks.tell([&] { return name_of(self_) + ": epoch " + std::to_string(change.table.epoch); });
+  office_->hooks.tell([&] { return name_of(self_) + ": epoch " + to_string(change.table.epoch); });
   if (!is_of_job(change.table, change.parts)) return stop(not_of_job());
   if (change.table.stage != table_->stage) {
     // When all tiles of all parts have come to the end of one stage, the next one begins.

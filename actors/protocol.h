@@ -109,7 +109,7 @@ struct Rejoin {};
 // tile -> part: it goes by this table.
 struct TileRejoined {
   TileId tile;
-  std::uint64_t epoch = 0;
+  Epoch epoch;
   std::uint64_t sent = 0, processed = 0;  // updates, per living peers
   MailNotice waiting;
 };
@@ -135,14 +135,14 @@ struct OpenPart {
   NodeId node;  // the number that the node has in this job
   SharedBytes spec;
   caf::actor coordinator;
-  std::uint64_t term = 0;
+  Term term;
 };
 
 // a coordinator that takes over -> node, which passes it on to its part of the job: obey me. Terms are claimed, each by
 // one coordinator; a part obeys that of the highest term it has heard of.
 struct FindPart {
   JobId job;
-  std::uint64_t term = 0;
+  Term term;
   caf::actor node;  // that is asked
   caf::actor coordinator;
   std::uint32_t shares = 1;  // as in PartSpec
@@ -150,7 +150,7 @@ struct FindPart {
 };
 // node, or its part -> that coordinator
 struct PartFound {
-  std::uint64_t term = 0;
+  Term term;
   caf::actor node;
   caf::actor part;     // null: there is none; the rest, but what it would have, then says nothing
   NodeId self;         // the number that the node has in this job
@@ -174,14 +174,14 @@ struct ChangeTable {
   bool settled = false;           // what is new is collected at once
 };
 struct Probe {
-  std::uint64_t wave = 0;
+  Wave wave;
 };
 struct Settle {};
 struct Collect {};
 struct Finish {};  // all tiles of all parts are stored
 struct Suspend {};
 struct Abort {
-  std::uint64_t term = 0;  // of the coordinator that says so
+  Term term;  // of the coordinator that says so
 };
 // Give up tiles that nobody has begun, until they have so much weight: another node is waiting for work. Answered by a
 // PartReleased.
@@ -211,17 +211,18 @@ struct PartIdle {
 };
 struct PartTally {
   NodeId node;
-  std::uint64_t epoch = 0, wave = 0;
+  Epoch epoch;
+  Wave wave;
   bool idle = false;
   std::uint64_t sent = 0, processed = 0;
 };
 struct PartSettled {
   NodeId node;
-  std::uint64_t epoch = 0;
+  Epoch epoch;
 };
 struct PartCollected {  // all its tiles are stored
   NodeId node;
-  std::uint64_t epoch = 0;
+  Epoch epoch;
 };
 struct PartReleased {
   NodeId node;
@@ -297,7 +298,7 @@ struct StretchRouted {
 
 // part -> itself: nobody has taken over.
 struct GraceOver {
-  std::uint64_t term = 0;
+  Term term;
 };
 
 // part -> tile, node -> part, whoever has started a node -> node: come to an end. What waits for you is not wanted any

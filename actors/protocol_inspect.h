@@ -15,6 +15,16 @@ typename Inspector::result_type inspect(Inspector& f, Id<Tag, Rep>& x) {
 }
 
 template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, Epoch& x) {
+  return f(x.term, x.number);
+}
+
+template <class Inspector>
+typename Inspector::result_type inspect(Inspector& f, Incarnation& x) {
+  return f(x.term, x.number);
+}
+
+template <class Inspector>
 typename Inspector::result_type inspect(Inspector& f, SharedBytes& x) {
   std::string bytes = x.get();
   const auto load = [&]() -> caf::error {

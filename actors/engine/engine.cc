@@ -117,7 +117,7 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   job.spec.resumable = false;  // images are of use to their own node alone
   // Whose writing counts is told by incarnations, and the next coordinator has another lock.
   job.spec.lock_file.clear();
-  auto nodes = seat->nodes(term > 1, stop);
+  auto nodes = seat->nodes(term > Term{1}, stop);
   if (nodes.empty()) return error(Errc::interrupted, "interrupted");
   return nodes;
 }

@@ -106,7 +106,7 @@ CoordinatorOptions Life::coordinator_options() {
   job.stages = second_ ? 2 : 1;
   job.spec.table.stage = first_stage();
   job.spec.grace_s = options_.faults.waits() ? grace_s : 0;
-  job.term = number;
+  job.term = Term{static_cast<std::uint32_t>(number)};
   job.take_over = number > 0;
   job.home = home_of_coordinator(number);
   for (std::uint32_t t = 0; t < setting_.tiles.size(); ++t) {
@@ -150,7 +150,7 @@ void Life::add_coordinator() {
 void Life::believed_quiet(const Table& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
-  outcome_.epochs = (table.epoch >> 32) + (table.epoch & 0xffff'ffff);  // terms, and those of the last one
+  outcome_.epochs = std::uint64_t{table.epoch.term.value} + table.epoch.number;  // terms, and those of the last one
   const auto under_way = truths_.at(table.stage).under_way(table);
   // To or from tiles that are no more, some may be left on the way.
   if (under_way != 0 || (table.epoch == setting_.spec.table.epoch && network_state_.held > 0)) {

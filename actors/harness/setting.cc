@@ -97,7 +97,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.nodes = options.nodes > 0 ? options.nodes : 1 + static_cast<std::uint32_t>(rng() % 3);
   for (std::size_t t = 0; t < s.tiles.size(); ++t) {
     s.spec.table.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng() % s.nodes)});
-    s.spec.table.incarnations.push_back(static_cast<std::uint32_t>(rng() % 2));
+    s.spec.table.incarnations.push_back({{}, static_cast<std::uint32_t>(rng() % 2)});
   }
   s.tile_points = points_of(s.tiles);
   s.table = std::make_shared<const Table>(s.spec.table);

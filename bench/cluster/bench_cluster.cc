@@ -166,8 +166,8 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
   job.weights = *setting.tile_points;
   std::vector<Host> hosts;
   for (std::uint32_t n = 0; n < nodes; ++n) hosts.push_back({NodeId{n}, 1});
-  setting.spec.table = {0, 0, std::vector<NodeId>(setting.tiles.size()),
-                        std::vector<std::uint32_t>(setting.tiles.size())};
+  setting.spec.table = {
+      {}, 0, std::vector<NodeId>(setting.tiles.size()), std::vector<Incarnation>(setting.tiles.size())};
   const auto homes = share_out(job.order, job.weights, hosts);
   for (std::size_t i = 0; i < homes.size(); ++i) setting.spec.table.nodes[job.order[i].value] = homes[i];
   setting.table = std::make_shared<const Table>(setting.spec.table);

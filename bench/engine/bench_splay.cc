@@ -18,9 +18,9 @@
 
 #include "actors/harness/memory_storage.h"
 #include "src/base/option.h"
-#include "src/generate/generate.h"
 #include "src/delaunay/delaunay_program.h"
 #include "src/exchange/tile_life.h"
+#include "src/generate/generate.h"
 #include "src/run/touching.h"
 #include "src/store/digest.h"
 #include "src/tiling/seed_finder.h"
@@ -99,7 +99,7 @@ class Exchange {
     const auto table = std::make_shared<const Table>();
     context_.programs = std::make_shared<DelaunayStage>(stage_);
     for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
-      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, 0}, context_, table));
+      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, {}}, context_, table));
     }
     const double begin = cpu_now();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {

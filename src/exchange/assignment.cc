@@ -60,18 +60,17 @@ bool any_has_room(std::span<const Host> hosts, std::uint64_t weight) {
 }
 
 std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
-                                   std::span<const std::uint64_t> weights, std::span<const Host> hosts,
-                                   std::uint32_t lowest) {
+                                   std::span<const std::uint64_t> weights, std::span<const Host> hosts, Term term) {
   const std::vector<NodeId> nodes = share_out(tiles, weights, hosts);
   std::vector<Placement> placements;
   placements.reserve(tiles.size());
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    placements.push_back({tiles[i], nodes[i], std::max(lowest, table.peer_of(tiles[i]).incarnation + 1)});
+    placements.push_back({tiles[i], nodes[i], table.peer_of(tiles[i]).incarnation.next(term)});
   }
   return placements;
 }
 
-Table next_table(const Table& table, std::uint64_t epoch, std::span<const Placement> changes) {
+Table next_table(const Table& table, Epoch epoch, std::span<const Placement> changes) {
   Table next = table;
   next.epoch = epoch;
   for (const Placement& change : changes) {

@@ -23,7 +23,7 @@ struct Host {
 struct Placement {
   TileId tile;
   NodeId node;
-  std::uint32_t incarnation = 0;
+  Incarnation incarnation;
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
@@ -36,13 +36,12 @@ std::vector<NodeId> share_out(std::span<const TileId> tiles, std::span<const std
 // Whether one of the hosts has room for a tile of this weight.
 bool any_has_room(std::span<const Host> hosts, std::uint64_t weight);
 
-// `tiles` begin again as other incarnations, each somewhere on `hosts`. `weights`: by tile, of all. `lowest`: that an
-// incarnation may have: those of a coordinator that does not know yet that it has been replaced must be others.
+// `tiles` begin again as other incarnations, each somewhere on `hosts`. `weights`: by tile, of all. `term`: of the
+// coordinator: those of one that does not know yet that it has been replaced are others.
 std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
-                                   std::span<const std::uint64_t> weights, std::span<const Host> hosts,
-                                   std::uint32_t lowest = 0);
+                                   std::span<const std::uint64_t> weights, std::span<const Host> hosts, Term term = {});
 
 // REQUIRES: the table has these tiles.
-Table next_table(const Table& table, std::uint64_t epoch, std::span<const Placement> changes);
+Table next_table(const Table& table, Epoch epoch, std::span<const Placement> changes);
 
 }  // namespace tessera

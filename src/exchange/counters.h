@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "src/base/ids.h"
+#include "src/exchange/epoch.h"
 
 namespace tessera {
 
 struct Peer {
   TileId tile;
-  std::uint32_t incarnation = 0;
+  Incarnation incarnation;
   friend constexpr auto operator<=>(const Peer&, const Peer&) = default;
 };
 
@@ -35,22 +36,27 @@ class PeerCounters {
   // What was exchanged with dead incarnations vanishes from both sides of the sum.
   template <class Dead>
   void forget_if(const Dead& dead) {
-    std::erase_if(count_, [&](const Count& c) { return dead(c.peer); });
+    std::erase_if(count_, [&](const Count& c) { return dead(Peer{c.tile, lives_[c.life]}); });
   }
   // Gives back what was taken for peers to come.
-  void trim() { count_.shrink_to_fit(); }
+  void trim() {
+    count_.shrink_to_fit();
+    lives_.shrink_to_fit();
+  }
   Totals totals() const;
-  std::size_t memory() const { return count_.capacity() * sizeof(Count); }
+  std::size_t memory() const { return count_.capacity() * sizeof(Count) + lives_.capacity() * sizeof(Incarnation); }
 
  private:
   struct Count {
-    Peer peer;
+    TileId tile;
+    std::uint32_t life = 0;                 // of the tile: which of lives_
     std::uint32_t sent = 0, processed = 0;  // an update tells of something new: there are fewer than vertices
   };
-  std::vector<Count>::iterator place(Peer peer);
+  std::uint32_t life_of(Incarnation incarnation);
   Count& at(Peer peer);
 
-  std::vector<Count> count_;  // by peer
+  std::vector<Count> count_;        // by tile and life
+  std::vector<Incarnation> lives_;  // of peers: hardly ever more than one
 };
 
 }  // namespace tessera

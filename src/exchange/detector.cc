@@ -3,7 +3,7 @@
 namespace tessera {
 
 QuiescenceDetector::Verdict QuiescenceDetector::begin() {
-  ++wave_;
+  ++wave_.value;
   in_wave_ = true;
   noticed_ = false;
   all_idle_ = true;
@@ -39,7 +39,7 @@ QuiescenceDetector::Verdict QuiescenceDetector::notice(NodeId node) {
 
 QuiescenceDetector::Verdict QuiescenceDetector::look() { return nodes_.empty() ? Verdict::wait : begin_if_worth(); }
 
-QuiescenceDetector::Verdict QuiescenceDetector::answer(std::uint64_t wave, NodeId node, bool idle, Totals totals) {
+QuiescenceDetector::Verdict QuiescenceDetector::answer(Wave wave, NodeId node, bool idle, Totals totals) {
   if (!in_wave_ || wave != wave_ || !nodes_.contains(node) || !answered_.insert(node).second) return Verdict::wait;
   if (!idle) idle_.erase(node);
   all_idle_ &= idle;

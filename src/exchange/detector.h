@@ -41,9 +41,9 @@ class QuiescenceDetector {
   Verdict look();
   // A node's answer to a probe. `idle`: no tile working, no mail waiting, none still to begin. Answers to an
   // older wave, and second answers, are ignored.
-  Verdict answer(std::uint64_t wave, NodeId node, bool idle, Totals totals);
+  Verdict answer(Wave wave, NodeId node, bool idle, Totals totals);
 
-  std::uint64_t wave() const { return wave_; }
+  Wave wave() const { return wave_; }
 
  private:
   Verdict begin();
@@ -52,7 +52,7 @@ class QuiescenceDetector {
 
   std::set<NodeId> nodes_;
   std::set<NodeId> idle_;  // of them, as far as is known
-  std::uint64_t wave_ = 0;
+  Wave wave_;
   bool in_wave_ = false;
   bool noticed_ = false;  // a notice has come since the last wave began
   bool all_idle_ = true;

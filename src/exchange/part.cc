@@ -16,8 +16,12 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_grace_s(spec.grace_s);
   message.set_shares(spec.shares);
   for (const NodeId node : spec.table.nodes) message.add_nodes(node.value);
-  message.mutable_incarnations()->Assign(spec.table.incarnations.begin(), spec.table.incarnations.end());
-  message.set_epoch(spec.table.epoch);
+  for (const Incarnation& incarnation : spec.table.incarnations) {
+    message.add_incarnation_terms(incarnation.term.value);
+    message.add_incarnations(incarnation.number);
+  }
+  message.set_epoch_term(spec.table.epoch.term.value);
+  message.set_epoch(spec.table.epoch.number);
   message.set_stage(spec.table.stage);
   return message.SerializeAsString();
 }
@@ -26,7 +30,8 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   proto::PartSpec message;
   const auto refuse = [](const char* what) { return error(Errc::internal, std::string("a job's part ") + what); };
   if (!message.ParseFromString(bytes)) return refuse("cannot be read");
-  if (message.threads() == 0 || message.nodes_size() != message.incarnations_size()) {
+  if (message.threads() == 0 || message.nodes_size() != message.incarnations_size() ||
+      message.nodes_size() != message.incarnation_terms_size()) {
     return refuse("is not what any coordinator sends");
   }
   PartSpec spec;
@@ -40,8 +45,9 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.grace_s = message.grace_s();
   spec.shares = message.shares();
   for (const std::uint32_t node : message.nodes()) spec.table.nodes.push_back(NodeId{node});
-  spec.table.incarnations.assign(message.incarnations().begin(), message.incarnations().end());
-  spec.table.epoch = message.epoch();
+  for (int t = 0; t < message.incarnations_size(); ++t)
+    spec.table.incarnations.push_back({Term{message.incarnation_terms(t)}, message.incarnations(t)});
+  spec.table.epoch = {Term{message.epoch_term()}, message.epoch()};
   spec.table.stage = message.stage();
   return spec;
 }

@@ -27,8 +27,10 @@ std::vector<std::uint32_t> Placements::tiles(std::size_t nodes) const {
 
 // Others than those of parts that nobody was asked for, and that go on.
 void Placements::begin(std::uint32_t stage, std::span<const Host> hosts) {
-  table_ = {first_epoch(), stage, std::vector<NodeId>(options_.weights.size()),
-            std::vector<std::uint32_t>(options_.weights.size(), first_incarnation())};
+  table_ = {{options_.term, 0},
+            stage,
+            std::vector<NodeId>(options_.weights.size()),
+            std::vector<Incarnation>(options_.weights.size(), Incarnation{options_.term, 0})};
   const std::vector<NodeId> nodes = share_out(options_.order, options_.weights, hosts);
   for (std::size_t i = 0; i < nodes.size(); ++i) table_.nodes[options_.order[i].value] = nodes[i];
 }
@@ -38,7 +40,7 @@ void Placements::begin(std::uint32_t stage, std::span<const Host> hosts) {
 std::vector<Placement> Placements::begin_next_stage(const std::vector<Host>& hosts, const Lives& lives) {
   if (table_.nodes.empty()) {  // one node had all
     table_.nodes.assign(options_.weights.size(), NodeId{0});
-    table_.incarnations.assign(options_.weights.size(), 0);
+    table_.incarnations.assign(options_.weights.size(), {});
   }
   ++table_.stage;
   stored_.assign(stored_.size(), false);
@@ -97,7 +99,7 @@ std::vector<Placement> Placements::again(std::vector<TileId>& tiles, std::vector
   const auto roomiest = std::max_element(hosts.begin(), hosts.end(),
                                          [](const Host& a, const Host& b) { return a.weight_max < b.weight_max; });
   for (const TileId tile : placed) roomiest->weight_max = std::max(roomiest->weight_max, weight(tile));
-  return place_again(table_, placed, options_.weights, hosts, first_incarnation());
+  return place_again(table_, placed, options_.weights, hosts, options_.term);
 }
 
 Placements::Placed Placements::place(const std::vector<Host>& hosts, const Lives& lives) {
@@ -115,7 +117,7 @@ Placements::Placed Placements::place(const std::vector<Host>& hosts, const Lives
 }
 
 const Table& Placements::change(std::span<const Placement> changes) {
-  table_ = next_table(table_, std::max(table_.epoch + 1, first_epoch()), changes);
+  table_ = next_table(table_, table_.epoch.next(options_.term), changes);
   return table_;
 }
 

@@ -18,7 +18,7 @@ struct PlacementOptions {
   std::vector<TileId> order;           // of the tiles that there are: neighbours near each other
   // Of the coordinator that makes the tables. Epochs and incarnations of one that was replaced, and does not know it,
   // are lower.
-  std::uint64_t term = 0;
+  Term term;
 };
 
 class Placements {
@@ -79,8 +79,6 @@ class Placements {
   const Table& change(std::span<const Placement> changes);
 
  private:
-  std::uint64_t first_epoch() const { return options_.term << 32; }
-  std::uint32_t first_incarnation() const { return static_cast<std::uint32_t>(options_.term << 16); }
   std::vector<Placement> again(std::vector<TileId>& tiles, std::vector<Host> hosts, const Lives& lives,
                                bool all = true) const;
 

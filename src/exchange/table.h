@@ -12,15 +12,15 @@
 namespace tessera {
 
 struct Table {
-  std::uint64_t epoch = 0;
+  Epoch epoch;
   std::uint32_t stage = 0;  // of the job; an epoch is of one stage
-  // By tile. Empty: all on node 0, all incarnation 0.
+  // By tile. Empty: all on node 0, all in their first life.
   std::vector<NodeId> nodes;
-  std::vector<std::uint32_t> incarnations;
+  std::vector<Incarnation> incarnations;
 
   NodeId node_of(TileId tile) const { return nodes.empty() ? NodeId{0} : nodes[tile.value]; }
   // The tile's living incarnation.
-  Peer peer_of(TileId tile) const { return {tile, incarnations.empty() ? 0 : incarnations[tile.value]}; }
+  Peer peer_of(TileId tile) const { return {tile, incarnations.empty() ? Incarnation() : incarnations[tile.value]}; }
   bool alive(Peer peer) const { return peer == peer_of(peer.tile); }
   // Known to have died. A younger one than the table's is neither alive nor dead: a later table tells of it.
   bool dead(Peer peer) const { return peer.incarnation < peer_of(peer.tile).incarnation; }
@@ -31,7 +31,7 @@ struct Table {
 // Which tiles a table has given another incarnation than the one before it, and what that one had done: whoever hears
 // of a table finds who was reborn since his own, without looking at all tiles.
 struct Rebirths {
-  std::uint64_t after = 0, epoch = 0;  // of the one before, of the table
+  Epoch after, epoch;  // of the one before, of the table
   std::vector<TileId> tiles;
   std::shared_ptr<const Rebirths> before;  // null: nobody goes by an older one
 };

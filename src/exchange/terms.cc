@@ -25,44 +25,45 @@ template <class Each>
 Status for_each_term(const std::filesystem::path& run, const Each& each) {
   FolderReader reader(terms_folder(run));
   while (const char* name = reader.next()) {
-    std::uint64_t term = 0;
+    std::uint32_t term = 0;
     const char* const last = name + std::strlen(name);
     const auto [end, wrong] = std::from_chars(name, last, term);
-    if (wrong == std::errc{} && end == last) each(term);
+    if (wrong == std::errc{} && end == last) each(Term{term});
   }
   if (reader.error() && reader.error() != std::errc::no_such_file_or_directory)
     return io_error(terms_folder(run), "cannot be listed", reader.error().value());
   return success();
 }
 
-Result<std::uint64_t> highest_term(const std::filesystem::path& run) {
-  std::uint64_t highest = 0;
-  BOOST_OUTCOME_TRYV(for_each_term(run, [&](std::uint64_t term) { highest = std::max(highest, term); }));
+Result<Term> highest_term(const std::filesystem::path& run) {
+  Term highest;
+  BOOST_OUTCOME_TRYV(for_each_term(run, [&](Term term) { highest = std::max(highest, term); }));
   return highest;
 }
 
 }  // namespace
 
-Result<std::uint64_t> claim_term(const std::filesystem::path& run) {
+Result<Term> claim_term(const std::filesystem::path& run) {
   BOOST_OUTCOME_TRYV(make_directories(terms_folder(run)));
   BOOST_OUTCOME_TRY(highest, highest_term(run));
-  for (std::uint64_t term = highest + 1;; ++term) {
-    const auto folder = terms_folder(run) / std::to_string(term);
-    if (::mkdir(folder.c_str(), 0777) == 0) return term;  // what was there before is another's
+  while (++highest.value != 0) {
+    const auto folder = terms_folder(run) / to_string(highest);
+    if (::mkdir(folder.c_str(), 0777) == 0) return highest;  // what was there before is another's
     if (errno != EEXIST) return io_error(folder, "cannot be made", errno);
   }
+  return error(Errc::io, terms_folder(run).string() + ": holds the last term that there is");
 }
 
-Status forget_terms(const std::filesystem::path& run, std::uint64_t below) {
-  std::vector<std::uint64_t> old;
-  BOOST_OUTCOME_TRYV(for_each_term(run, [&](std::uint64_t term) {
+Status forget_terms(const std::filesystem::path& run, Term below) {
+  std::vector<Term> old;
+  BOOST_OUTCOME_TRYV(for_each_term(run, [&](Term term) {
     if (term < below) old.push_back(term);
   }));
-  for (const std::uint64_t term : old) ::rmdir((terms_folder(run) / std::to_string(term)).c_str());
+  for (const Term term : old) ::rmdir((terms_folder(run) / to_string(term)).c_str());
   return success();
 }
 
-bool is_replaced(const std::filesystem::path& run, std::uint64_t term) {
+bool is_replaced(const std::filesystem::path& run, Term term) {
   const auto highest = highest_term(run);  // what cannot be told now is asked again
   return highest && highest.value() > term;
 }

@@ -81,7 +81,7 @@ Status TileLife::receive(Update update) {
 void TileLife::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirths) {
   if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
   if (phase_ != Phase::fresh) {
-    std::uint64_t reached = table->epoch;
+    Epoch reached = table->epoch;
     for (const Rebirths* r = rebirths; r && r->epoch > table_->epoch; r = r->before.get()) {
       check(r->epoch == reached, "tables follow one another");
       reached = r->after;

@@ -12,8 +12,8 @@ namespace tessera {
 
 struct Update {
   Peer from, to;
-  std::uint64_t epoch = 0;  // of the table by which it was sent
-  std::uint32_t hops = 0;   // of the chain of updates that caused one another and ends with this one
+  Epoch epoch;             // of the table by which it was sent
+  std::uint32_t hops = 0;  // of the chain of updates that caused one another and ends with this one
   BigVector<std::byte> message;
 };
 

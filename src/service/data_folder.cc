@@ -18,7 +18,7 @@ namespace tessera {
 namespace {
 
 // Of these folders of earlier daemons some stay, so that none that is slow claims a term twice.
-constexpr std::uint64_t terms_kept = 100;
+constexpr std::uint32_t terms_kept = 100;
 
 // A file that only takes room: a daemon that starts on a full disk has that much for a lock, a term and records, and
 // can serve results and be asked to remove some.
@@ -56,11 +56,11 @@ Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& optio
   std::unique_ptr<DataFolder> held(new DataFolder(std::move(lock).value()));
   BOOST_OUTCOME_TRYV(check_data_format(options.data));
   BOOST_OUTCOME_TRY(term, claim_term(options.data));
-  BOOST_OUTCOME_TRYV(forget_terms(options.data, term < terms_kept ? 0 : term - terms_kept));
+  BOOST_OUTCOME_TRYV(forget_terms(options.data, Term{term.value < terms_kept ? 0 : term.value - terms_kept}));
   BOOST_OUTCOME_TRYV(make_directories(jobs_folder(options.data)));
   const auto lay = [&](const std::filesystem::path& area, std::unique_ptr<Desk>& desk) -> Status {
     BOOST_OUTCOME_TRYV(make_directories(area));
-    BOOST_OUTCOME_TRY(laid, Desk::lay(area, term, [held = held.get()] { return held->still_ours(); }));
+    BOOST_OUTCOME_TRY(laid, Desk::lay(area, term.value, [held = held.get()] { return held->still_ours(); }));
     desk = std::move(laid);
     return success();
   };

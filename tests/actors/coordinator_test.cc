@@ -24,7 +24,7 @@ TEST_F(Nodes, ThatAreAskedTwiceForTilesAnswerTwice) {
   const auto table = listen(a_).table;
   ASSERT_TRUE(table);
   EXPECT_NE(table->node_of(TileId{5}), NodeId{0});
-  EXPECT_EQ(table->peer_of(TileId{5}).incarnation, 1u);
+  EXPECT_EQ(table->peer_of(TileId{5}).incarnation.number, 1u);
   EXPECT_EQ(table->node_of(TileId{4}), NodeId{0});
 }
 
@@ -38,7 +38,7 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredHaveNoTilesAnyMore) {
   ASSERT_TRUE(next);
   for (std::uint32_t t = 0; t < tiles; ++t) {
     EXPECT_EQ(next->node_of(TileId{t}), NodeId{0});
-    EXPECT_EQ(next->peer_of(TileId{t}).incarnation > 0, t >= 3) << t;
+    EXPECT_EQ(next->peer_of(TileId{t}).incarnation > Incarnation(), t >= 3) << t;
   }
 }
 
@@ -57,23 +57,23 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredKeepTheirNumber) {
 
 class Stages : public Nodes {
  protected:
-  void all_is_quiet(std::uint64_t epoch) {
+  void all_is_quiet(std::uint32_t epoch) {
     tell(a_, PartIdle{NodeId{0}});
     tell(b_, PartIdle{NodeId{1}});
     for (int i = 0; i < 2; ++i) {
       ++wave_;
-      tell(a_, PartTally{NodeId{0}, epoch, wave_, true, 4, 4});
-      tell(b_, PartTally{NodeId{1}, epoch, wave_, true, 5, 5});
+      tell(a_, PartTally{NodeId{0}, {{}, epoch}, Wave{wave_}, true, 4, 4});
+      tell(b_, PartTally{NodeId{1}, {{}, epoch}, Wave{wave_}, true, 5, 5});
       tell(a_, PartIdle{NodeId{0}});
       tell(b_, PartIdle{NodeId{1}});
     }
-    tell(a_, PartSettled{NodeId{0}, epoch});
-    tell(b_, PartSettled{NodeId{1}, epoch});
+    tell(a_, PartSettled{NodeId{0}, {{}, epoch}});
+    tell(b_, PartSettled{NodeId{1}, {{}, epoch}});
   }
-  void all_come_to_the_end(std::uint64_t epoch, std::uint32_t stage) {
+  void all_come_to_the_end(std::uint32_t epoch, std::uint32_t stage) {
     for (std::uint32_t t = 0; t < tiles; ++t) tell(t < 3 ? a_ : b_, TileDone{stage, {TileId{t}, {}}, 0});
-    tell(a_, PartCollected{NodeId{0}, epoch});
-    tell(b_, PartCollected{NodeId{1}, epoch});
+    tell(a_, PartCollected{NodeId{0}, {{}, epoch}});
+    tell(b_, PartCollected{NodeId{1}, {{}, epoch}});
   }
   // What the job is settled in, as it is written down.
   std::vector<std::pair<std::uint32_t, bool>> marks_;
@@ -102,7 +102,7 @@ TEST_F(Stages, FollowEachOther) {
   const auto next = listen(a_).table;
   ASSERT_TRUE(next);
   EXPECT_EQ(next->stage, 1u);
-  EXPECT_EQ(next->epoch, 1u);
+  EXPECT_EQ(next->epoch, (Epoch{{}, 1}));
   EXPECT_FALSE(owner_.end);
   all_is_quiet(1);
   all_come_to_the_end(1, 1);

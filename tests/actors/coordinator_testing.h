@@ -49,13 +49,13 @@ inline CoordinatorOptions begun_with(Table table) {
 
 inline CoordinatorOptions taken_over() {
   CoordinatorOptions second = job();
-  second.term = 1;
+  second.term = Term{1};
   second.take_over = true;
   return second;
 }
 
 inline Table table_of(const std::vector<std::uint32_t>& nodes) {
-  Table table{0, 0, {}, std::vector<std::uint32_t>(nodes.size())};
+  Table table{{}, 0, {}, std::vector<Incarnation>(nodes.size())};
   for (const std::uint32_t node : nodes) table.nodes.push_back(NodeId{node});
   return table;
 }
@@ -102,7 +102,7 @@ class Nodes : public ::testing::Test {
   // It has no part.
   void tell_none(const caf::scoped_actor& node, std::uint64_t memory_bytes, const std::string& name) {
     PartFound none;
-    none.term = 1;
+    none.term = Term{1};
     none.node = handle_of(node);
     none.memory_bytes = memory_bytes;
     none.name = name;
@@ -110,7 +110,7 @@ class Nodes : public ::testing::Test {
   }
   void tell_found(const caf::scoped_actor& node, std::uint32_t number, const Table& table) {
     PartFound found;
-    found.term = 1;
+    found.term = Term{1};
     found.node = found.part = handle_of(node);
     found.self = NodeId{number};
     found.begun = true;

@@ -60,7 +60,8 @@ class Node : public ::testing::Test {
   PartOpened open(std::uint64_t mebibytes) {
     PartSpec spec;
     spec.memory_bytes = mebibytes << 20;
-    self_->send(node_, OpenPart{JobId{++jobs_}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self_.ptr())});
+    self_->send(node_,
+                OpenPart{JobId{++jobs_}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self_.ptr()), {}});
     PartOpened answer;
     self_->receive([&](PartOpened& opened) { answer = std::move(opened); });
     return answer;

@@ -49,7 +49,7 @@ Setting setting() {
   made.gates = {};
   made.schedule.threads = 1;
   made.schedule.memory_bytes = std::uint64_t{1} << 40;
-  Table table{0, 0, std::vector<NodeId>(tiles, here), std::vector<std::uint32_t>(tiles)};
+  Table table{{}, 0, std::vector<NodeId>(tiles, here), std::vector<Incarnation>(tiles)};
   table.nodes[foreign.value] = there;
   made.table = std::make_shared<const Table>(table);
   made.spec.table = std::move(table);
@@ -72,7 +72,7 @@ class OnePart : public ::testing::Test {
     node.memory_bytes = ~std::uint64_t{0};
     node_ = system_.spawn<NodeActor>(
         std::move(node), std::make_shared<MemoryParts>(setting_, storage_, std::vector<ExchangeWatch*>{&watch_}, here));
-    self_->send(node_, OpenPart{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_)});
+    self_->send(node_, OpenPart{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_), {}});
     run();
     self_->receive([&](const PartOpened& opened) { part_ = caf::actor_cast<PartHandle>(opened.part); });
   }
@@ -93,12 +93,12 @@ class OnePart : public ::testing::Test {
   // The other node's tile was reborn, so often.
   void change_table(std::uint32_t incarnation) {
     Table table = *setting_.table;
-    table.epoch = incarnation;
-    table.incarnations[foreign.value] = incarnation;
+    table.epoch = {{}, incarnation};
+    table.incarnations[foreign.value] = {{}, incarnation};
     tell(ChangeTable{std::move(table), parts(), false});
   }
-  void mail(Peer from, std::uint64_t epoch) {
-    tell(Parcel{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, 0}, epoch, 1, {}}}});
+  void mail(Peer from, std::uint32_t epoch) {
+    tell(Parcel{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, {}}, {{}, epoch}, 1, {}}}});
   }
 
   // Each actor in its turn, a message at a time, until all is done.
@@ -142,41 +142,41 @@ class OnePart : public ::testing::Test {
 };
 
 TEST_F(OnePart, KeepsMailThatComesBeforeItIsToldToBegin) {
-  mail({foreign, 0}, 0);
+  mail({foreign, {}}, 0);
   run();
-  EXPECT_EQ(watch_.from({foreign, 0}), 0u);
+  EXPECT_EQ(watch_.from({foreign, {{}, 0}}), 0u);
   begin();
   run();
-  EXPECT_EQ(watch_.from({foreign, 0}), 1u);
+  EXPECT_EQ(watch_.from({foreign, {{}, 0}}), 1u);
 }
 
 TEST_F(OnePart, KeepsMailOfAnEpochWhoseTableIsStillToCome) {
   begin();
   run();
-  mail({foreign, 1}, 1);
+  mail({foreign, {{}, 1}}, 1);
   run();
-  EXPECT_EQ(watch_.from({foreign, 1}), 0u);
+  EXPECT_EQ(watch_.from({foreign, {{}, 1}}), 0u);
   change_table(1);
   run();
-  EXPECT_EQ(watch_.from({foreign, 1}), 1u);
+  EXPECT_EQ(watch_.from({foreign, {{}, 1}}), 1u);
 }
 
 TEST_F(OnePart, IsBusyUntilAllItsTilesGoByTheTable) {
   begin();
   run();
   EXPECT_EQ(listen().idle, 1);
-  tell(Probe{1});
+  tell(Probe{Wave{1}});
   run();
   ASSERT_TRUE(listen().tallies.at(0).idle);
   change_table(1);
-  tell(Probe{2});  // heard before any tile hears of the table
+  tell(Probe{Wave{2}});  // heard before any tile hears of the table
   run();
   const Heard heard = listen();
   ASSERT_EQ(heard.tallies.size(), 1u);
-  EXPECT_EQ(heard.tallies[0].epoch, 1u);
+  EXPECT_EQ(heard.tallies[0].epoch, (Epoch{{}, 1}));
   EXPECT_FALSE(heard.tallies[0].idle);
   EXPECT_EQ(heard.idle, 1);
-  tell(Probe{3});
+  tell(Probe{Wave{3}});
   run();
   EXPECT_TRUE(listen().tallies.at(0).idle);
 }
@@ -229,7 +229,7 @@ TEST_F(OnePart, BeginsOnceHoweverOftenItIsToldTo) {
 TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   begin();
   run();
-  const Update update{{foreign, 1}, {TileId{0}, 0}, 1, 1, BigVector<std::byte>(message_bytes_max)};
+  const Update update{{foreign, {{}, 1}}, {TileId{0}, {}}, {{}, 1}, 1, BigVector<std::byte>(message_bytes_max)};
   const std::uint64_t most = 16 * in_flight_max;
   for (std::uint64_t sent = 0; sent <= most; sent += Gate::bytes_of(update)) {
     EXPECT_TRUE(sent + Gate::bytes_of(update) > most || listen().ended.empty());
@@ -251,7 +251,7 @@ TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
 }
 
 TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
-  tell(BeginPart{parts(), Table{0, 0, {NodeId{0}}, {0}}, false});
+  tell(BeginPart{parts(), Table{{}, 0, {NodeId{0}}, {Incarnation()}}, false});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);

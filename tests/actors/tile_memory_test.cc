@@ -101,8 +101,8 @@ std::size_t bytes_of_part(std::uint32_t tiles) {
   const TemporaryFolder folder = TemporaryFolder::make().value();
   const RoutedRun run = routed(dimension, tiles, folder.path());
   PartSpec spec = spec_of({}, run.folder.string(), folder.path().string());
-  spec.table = {0, 0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}),
-                std::vector<std::uint32_t>(run.tile_points.size())};
+  spec.table = {
+      {}, 0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}), std::vector<Incarnation>(run.tile_points.size())};
   std::fill_n(spec.table.nodes.begin(), 10, NodeId{0});
   Config config;
   caf::actor_system system(config);
@@ -110,7 +110,7 @@ std::size_t bytes_of_part(std::uint32_t tiles) {
   const std::size_t before = heap_bytes();
   const NodeHandle node = system.spawn<NodeActor>(NodeOptions{.memory_bytes = spec.memory_bytes, .hooks = {}},
                                                   std::make_shared<NarrowParts>(run));
-  self->send(node, OpenPart{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr())});
+  self->send(node, OpenPart{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr()), {}});
   PartHandle part;
   self->receive([&](const PartOpened& opened) {
     EXPECT_EQ(opened.failure.text, "");

@@ -32,19 +32,19 @@ Verdict notices(QuiescenceDetector& d, std::uint32_t nodes) {
 TEST(Detector, AsksTheNodesThatThereAreAndForgetsWhatOthersSaid) {
   QuiescenceDetector d(first(3));
   EXPECT_EQ(notices(d, 3), Verdict::probe);
-  for (const NodeId node : first(3)) d.answer(1, node, true, {1, 1});
-  EXPECT_EQ(d.wave(), 2u) << "could be quiet: a second wave";
+  for (const NodeId node : first(3)) d.answer(Wave{1}, node, true, {1, 1});
+  EXPECT_EQ(d.wave(), Wave{2}) << "could be quiet: a second wave";
   d.restart({NodeId{0}, NodeId{7}});
-  EXPECT_EQ(d.answer(2, NodeId{0}, true, {1, 1}), Verdict::wait) << "nobody has been asked since";
+  EXPECT_EQ(d.answer(Wave{2}, NodeId{0}, true, {1, 1}), Verdict::wait) << "nobody has been asked since";
   EXPECT_EQ(d.look(), Verdict::wait) << "it has not heard of node 7";
   EXPECT_EQ(d.notice(NodeId{2}), Verdict::wait) << "it is not there any more";
   EXPECT_EQ(d.notice(NodeId{7}), Verdict::probe);
-  EXPECT_EQ(d.wave(), 3u);
-  EXPECT_EQ(d.answer(3, NodeId{0}, true, {3, 3}), Verdict::wait);
-  EXPECT_EQ(d.answer(3, NodeId{1}, true, {0, 0}), Verdict::wait) << "it is not there any more";
-  EXPECT_EQ(d.answer(3, NodeId{7}, true, {0, 0}), Verdict::probe) << "the wave before the restart does not count";
-  EXPECT_EQ(d.answer(4, NodeId{7}, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(4, NodeId{0}, true, {3, 3}), Verdict::quiet);
+  EXPECT_EQ(d.wave(), Wave{3});
+  EXPECT_EQ(d.answer(Wave{3}, NodeId{0}, true, {3, 3}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{3}, NodeId{1}, true, {0, 0}), Verdict::wait) << "it is not there any more";
+  EXPECT_EQ(d.answer(Wave{3}, NodeId{7}, true, {0, 0}), Verdict::probe) << "the wave before the restart does not count";
+  EXPECT_EQ(d.answer(Wave{4}, NodeId{7}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{4}, NodeId{0}, true, {3, 3}), Verdict::quiet);
 }
 
 TEST(Detector, AWaveBeginsWhenAllHaveSaidThatTheyAreIdle) {
@@ -53,7 +53,7 @@ TEST(Detector, AWaveBeginsWhenAllHaveSaidThatTheyAreIdle) {
   EXPECT_EQ(d.notice({1}), Verdict::wait);
   EXPECT_EQ(d.notice({0}), Verdict::wait);
   EXPECT_EQ(d.notice({2}), Verdict::probe);
-  EXPECT_EQ(d.wave(), 1u);
+  EXPECT_EQ(d.wave(), Wave{1});
   d.restart(first(2));
   EXPECT_EQ(d.look(), Verdict::probe) << "those that are left have said so";
   d.restart_busy(first(2));
@@ -70,48 +70,48 @@ TEST(Detector, NobodyIsNotAskedAndNotQuiet) {
 TEST(Detector, BelievesOnlyTwoEqualWaves) {
   QuiescenceDetector d(first(2));
   EXPECT_EQ(notices(d, 2), Verdict::probe);
-  EXPECT_EQ(d.answer(1, {0}, true, {3, 1}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, {1}, true, {1, 3}), Verdict::probe);
-  EXPECT_EQ(d.answer(2, {0}, true, {3, 1}), Verdict::wait);
-  EXPECT_EQ(d.answer(2, {1}, true, {1, 3}), Verdict::quiet);
+  EXPECT_EQ(d.answer(Wave{1}, {0}, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {1}, true, {1, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(Wave{2}, {0}, true, {3, 1}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{2}, {1}, true, {1, 3}), Verdict::quiet);
 }
 
 TEST(Detector, SumsThatAgreeOnlyWithinAWaveAreNotEnough) {
   QuiescenceDetector d(first(1));
   d.notice({0});
-  EXPECT_EQ(d.answer(1, {0}, true, {3, 3}), Verdict::probe);
-  EXPECT_EQ(d.answer(2, {0}, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
-  EXPECT_EQ(d.answer(3, {0}, true, {4, 4}), Verdict::quiet);
+  EXPECT_EQ(d.answer(Wave{1}, {0}, true, {3, 3}), Verdict::probe);
+  EXPECT_EQ(d.answer(Wave{2}, {0}, true, {4, 4}), Verdict::probe);  // something happened between the waves: again
+  EXPECT_EQ(d.answer(Wave{3}, {0}, true, {4, 4}), Verdict::quiet);
 }
 
 TEST(Detector, ABusyNodeOrAMessageOnItsWayEndsTheWave) {
   QuiescenceDetector d(first(2));
   notices(d, 2);
-  d.answer(1, {0}, false, {1, 1});
-  EXPECT_EQ(d.answer(1, {1}, true, {0, 0}), Verdict::wait);
+  d.answer(Wave{1}, {0}, false, {1, 1});
+  EXPECT_EQ(d.answer(Wave{1}, {1}, true, {0, 0}), Verdict::wait);
   EXPECT_EQ(d.notice({1}), Verdict::wait) << "the other one is busy";
   EXPECT_EQ(d.notice({0}), Verdict::probe);
-  d.answer(2, {0}, true, {2, 1});
-  EXPECT_EQ(d.answer(2, {1}, true, {0, 0}), Verdict::wait);
+  d.answer(Wave{2}, {0}, true, {2, 1});
+  EXPECT_EQ(d.answer(Wave{2}, {1}, true, {0, 0}), Verdict::wait);
   EXPECT_EQ(d.notice({1}), Verdict::probe) << "all are idle, and one was not in between";
 }
 
 TEST(Detector, ANoticeDuringAWaveStartsAnotherOne) {
   QuiescenceDetector d(first(2));
   notices(d, 2);
-  EXPECT_EQ(d.answer(1, {0}, false, {1, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {0}, false, {1, 0}), Verdict::wait);
   EXPECT_EQ(d.notice({0}), Verdict::wait) << "it was busy when it answered, and is not any more";
-  EXPECT_EQ(d.answer(1, {1}, true, {0, 1}), Verdict::probe);
+  EXPECT_EQ(d.answer(Wave{1}, {1}, true, {0, 1}), Verdict::probe);
 }
 
 TEST(Detector, AnswersToOldWavesAndSecondAnswersAreIgnored) {
   QuiescenceDetector d(first(2));
   notices(d, 2);
-  EXPECT_EQ(d.answer(0, {0}, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, {0}, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, {0}, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, {7}, true, {0, 0}), Verdict::wait);
-  EXPECT_EQ(d.answer(1, {1}, true, {0, 0}), Verdict::probe);
+  EXPECT_EQ(d.answer(Wave{0}, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {0}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {7}, true, {0, 0}), Verdict::wait);
+  EXPECT_EQ(d.answer(Wave{1}, {1}, true, {0, 0}), Verdict::probe);
 }
 
 // Nodes that send, receive and work at random, asked at random moments, and that say once after each answer that they

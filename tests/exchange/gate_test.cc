@@ -17,7 +17,7 @@ Update update(std::uint32_t number, std::size_t bytes = 400) {
   Update out;
   out.from = {TileId{number}, 1};
   out.to = {TileId{number + 1}, 2};
-  out.epoch = 3;
+  out.epoch = {Term{3}, 4};
   out.hops = number;
   for (std::size_t i = 0; i < bytes; ++i) out.message.push_back(std::byte(number * 7 + i));
   return out;

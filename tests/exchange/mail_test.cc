@@ -28,7 +28,11 @@ class Scratch final : public TileStorage {
 };
 
 Update update(std::uint32_t from, std::size_t bytes) {
-  return {{TileId{from}, 3}, {TileId{9}, 1}, from + 2, from + 7, BigVector<std::byte>(bytes, std::byte(from + 1))};
+  return {{TileId{from}, {Term{2}, 3}},
+          {TileId{9}, {{}, 1}},
+          {Term{from}, from + 2},
+          from + 7,
+          BigVector<std::byte>(bytes, std::byte(from + 1))};
 }
 
 TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
@@ -45,7 +49,7 @@ TEST(Mail, ComesBackAsItWasPutOnScratchOrNot) {
       const Update& b = taken.value()[from];
       EXPECT_EQ(b.from, update(from, from).from);
       EXPECT_EQ(b.to, update(from, from).to);
-      EXPECT_EQ(b.epoch, from + 2);
+      EXPECT_EQ(b.epoch, (Epoch{Term{from}, from + 2}));
       EXPECT_EQ(b.hops, from + 7);
       EXPECT_EQ(b.message, update(from, from).message);
     }

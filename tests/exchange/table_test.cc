@@ -5,26 +5,28 @@
 namespace tessera {
 namespace {
 
+Incarnation life(std::uint32_t number) { return {{}, number}; }
+
 TEST(Table, SaysWhereATileLivesAndInWhichLife) {
-  const Table table{3, 0, {NodeId{1}, NodeId{0}}, {0, 2}};
+  const Table table{{{}, 3}, 0, {NodeId{1}, NodeId{0}}, {life(0), life(2)}};
   EXPECT_EQ(table.node_of(TileId{0}), NodeId{1});
-  EXPECT_EQ(table.peer_of(TileId{1}), (Peer{TileId{1}, 2}));
-  EXPECT_TRUE(table.alive({TileId{1}, 2}));
-  EXPECT_FALSE(table.alive({TileId{1}, 1}));
-  EXPECT_FALSE(table.alive({TileId{1}, 3}));
+  EXPECT_EQ(table.peer_of(TileId{1}), (Peer{TileId{1}, life(2)}));
+  EXPECT_TRUE(table.alive({TileId{1}, life(2)}));
+  EXPECT_FALSE(table.alive({TileId{1}, life(1)}));
+  EXPECT_FALSE(table.alive({TileId{1}, life(3)}));
 }
 
 TEST(Table, OfAYoungerIncarnationItDoesNotSayThatItIsDead) {
-  const Table table{3, 0, {NodeId{1}, NodeId{0}}, {0, 2}};
-  EXPECT_TRUE(table.dead({TileId{1}, 1}));
-  EXPECT_FALSE(table.dead({TileId{1}, 2}));
-  EXPECT_FALSE(table.dead({TileId{1}, 3}));
+  const Table table{{{}, 3}, 0, {NodeId{1}, NodeId{0}}, {life(0), life(2)}};
+  EXPECT_TRUE(table.dead({TileId{1}, life(1)}));
+  EXPECT_FALSE(table.dead({TileId{1}, life(2)}));
+  EXPECT_FALSE(table.dead({TileId{1}, life(3)}));
 }
 
 TEST(Table, EmptyPutsAllTilesOnTheFirstNode) {
   const Table table;
   EXPECT_EQ(table.node_of(TileId{7}), NodeId{0});
-  EXPECT_TRUE(table.alive({TileId{7}, 0}));
+  EXPECT_TRUE(table.alive({TileId{7}, life(0)}));
 }
 
 }  // namespace

@@ -90,8 +90,8 @@ class Chain : public ::testing::Test {
   // A table in which these tiles are others, of which all the living hear.
   void lose(const std::vector<TileId>& lost) {
     auto next = std::make_shared<Table>(*table_);
-    ++next->epoch;
-    for (const TileId t : lost) ++next->incarnations[t.value];
+    ++next->epoch.number;
+    for (const TileId t : lost) ++next->incarnations[t.value].number;
     const auto rebirths = rebirths_between(*table_, *next, nullptr);
     table_ = next;
     for (std::uint32_t t = 0; t < tiles; ++t) {
@@ -110,7 +110,7 @@ class Chain : public ::testing::Test {
  private:
   std::shared_ptr<const GreatestStage> stage_;
   std::shared_ptr<const Table> table_ =
-      std::make_shared<const Table>(Table{0, 0, std::vector<NodeId>(tiles), std::vector<std::uint32_t>(tiles)});
+      std::make_shared<const Table>(Table{{}, 0, std::vector<NodeId>(tiles), std::vector<Incarnation>(tiles)});
   std::map<std::uint32_t, std::unique_ptr<TileContext>> contexts_;
   std::map<std::uint32_t, std::unique_ptr<TileLife>> lives_;
 };

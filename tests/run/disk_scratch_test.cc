@@ -8,11 +8,11 @@
 #include <stop_token>
 
 #include "src/base/stopped.h"
+#include "src/delaunay/disk_store.h"
 #include "src/files/folder_lock.h"
 #include "src/files/handed_file.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
-#include "src/delaunay/disk_store.h"
 #include "src/run/next_stage.h"
 
 namespace tessera {

@@ -17,7 +17,7 @@ TEST(PartSpec, CrossesAWireUnchanged) {
   spec.resumable = false;
   spec.grace_s = 300;
   spec.lock_file = "out/.lock/me";
-  spec.table = {5, 2, {{0}, {2}, {1}}, {0, 1, 7}};
+  spec.table = {{Term{4}, 5}, 2, {{0}, {2}, {1}}, {Incarnation(), {{}, 1}, {Term{3}, 7}}};
   const auto back = spec_from_bytes(to_bytes(spec));
   ASSERT_TRUE(back);
   EXPECT_EQ(back.value(), spec);

@@ -54,7 +54,7 @@ class ExchangedScratch : public ::testing::Test {
     stage->storage = made->context.storage = &made->scratch;
     stage->store = &made->scratch;
     made->context.programs = std::move(stage);
-    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, 0}, made->context, std::make_shared<const Table>());
+    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, {}}, made->context, std::make_shared<const Table>());
     return made;
   }
   // One that has been put to sleep.

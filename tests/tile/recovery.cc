@@ -16,7 +16,7 @@ namespace {
 struct Life {
   Life(Peer self, const DelaunayStage& common, std::uint64_t mail_bytes_max, std::shared_ptr<const Table> table,
        std::vector<LocalPoint> points)
-      : self(self), scratch(std::move(points), common.dimension), told(table->epoch) {
+      : self(self), scratch(std::move(points), common.dimension), told(table->epoch.number) {
     auto stage = std::make_shared<DelaunayStage>(common);
     stage->storage = context.storage = &scratch;
     stage->store = &scratch;
@@ -29,7 +29,7 @@ struct Life {
   Scratch scratch;
   TileContext context;
   std::unique_ptr<TileLife> state;
-  std::uint64_t told;  // epoch of its table
+  std::uint32_t told;  // the number of its table's epoch
   bool begun = false, awake = false;
   std::vector<Peer> waiting;  // from whom
 };
@@ -51,7 +51,7 @@ class World {
   void sleep();
   void lose();
   void birth(TileId tile);
-  void rejoin(Life& life, std::uint64_t epoch);
+  void rejoin(Life& life, std::uint32_t epoch);
   Life* life_of(std::size_t i) { return i < living_.size() ? living_[i].get() : zombies_[i - living_.size()].get(); }
   std::uint64_t under_way() const;
   bool all_told() const;
@@ -103,7 +103,7 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.boxes = std::make_shared<const std::vector<Box>>(
       assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
   common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
-  Table first{0, 0, {}, std::vector<std::uint32_t>(tiles)};
+  Table first{{}, 0, {}, std::vector<Incarnation>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});
   table_ = std::make_shared<const Table>(std::move(first));
   tables_ = {table_};
@@ -125,7 +125,7 @@ void World::birth(TileId tile) {
 // A node, one tile, or any tiles at once.
 void World::lose() {
   Table next = *table_;
-  ++next.epoch;
+  ++next.epoch.number;
   std::vector<TileId> dead;
   const std::uint64_t how = rng_() % 4, one = rng_() % living_.size();
   for (std::uint32_t t = 0; t < living_.size(); ++t) {
@@ -133,7 +133,7 @@ void World::lose() {
     if (lost) dead.push_back(TileId{t});
   }
   for (const TileId tile : dead) {
-    ++next.incarnations[tile.value];
+    ++next.incarnations[tile.value].number;
     next.nodes[tile.value] = NodeId{static_cast<std::uint32_t>(rng_() % living_.size())};
   }
   rebirths_.push_back(rebirths_between(*table_, next, rebirths_.back()));
@@ -152,7 +152,7 @@ std::vector<World::Action> World::possible() {
     if (!life) continue;
     if (!life->begun) actions.push_back({Kind::begin, i});
     if (life->begun && !life->waiting.empty()) actions.push_back({Kind::splay, i});
-    if (i < living_.size() && life->told < table_->epoch) actions.push_back({Kind::rejoin, i});
+    if (i < living_.size() && life->told < table_->epoch.number) actions.push_back({Kind::rejoin, i});
   }
   if (options_.prompt && rng_() % 8 != 0) {
     std::vector<Action> rejoins;
@@ -178,7 +178,7 @@ void World::act(const Action& action) {
       life.waiting.clear();
       break;
     case Kind::rejoin:  // one table after the other, or the last at once
-      life.told = coin() ? life.told + 1 : table_->epoch;
+      life.told = coin() ? life.told + 1 : table_->epoch.number;
       rejoin(life, life.told);
       rejoin(life, rng_() % (life.told + 1));  // an old one says nothing
       break;
@@ -188,7 +188,7 @@ void World::act(const Action& action) {
   for (Update& update : life.state->take_outgoing()) mail_.push_back(std::move(update));
 }
 
-void World::rejoin(Life& life, std::uint64_t epoch) { life.state->rejoin(tables_[epoch], rebirths_[epoch].get()); }
+void World::rejoin(Life& life, std::uint32_t epoch) { life.state->rejoin(tables_[epoch], rebirths_[epoch].get()); }
 
 // What is for a dead tile arrives where it was, or at the living one, or nowhere.
 void World::deliver(std::size_t which) {
@@ -200,7 +200,7 @@ void World::deliver(std::size_t which) {
       std::find_if(zombies_.begin(), zombies_.end(), [&](const auto& z) { return z->self == update.to; });
   if (zombie != zombies_.end()) to = zombie->get();
   if (to->self != update.to && coin()) return;
-  const std::uint32_t oldest = tables_[to->told]->incarnations[update.from.tile.value];
+  const Incarnation oldest = tables_[to->told]->incarnations[update.from.tile.value];
   if (to->self == update.to && update.from.incarnation >= oldest) to->waiting.push_back(update.from);
   require(to->state->receive(std::move(update)));
   if (to->state->waiting_updates() != to->waiting.size())
@@ -227,7 +227,7 @@ std::uint64_t World::under_way() const {
 
 bool World::all_told() const {
   return std::all_of(living_.begin(), living_.end(),
-                     [&](const auto& life) { return !life || life->told == table_->epoch; });
+                     [&](const auto& life) { return !life || life->told == table_->epoch.number; });
 }
 
 bool World::quiet() const {

@@ -33,7 +33,7 @@ class Words : public ::testing::Test {
     stage_.storage = context_.storage = &scratch_;
     stage_.store = &scratch_;
     context_.programs = std::make_shared<DelaunayStage>(stage_);
-    tile_ = std::make_unique<TileLife>(Peer{self, 0}, context_, first_);
+    tile_ = std::make_unique<TileLife>(Peer{self, {}}, context_, first_);
     EXPECT_TRUE(tile_->begin());
     hear(fence_owner, 0,
          {of(fence_owner, 0, 0, fence), of(fence_owner, 10, 0, fence + 1), of(fence_owner, 0, 10, fence + 2),
@@ -44,12 +44,12 @@ class Words : public ::testing::Test {
   static SharedPoint of(TileId owner, double x, double y, std::uint64_t id, std::uint32_t told = 0) {
     return {{x, y, 0}, PointId{id}, owner, told};
   }
-  void hear(TileId from, std::uint64_t epoch, std::vector<SharedPoint> points) {
+  void hear(TileId from, std::uint32_t epoch, std::vector<SharedPoint> points) {
     const auto bytes = std::as_bytes(std::span<const SharedPoint>(points));
-    EXPECT_TRUE(tile_->receive({{from, 0}, {self, 0}, epoch, 1, {bytes.begin(), bytes.end()}}));
+    EXPECT_TRUE(tile_->receive({{from, {}}, {self, {}}, {{}, epoch}, 1, {bytes.begin(), bytes.end()}}));
   }
   // Of the third tile: it has told the fence's owner.
-  void hear_word(std::uint64_t epoch) {
+  void hear_word(std::uint32_t epoch) {
     hear(other, epoch, {of(other, 6, 6, point, stage_.around->bit(other, fence_owner))});
   }
   std::vector<Update> splay() {
@@ -58,8 +58,8 @@ class Words : public ::testing::Test {
   }
   void rejoin() {
     auto next = std::make_shared<Table>(*first_);
-    next->epoch = 1;
-    next->incarnations[dead.value] = 1;
+    next->epoch = {{}, 1};
+    next->incarnations[dead.value] = {{}, 1};
     const auto rebirths = rebirths_between(*first_, *next, nullptr);
     tile_->rejoin(std::move(next), rebirths.get());
   }
@@ -78,7 +78,7 @@ class Words : public ::testing::Test {
 
  private:
   const std::shared_ptr<const Table> first_ =
-      std::make_shared<const Table>(Table{0, 0, std::vector<NodeId>(4), std::vector<std::uint32_t>(4)});
+      std::make_shared<const Table>(Table{{}, 0, std::vector<NodeId>(4), std::vector<Incarnation>(4)});
   Scratch scratch_;
   DelaunayStage stage_;
   TileContext context_;
@@ -112,7 +112,7 @@ TEST_F(Words, AreNotBelievedOfAnEarlierEpochThatWaitedForTheTable) {
 }
 
 TEST_F(Words, AMessageThatIsNoListOfPointsIsAnError) {
-  ASSERT_TRUE(tile_->receive({{other, 0}, {self, 0}, 0, 1, BigVector<std::byte>(sizeof(SharedPoint) + 1)}));
+  ASSERT_TRUE(tile_->receive({{other, {}}, {self, {}}, {}, 1, BigVector<std::byte>(sizeof(SharedPoint) + 1)}));
   const Status splayed = tile_->step();
   ASSERT_FALSE(splayed);
   EXPECT_EQ(splayed.error().code, Errc::internal);
