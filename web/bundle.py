@@ -1,6 +1,6 @@
 """Bundles the dashboard, and writes it as a C++ source:
 
-    bundle.py ESBUILD SOURCES PACKAGES OUT.cc
+    bundle.py ESBUILD SOURCES PACKAGES PHASES.json OUT.cc
 
 Every entry point becomes a file of its own; what they share, and what is imported only when it is needed, others.
 """
@@ -23,9 +23,10 @@ PIECE = 4096  # bytes of a literal on one line
 DECODER = "meshoptimizer/meshopt_decoder_reference.js"
 
 
-def bundle(esbuild, sources, packages, folder):
+def bundle(esbuild, sources, packages, phases, folder):
     subprocess.run([esbuild, *(str(sources / entry) for entry in ENTRIES), "--bundle", "--splitting", "--format=esm",
-                    "--target=es2022", "--minify", "--log-level=warning", f"--alias:meshopt-decoder={packages / DECODER}", f"--outdir={folder}"],
+                    "--target=es2022", "--minify", "--log-level=warning", f"--alias:meshopt-decoder={packages / DECODER}",
+                    f"--alias:phases={phases}", f"--outdir={folder}"],
                    env=os.environ | {"NODE_PATH": str(packages)}, check=True)
     for name in STATIC:
         (folder / name).write_bytes((sources / name).read_bytes())
@@ -50,9 +51,9 @@ def source_of(files):
     yield "}};\n\n}  // namespace\n\nstd::span<const WebFile> web_files() { return files; }\n\n}  // namespace tessera"
 
 
-def main(esbuild, sources, packages, out):
+def main(esbuild, sources, packages, phases, out):
     with tempfile.TemporaryDirectory() as folder:
-        files = bundle(esbuild, pathlib.Path(sources), pathlib.Path(packages), pathlib.Path(folder))
+        files = bundle(esbuild, pathlib.Path(sources), pathlib.Path(packages), pathlib.Path(phases), pathlib.Path(folder))
         pathlib.Path(out).write_text("\n".join(source_of(files)) + "\n")
 
 

@@ -11,18 +11,18 @@ namespace {
 Phase phase_of(RunStep step) {
   switch (step) {
     case RunStep::beginning:
-      return Phase::triangulating;
+      return phase_of(ProgramKind::delaunay, ProgramStep::begin);
     case RunStep::exchanging:
-      return Phase::splaying;
+      return phase_of(ProgramKind::delaunay, ProgramStep::exchange);
     case RunStep::ending:
       break;
   }
-  return Phase::collecting;
+  return phase_of(ProgramKind::delaunay, ProgramStep::store);
 }
 
 Phase phase_of(Work work) {
-  if (work == Work::begin) return Phase::triangulating;
-  return work == Work::finish ? Phase::collecting : Phase::splaying;
+  if (work == Work::begin) return phase_of(RunStep::beginning);
+  return phase_of(work == Work::finish ? RunStep::ending : RunStep::exchanging);
 }
 
 void show(const RunProgress& from, double opened_s, Progress& to) {

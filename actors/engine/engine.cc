@@ -126,7 +126,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
                                      Progress& progress, const std::stop_token& stop, bool& again) {
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
-  progress.phase = Phase::triangulating;
+  progress.phase = phase_of(ProgramKind::delaunay, ProgramStep::begin);
 
   // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
   const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below

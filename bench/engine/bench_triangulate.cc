@@ -10,6 +10,7 @@
 
 #include "bench/engine/cgal_sequential.h"
 #include "src/base/option.h"
+#include "src/base/phases.h"
 #include "src/generate/generate.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
@@ -60,20 +61,21 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   const double work_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   const JobSummary& s = *done;
   BOOST_OUTCOME_TRY(manifest, read_manifest(out));  // has the times that were summed over threads
-  const auto seconds = [&](const char* phase) { return manifest.seconds[phase]; };
-  const auto cpu = [&](const char* phase) { return manifest.figures[std::string(phase) + "_cpu_s"]; };
+  const std::string exchange = name_of(phase_of(ProgramKind::delaunay, ProgramStep::exchange));
   std::printf("engine     %8.2f s  %9.0f points/s  %u threads, %llu tiles\n", s.total_s,
               static_cast<double>(s.points_read) / s.total_s, o.threads, static_cast<unsigned long long>(s.tiles));
-  std::printf("  routing %.2f  triangulating %.2f  splaying %.2f  collecting %.2f  finishing %.2f s (wall)\n",
-              seconds("routing"), seconds("triangulating"), seconds("splaying"), seconds("collecting"),
-              s.seconds.back().second);
-  std::printf("  work summed over threads: triangulating %.2f  splaying %.2f  collecting %.2f s; %llu sleeps\n",
-              cpu("triangulating"), cpu("splaying"), cpu("collecting"),
-              static_cast<unsigned long long>(s.exchange.sleeps));
+  for (const auto& [name, seconds] : s.seconds) std::printf("  %s %.2f", name.c_str(), seconds);
+  std::printf(" s (wall)\n  work summed over threads:");
+  for (const auto& [name, wall_s] : s.seconds) {
+    const auto cpu = manifest.figures.find(name + "_cpu_s");
+    if (cpu != manifest.figures.end()) std::printf(" %s %.2f ", name.c_str(), cpu->second);
+  }
+  std::printf("s; %llu sleeps\n", static_cast<unsigned long long>(s.exchange.sleeps));
   std::printf(
-      "  splaying %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
+      "  %s %.1f %% of the total; foreign points: %llu sent, %llu received, %llu inserted, %llu kept; "
       "%llu messages, %llu rounds, %llu waves; at most %llu to one tile\n",
-      100 * seconds("splaying") / s.total_s, static_cast<unsigned long long>(s.exchange.points.sent),
+      exchange.c_str(), 100 * manifest.seconds[exchange] / s.total_s,
+      static_cast<unsigned long long>(s.exchange.points.sent),
       static_cast<unsigned long long>(s.exchange.points.received),
       static_cast<unsigned long long>(s.exchange.points.inserted),
       static_cast<unsigned long long>(s.exchange.points.kept), static_cast<unsigned long long>(s.exchange.updates),

@@ -15,6 +15,7 @@
 #include "src/apps/outcome.h"
 #include "src/apps/say.h"
 #include "src/apps/server_options.h"
+#include "src/base/phases.h"
 #include "src/base/progress.h"
 #include "src/client/fetch.h"
 #include "src/client/messages.h"
@@ -27,9 +28,7 @@ namespace tessera {
 namespace {
 
 void set_progress(const proto::StatusInfo& job, Progress& progress) {
-  for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {
-    if (job.phase() == name_of(static_cast<Phase>(i))) progress.phase = static_cast<Phase>(i);
-  }
+  if (const auto phase = phase_named(job.phase())) progress.phase = *phase;
   if (!job.has_figures()) return;
   const auto& figures = job.figures();
   progress.points_total = figures.points_total();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "src/base/phases.h"
+
 namespace tessera {
 
 // What tiles told each other, in items of their program: points, in a triangulation.
@@ -33,8 +35,23 @@ struct ExchangeCounts {
   }
 };
 
-struct PhaseSeconds {
-  double triangulating = 0, splaying = 0, collecting = 0;
+// What the steps of the tiles' program took.
+struct StepSeconds {
+  double begin = 0, exchange = 0, store = 0;
+
+  double of(ProgramStep step) const {
+    switch (step) {
+      case ProgramStep::begin:
+        return begin;
+      case ProgramStep::exchange:
+        return exchange;
+      case ProgramStep::store:
+        return store;
+      case ProgramStep::none:
+        break;
+    }
+    return 0;
+  }
 };
 
 struct ExchangeFigures {
@@ -44,7 +61,7 @@ struct ExchangeFigures {
   std::uint64_t most_received = 0;  // points that any one tile was told of, repeats included
   std::uint64_t waves = 0;          // collections of counters until quiet was proved
   std::uint64_t sleeps = 0;         // times a tile was put to sleep on disk
-  PhaseSeconds work;                // summed over threads
+  StepSeconds work;                 // summed over threads
   // Of a cluster's job.
   std::uint64_t nodes = 0, nodes_lost = 0;
   std::uint64_t tiles_again = 0;    // begun again when a node was lost

@@ -12,17 +12,10 @@
 
 #include "src/base/ids.h"
 #include "src/base/mail_arcs.h"
+#include "src/base/phases.h"
 #include "src/base/tile_map.h"
 
 namespace tessera {
-
-enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
-
-constexpr const char* name_of(Phase phase) {
-  constexpr const char* names[] = {"planning",   "routing",   "triangulating", "splaying",
-                                   "collecting", "finishing", "done"};
-  return names[static_cast<int>(phase)];
-}
 
 // A span of time in which one thread worked on one tile: the report's timeline.
 struct PhaseSpan {
@@ -64,7 +57,7 @@ struct NodeProgress {
 
 struct Progress {
   const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
-  std::atomic<Phase> phase{Phase::planning};
+  std::atomic<Phase> phase{Phase{}};           // the first
   std::atomic<std::uint64_t> points_total{0};  // 0 while unknown
   std::atomic<std::uint64_t> points_routed{0};
   std::atomic<std::uint64_t> points_triangulated{0};
@@ -87,8 +80,7 @@ struct Progress {
   RecentMail mail;
 
   void add_span(const PhaseSpan& span) {
-    if (span.phase == Phase::triangulating) map.reached(span.tile, TileStage::triangulated);
-    if (span.phase == Phase::splaying) map.reached(span.tile, TileStage::splayed);
+    if (const auto reached = row_of(span.phase).reached) map.reached(span.tile, *reached);
     const std::lock_guard lock(mutex_);
     timeline_.add(span);
   }

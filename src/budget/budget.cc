@@ -106,14 +106,17 @@ Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint6
   all.whole = whole_bytes(points, tile, need, threads) <= for_tiles(memory_bytes, threads, tiles);
   const std::uint64_t kept = points * (all.whole ? need.whole : need.image);
   const std::uint64_t collect = all.whole ? need.collect_whole : need.collect;
-  all.routing = fixed_bytes(0) + reading_threads(memory_bytes, threads) * reading_thread_bytes +
-                std::min(route_buffer_bytes(memory_bytes), points * (sizeof(LocalPoint) + 8));
-  all.triangulating = base + kept + busy * tile * (need.triangulate - (all.whole ? need.whole : need.image));
-  all.splaying = base + kept;
-  all.collecting = base + kept + busy * tile * (collect + need.mesh);
-  for (std::uint64_t* phase : {&all.routing, &all.triangulating, &all.splaying, &all.collecting}) {
-    *phase = std::min(*phase, memory_bytes);
-  }
+  const auto add = [&](Phase phase, std::uint64_t bytes) {
+    all.bytes.emplace_back(phase, std::min(bytes, memory_bytes));
+  };
+  const auto add_step = [&](ProgramStep step, std::uint64_t bytes) {
+    add(phase_of(ProgramKind::delaunay, step), bytes);
+  };
+  add(Phase::routing, fixed_bytes(0) + reading_threads(memory_bytes, threads) * reading_thread_bytes +
+                          std::min(route_buffer_bytes(memory_bytes), points * (sizeof(LocalPoint) + 8)));
+  add_step(ProgramStep::begin, base + kept + busy * tile * (need.triangulate - (all.whole ? need.whole : need.image)));
+  add_step(ProgramStep::exchange, base + kept);
+  add_step(ProgramStep::store, base + kept + busy * tile * (collect + need.mesh));
   return all;
 }
 

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "src/base/phases.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/kernel/kernel.h"
@@ -87,7 +90,7 @@ Status tile_fits_a_node(int dimension, KernelKind kernel, std::uint64_t points, 
 
 // What a job of `points` points in tiles of `tile_points` takes in each phase: resident bytes, at most the memory.
 struct Phases {
-  std::uint64_t routing = 0, triangulating = 0, splaying = 0, collecting = 0;
+  std::vector<std::pair<Phase, std::uint64_t>> bytes;  // in order; the others take next to nothing
   bool whole = false;  // tiles are kept with all their cells: nothing final is put on disk meanwhile
 };
 Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_points, std::uint32_t threads,

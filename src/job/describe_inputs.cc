@@ -4,6 +4,7 @@
 
 #include "src/base/attribute.h"
 #include "src/base/option.h"
+#include "src/base/phases.h"
 #include "src/crs/crs.h"
 #include "src/io/bytes/spool.h"
 #include "src/io/cloud/inputs.h"
@@ -103,6 +104,8 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
   const auto& cost = expected.cost;
   Json files = Json::array();
   for (const auto& file : cloud.files()) files.push_back(to_json(file));
+  Json phases = Json::object();
+  for (const auto& [phase, bytes] : cost.phases.bytes) phases[name_of(phase)] = bytes;
   return written({{"files", files},
                   {"points", points},
                   {"statistics", counted},
@@ -119,11 +122,7 @@ Result<std::string> describe_together(const std::vector<std::string>& inputs, Jo
                   {"estimate",
                    {{"cells", cost.cells},
                     {"memory_bytes", cost.memory_bytes},
-                    {"phases",
-                     {{"routing", cost.phases.routing},
-                      {"triangulating", cost.phases.triangulating},
-                      {"splaying", cost.phases.splaying},
-                      {"collecting", cost.phases.collecting}}},
+                    {"phases", phases},
                     {"tiles_whole", cost.phases.whole},
                     {"result_bytes", cost.result_bytes},
                     {"temporary_bytes", cost.temporary_bytes},

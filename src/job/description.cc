@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "src/base/phases.h"
 #include "src/base/printable.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/describe.h"
@@ -230,10 +231,11 @@ void add_work(Lines& lines, const Json& result) {
   std::string phases;
   double all = 0;
   const Json& seconds = result.at("seconds");
-  for (const char* name : {"routing", "triangulating", "splaying", "collecting", "finishing"}) {  // in this order
-    if (!seconds.contains(name)) continue;
-    all += seconds.at(name).get<double>();
-    phases += (phases.empty() ? "" : ", ") + plain_phase(name) + " " + human_seconds(seconds.at(name).get<double>());
+  for (const PhaseRow& row : phase_table) {
+    if (!seconds.contains(row.name)) continue;
+    const auto took_s = seconds.at(row.name).get<double>();
+    all += took_s;
+    phases += std::string(phases.empty() ? "" : ", ") + row.words + " " + human_seconds(took_s);
   }
   if (!phases.empty()) lines.add("time", human_seconds(all) + " (" + phases + ")");
   const auto& figures = result.at("figures");

@@ -33,11 +33,11 @@ Estimate estimate(int dimension, KernelKind kernel, std::uint64_t points, std::u
   Estimate estimate;
   estimate.cells = static_cast<std::uint64_t>(cells_a_point * n);
   estimate.phases = budget::phases(dimension, kernel, points, tile_limit, machine.threads, machine.memory_bytes);
-  const budget::Phases& phases = estimate.phases;
-  estimate.memory_bytes = std::max({phases.routing, phases.triangulating, phases.splaying, phases.collecting});
+  for (const auto& [phase, bytes] : estimate.phases.bytes)
+    estimate.memory_bytes = std::max(estimate.memory_bytes, bytes);
   estimate.result_bytes = static_cast<std::uint64_t>(n * (1 + shared) * (cells_a_point * cell_bytes + vertex_bytes));
   estimate.temporary_bytes = points * (sizeof(double) * 4 + attribute_row_bytes);
-  if (!phases.whole) {  // final cells wait on disk, with their neighbours
+  if (!estimate.phases.whole) {  // final cells wait on disk, with their neighbours
     estimate.temporary_bytes += static_cast<std::uint64_t>(n * cells_a_point * 8 * (dimension + 1));
   }
   estimate.seconds = n * (1 + shared) / (points_a_second * std::min<double>(machine.threads, tiles));

@@ -80,6 +80,18 @@ Result<RoutedRun> routed_run(const Engine& engine, const JobOptions& options, co
   return std::move(routed);
 }
 
+// By name, in order.
+std::vector<std::pair<std::string, double>> seconds_of_phases(double routing_s, const StepSeconds& tiles,
+                                                              double finishing_s) {
+  std::map<Phase, double> seconds{{Phase::routing, routing_s}, {Phase::finishing, finishing_s}};
+  for (const PhaseRow& row : phase_table) {
+    if (row.program == ProgramKind::delaunay) seconds[row.phase] = tiles.of(row.step);
+  }
+  std::vector<std::pair<std::string, double>> named;
+  for (const auto& [phase, took_s] : seconds) named.emplace_back(name_of(phase), took_s);
+  return named;
+}
+
 // Threads are numbered as they first work for any job of this process.
 std::vector<PhaseSpan> with_threads_from_0(std::vector<PhaseSpan> spans) {
   std::map<std::uint32_t, std::uint32_t> numbers;
@@ -120,11 +132,7 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   const auto report = [&]() -> Status {
     add_duplicates(summary, manifest);
     summary.digest = manifest.digest ? digest_text(*manifest.digest) : "";
-    summary.seconds = {{"routing", routed_s - began_s},
-                       {"triangulating", tiles.wall.triangulating},
-                       {"splaying", tiles.wall.splaying},
-                       {"collecting", tiles.wall.collecting},
-                       {"finishing", elapsed_s() - ran_s}};
+    summary.seconds = seconds_of_phases(routed_s - began_s, tiles.wall, elapsed_s() - ran_s);
     summary.total_s = elapsed_s();
     summary.peak_memory_bytes = peak_memory();
     add_figures(summary, manifest);

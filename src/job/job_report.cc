@@ -2,8 +2,10 @@
 
 #include <chrono>
 #include <cstdint>
+#include <string>
 #include <utility>
 
+#include "src/base/phases.h"
 #include "src/crs/crs.h"
 #include "src/job/version.h"
 #include "src/store/digest.h"
@@ -75,11 +77,11 @@ void add_figures(const JobSummary& summary, Manifest& manifest) {
                       {"tiles_again", number(e.tiles_again)},
                       {"bytes_between", number(e.bytes_between)},
                       {"credit_waits", number(e.credit_waits)},
-                      {"triangulating_cpu_s", e.work.triangulating},
-                      {"splaying_cpu_s", e.work.splaying},
-                      {"collecting_cpu_s", e.work.collecting},
                       {"memory_budget_bytes", number(summary.memory_budget_bytes)},
                       {"peak_memory_bytes", number(summary.peak_memory_bytes)}};
+  for (const PhaseRow& row : phase_table) {
+    if (row.program == ProgramKind::delaunay) manifest.figures[std::string(row.name) + "_cpu_s"] = e.work.of(row.step);
+  }
 }
 
 JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out) {
@@ -109,8 +111,8 @@ JobSummary summary_of(const Manifest& manifest, const std::filesystem::path& out
   summary.memory_budget_bytes = figure("memory_budget_bytes");
   summary.peak_memory_bytes = figure("peak_memory_bytes");
   if (manifest.digest) summary.digest = digest_text(*manifest.digest);
-  for (int i = 0; i <= static_cast<int>(Phase::done); ++i) {
-    const auto found = manifest.seconds.find(name_of(static_cast<Phase>(i)));
+  for (const PhaseRow& row : phase_table) {
+    const auto found = manifest.seconds.find(row.name);
     if (found == manifest.seconds.end()) continue;
     summary.seconds.emplace_back(*found);
     summary.total_s += found->second;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "src/base/phases.h"
 #include "src/base/utf8.h"
 
 namespace tessera {
@@ -78,10 +79,8 @@ std::string counted(std::uint64_t n, std::string_view what) {
 }
 
 std::string plain_phase(std::string_view name) {
-  if (name == "routing") return "reading";
-  if (name == "splaying") return "joining tiles";
-  if (name == "collecting") return "writing";
-  return std::string(name);
+  const auto phase = phase_named(name);
+  return phase ? row_of(*phase).words : std::string(name);
 }
 
 std::string escape_html(std::string_view text) {

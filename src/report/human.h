@@ -14,7 +14,7 @@ std::string grouped(std::uint64_t n);                         // "12 345 678"
 std::string counted(std::uint64_t n, std::string_view what);  // "1 tile", "2 tiles"; `what` of one
 std::string fixed(double value, int digits);                  // with a point, whatever the locale
 std::string coordinate(double value);                         // up to ten digits: "770500.25"
-// What a phase does, for people who have not read how: "splaying" is "joining tiles".
+// What the phase of that name does, for people who have not read how; the name itself where there is no such phase.
 std::string plain_phase(std::string_view name);
 std::string escape_html(std::string_view text);  // & < > " '; bytes that are not UTF-8 as U+FFFD
 

@@ -46,7 +46,7 @@ class ProgressDisplay {
   std::FILE* const out_;
   const std::chrono::steady_clock::time_point start_;
   ProgressSnapshot before_;
-  Phase shown_phase_ = Phase::planning;
+  Phase shown_phase_ = {};
   double shown_s_ = -1;
   int panel_lines_ = 0;
   std::mutex mutex_;

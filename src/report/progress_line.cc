@@ -2,14 +2,52 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
+#include "src/base/phases.h"
 #include "src/report/human.h"
 
 namespace tessera {
 namespace {
 
 double ratio(double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; }
+
+// Of a snapshot and of a node, which knows those of tiles alone.
+std::uint64_t count_of(const NodeProgress& of, ProgressCounter counter) {
+  if (counter == ProgressCounter::tiles_triangulated) return of.tiles_triangulated;
+  return counter == ProgressCounter::tiles_stored ? of.tiles_stored : 0;
+}
+
+std::uint64_t count_of(const ProgressSnapshot& of, ProgressCounter counter) {
+  switch (counter) {
+    case ProgressCounter::points_routed:
+      return of.points_routed;
+    case ProgressCounter::points_triangulated:
+      return of.points_triangulated;
+    case ProgressCounter::points_sent:
+      return of.points_sent;
+    case ProgressCounter::tiles_triangulated:
+      return of.tiles_triangulated;
+    case ProgressCounter::tiles_stored:
+      return of.tiles_stored;
+    case ProgressCounter::none:
+      break;
+  }
+  return 0;
+}
+
+double part_of_total(const ProgressSnapshot& now, ProgressCounter counter) {
+  const bool of_tiles = counter == ProgressCounter::tiles_triangulated || counter == ProgressCounter::tiles_stored;
+  const auto total = of_tiles ? now.tiles_total : now.points_total;
+  return ratio(static_cast<double>(count_of(now, counter)), static_cast<double>(total));
+}
+
+constexpr int words_width() {
+  std::size_t width = 0;
+  for (const PhaseRow& row : phase_table) width = std::max(width, std::string_view(row.words).size());
+  return static_cast<int>(width);
+}
 
 // An update may be counted as processed before the look at updates_sent: never below zero.
 std::uint64_t in_flight(const ProgressSnapshot& now) {
@@ -26,12 +64,13 @@ double seconds_left(const ProgressSnapshot& now) {
 std::string figures(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   std::string text;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "   ") + part; };
+  const PhaseRow& phase = row_of(now.phase);
   if (now.tiles_total > 0) {
-    const auto done = now.phase >= Phase::collecting ? now.tiles_stored : now.tiles_triangulated;
+    const auto done = count_of(now, phase.tiles);
     add("tiles " + std::to_string(done) + "/" + std::to_string(now.tiles_total) +
         (now.tiles_asleep > 0 ? " (" + std::to_string(now.tiles_asleep) + " asleep)" : ""));
-  } else if (now.phase <= Phase::routing && now.points_routed > 0) {
-    add(human_count(now.points_routed) + " points");
+  } else if (const auto points = count_of(now, phase.points); phase.program == ProgramKind::none && points > 0) {
+    add(human_count(points) + " points");
   }
   if (const double rate = points_per_second(before, now); rate > 0) {
     add(human_count(static_cast<std::uint64_t>(rate)) + " points/s");
@@ -46,7 +85,7 @@ std::string figures(const ProgressSnapshot& before, const ProgressSnapshot& now)
 std::string nodes_text(const ProgressSnapshot& now) {
   std::string text;
   for (const NodeProgress& node : now.nodes) {
-    const auto done = now.phase >= Phase::collecting ? node.tiles_stored : node.tiles_triangulated;
+    const auto done = count_of(node, row_of(now.phase).tiles);
     text += (text.empty() ? "nodes " : ", ") + node.name +
             (node.lost ? " lost" : " " + std::to_string(done) + "/" + std::to_string(node.tiles));
   }
@@ -82,42 +121,26 @@ ProgressSnapshot look(const Progress& progress, double elapsed_s) {
 }
 
 double fraction_done(const ProgressSnapshot& now) {
-  // Shares of the time of 10 M uniform points on two threads, rounded: they only steer the estimate.
-  constexpr double routing = 0.08, triangulating = 0.55, splaying = 0.12, collecting = 0.25;
-  if (now.phase == Phase::done) return 1;
-  const double total = static_cast<double>(now.points_total);
-  const double routed = now.phase > Phase::routing ? 1 : ratio(static_cast<double>(now.points_routed), total);
-  const double triangulated = now.phase > Phase::triangulating
-                                  ? 1
-                                  : std::max(ratio(static_cast<double>(now.points_triangulated), total),
-                                             ratio(now.tiles_triangulated, now.tiles_total));
-  const double splayed = now.phase > Phase::splaying ? 1 : 0;
-  const double stored = now.phase > Phase::collecting ? 1 : ratio(now.tiles_stored, now.tiles_total);
-  return routing * routed + triangulating * triangulated + splaying * splayed + collecting * stored;
+  if (row_of(now.phase).over) return 1;
+  double all = 0;
+  for (const PhaseRow& row : phase_table) {
+    double done = row.phase < now.phase ? 1 : 0;
+    for (const ProgressCounter counter : row.counters) done = std::max(done, part_of_total(now, counter));
+    all += row.share * done;
+  }
+  return all;
 }
 
 double points_per_second(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   const double seconds = now.elapsed_s - before.elapsed_s;
-  const auto points = [&](const ProgressSnapshot& at) {
-    switch (now.phase) {
-      case Phase::planning:
-      case Phase::routing:
-        return at.points_routed;
-      case Phase::triangulating:
-        return at.points_triangulated;
-      case Phase::splaying:
-        return at.points_sent;
-      default:
-        return std::uint64_t{0};
-    }
-  };
+  const auto points = [&](const ProgressSnapshot& at) { return count_of(at, row_of(now.phase).points); };
   if (seconds <= 0 || points(now) <= points(before)) return 0;
   return static_cast<double>(points(now) - points(before)) / seconds;
 }
 
 std::vector<std::string> progress_panel(const ProgressSnapshot& before, const ProgressSnapshot& now, int columns) {
-  constexpr int name_width = 13;  // "triangulating"
-  std::string name = plain_phase(name_of(now.phase));
+  constexpr int name_width = words_width();
+  std::string name = row_of(now.phase).words;
   name.resize(name_width, ' ');
   const double done = fraction_done(now);
   const auto percent = std::to_string(static_cast<int>(done * 100));
@@ -134,7 +157,7 @@ std::vector<std::string> progress_panel(const ProgressSnapshot& before, const Pr
 
 std::string progress_text(const ProgressSnapshot& before, const ProgressSnapshot& now) {
   const auto details = figures(before, now);
-  return human_seconds(now.elapsed_s) + "   " + plain_phase(name_of(now.phase)) + "   " +
+  return human_seconds(now.elapsed_s) + "   " + row_of(now.phase).words + "   " +
          std::to_string(static_cast<int>(fraction_done(now) * 100)) + " %" + (details.empty() ? "" : "   " + details) +
          (now.nodes.empty() ? "" : "   " + nodes_text(now));
 }

@@ -11,7 +11,7 @@ namespace tessera {
 
 struct ProgressSnapshot {
   double elapsed_s = 0;
-  Phase phase = Phase::planning;
+  Phase phase = {};  // the first
   std::uint64_t points_total = 0, points_routed = 0, points_triangulated = 0;
   std::uint32_t tiles_total = 0, tiles_triangulated = 0, tiles_stored = 0, tiles_asleep = 0;
   std::uint64_t updates_sent = 0, updates_processed = 0, points_sent = 0;
@@ -21,7 +21,7 @@ struct ProgressSnapshot {
 
 ProgressSnapshot look(const Progress& progress, double elapsed_s);
 
-// The part of the whole job that is done, 0..1. Splaying has no known end: it counts as a whole once over.
+// The part of the whole job that is done, 0..1.
 double fraction_done(const ProgressSnapshot& now);
 
 // Points a second in the current phase, between two looks; 0 when it moves no points.

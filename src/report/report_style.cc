@@ -1,13 +1,15 @@
 #include "src/report/report_style.h"
 
+#include "src/base/phases.h"
+
 namespace tessera {
 namespace {
 
-constexpr const char* style = R"(<style>
-:root { color-scheme: light dark; --ink:#1d2430; --soft:#5d6878; --paper:#fbfbf9; --card:#ffffff; --line:#dfe3e8;
-  --routing:#8a94a6; --triangulating:#2f6db5; --splaying:#e08a2c; --collecting:#3d9a6a; --finishing:#8a63b0; }
+constexpr const char* style =
+    R"(:root { color-scheme: light dark; --ink:#1d2430; --soft:#5d6878; --paper:#fbfbf9; --card:#ffffff; --line:#dfe3e8;
+  --warning:#e08a2c; }
 @media (prefers-color-scheme: dark) { :root { --ink:#e4e8ee; --soft:#98a3b3; --paper:#14181f; --card:#1c222b;
-  --line:#323a46; --routing:#7d8798; --triangulating:#5b9be0; --splaying:#f0a04b; --collecting:#58bd88; --finishing:#ab88d0; } }
+  --line:#323a46; --warning:#f0a04b; } }
 * { box-sizing:border-box }
 body { margin:0; background:var(--paper); color:var(--ink); font:15px/1.5 system-ui,sans-serif }
 main { max-width:1060px; margin:0 auto; padding:32px 24px 64px }
@@ -15,7 +17,7 @@ h1 { font-size:26px; font-weight:650; margin:0 0 4px; letter-spacing:-.01em; ove
 h2 { font-size:17px; font-weight:650; margin:36px 0 10px }
 p { margin:0 0 8px } .soft { color:var(--soft) } .number { white-space:nowrap }
 code { font:13px/1.5 ui-monospace,monospace; overflow-wrap:anywhere }
-.warning { border-left:3px solid var(--splaying); padding-left:10px; overflow-wrap:anywhere }
+.warning { border-left:3px solid var(--warning); padding-left:10px; overflow-wrap:anywhere }
 .facts { display:grid; grid-template-columns:max-content 1fr; gap:3px 16px; margin:14px 0; font-size:14px }
 .facts dt { color:var(--soft) } .facts dd { margin:0; overflow-wrap:anywhere; font-variant-numeric:tabular-nums }
 .cards { display:grid; grid-template-columns:repeat(auto-fill,minmax(145px,1fr)); gap:10px; margin:20px 0 }
@@ -49,11 +51,16 @@ th { color:var(--soft); font-weight:500 } th:first-child,td:first-child { text-a
 }  // namespace
 
 std::string report_style() {
-  std::string css = style;
-  for (const auto* phase : {"routing", "triangulating", "splaying", "collecting", "finishing"}) {
-    css += ".p-" + std::string(phase) + " { fill:var(--" + phase + "); background:var(--" + phase + ") }\n";
+  std::string light, dark, fills;
+  for (const PhaseRow& row : phase_table) {
+    if (row.colour == nullptr) continue;
+    const std::string name = row.name;
+    light += " --" + name + ":" + row.colour + ";";
+    dark += " --" + name + ":" + row.dark_colour + ";";
+    fills += ".p-" + name + " { fill:var(--" + name + "); background:var(--" + name + ") }\n";
   }
-  return css + "</style>\n";
+  return std::string("<style>\n:root {") + light + " }\n@media (prefers-color-scheme: dark) { :root {" + dark +
+         " } }\n" + style + fills + "</style>\n";
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 
+#include "src/base/phases.h"
 #include "src/report/html_report.h"
 #include "src/report/human.h"
 
@@ -68,12 +69,12 @@ std::string timeline_svg(const std::vector<PhaseSpan>& spans, double total_s) {
            std::to_string(thread) + "</text>\n";
     for (const auto& bar : merge(list, total_s / pixels)) {
       const double x = at(bar.begin_s);
-      const std::string what = bar.times == 1 || bar.phase == Phase::triangulating
+      const std::string what = bar.times == 1 || row_of(bar.phase).step == ProgramStep::begin
                                    ? "tile " + to_string(bar.tile)
                                    : std::to_string(bar.times) + " times";
       svg += "<rect class=\"p-" + std::string(name_of(bar.phase)) + "\" x=\"" + fixed(x, 3) + "%\" y=\"" + fixed(y, 1) +
              "\" width=\"" + fixed(std::max(0.06, at(bar.end_s) - x - 0.04), 3) + "%\" height=\"" + fixed(row, 0) +
-             "\"><title>" + plain_phase(name_of(bar.phase)) + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
+             "\"><title>" + row_of(bar.phase).words + ", " + what + ": " + fixed(bar.begin_s, 3) + " to " +
              fixed(bar.end_s, 3) + " s</title></rect>\n";
     }
     y += row + gap;

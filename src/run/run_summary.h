@@ -15,7 +15,7 @@ struct RunSummary {
   std::uint64_t vertices = 0, cells = 0;
   ExchangeFigures exchange;
   std::uint64_t memory_bytes = 0;  // that all nodes which had a part gave the job
-  PhaseSeconds wall;               // wall clock of the phases
+  StepSeconds wall;                // wall clock
 };
 
 }  // namespace tessera

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/phases.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 #include "src/tiling/partition.h"
@@ -39,15 +40,15 @@ void tell_mail(const std::vector<MailArc>& arcs, proto::JobTiles& tiles) {
 }
 
 void tell_running(const Progress& progress, bool with_layout, proto::JobTiles& tiles) {
-  const Phase phase = progress.phase;  // before the stages: what is settled stays so
+  const PhaseRow& phase = row_of(progress.phase);  // before the stages: what is settled stays so
   std::string stages = progress.map.stages();
-  if (phase >= Phase::collecting) {
+  if (phase.settled) {
     for (char& stage : stages)
       if (stage != letter(TileStage::empty) && stage != letter(TileStage::stored)) stage = letter(TileStage::settled);
   }
   tiles.set_stages(std::move(stages));
   tiles.set_begun_again(progress.map.begun_again());
-  if (phase < Phase::collecting) tell_mail(progress.mail.heaviest(), tiles);
+  if (phase.exchanges) tell_mail(progress.mail.heaviest(), tiles);
   tiles.set_elapsed_s(std::chrono::duration<double>(std::chrono::steady_clock::now() - progress.started).count());
   const BusyThreads busy = progress.busy(parts_of_time);
   tiles.mutable_busy_threads()->Add(busy.threads.begin(), busy.threads.end());

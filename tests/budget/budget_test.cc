@@ -86,8 +86,9 @@ TEST(Budget, EveryPartIsLessThanTheMemoryHoweverSmall) {
       EXPECT_LE(route_buffer_bytes(memory) + refine_bytes(memory), memory);
       EXPECT_LE(reading_threads(memory, threads), threads);
       EXPECT_GE(reading_threads(memory, threads), 1u);
-      const Phases p = phases(3, flat, 100'000'000, 100'000, threads, memory);
-      EXPECT_LE(std::max({p.routing, p.triangulating, p.splaying, p.collecting}), memory);
+      const Phases all = phases(3, flat, 100'000'000, 100'000, threads, memory);
+      EXPECT_EQ(all.bytes.size(), 4u);
+      for (const auto& [phase, bytes] : all.bytes) EXPECT_LE(bytes, memory) << name_of(phase);
     }
   }
 }

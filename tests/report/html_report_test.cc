@@ -111,6 +111,15 @@ TEST(HtmlReport, CallsThePhasesAsTheSummaryDoes) {
     EXPECT_EQ(html.find(text), std::string::npos) << text;
 }
 
+TEST(HtmlReport, HasAColourForEachPhaseThatItShows) {
+  const auto html = html_report(two_tiles());
+  for (const char* text : {"--routing:#8a94a6;", "--splaying:#f0a04b;", "--finishing:#ab88d0;",
+                           ".p-collecting { fill:var(--collecting); background:var(--collecting) }"})
+    EXPECT_EQ(occurrences(html, text), 1u) << text;
+  EXPECT_EQ(html.find("p-planning"), std::string::npos);
+  EXPECT_EQ(html.find("p-done"), std::string::npos);
+}
+
 TEST(HtmlReport, TellsOfTheExchangeWithoutRiddles) {
   auto data = two_tiles();
   data.summary.tiles = 2;

@@ -28,16 +28,60 @@ ProgressSnapshot halfway() {
 TEST(Progress, TheFractionGrowsFromPhaseToPhaseUpToOne) {
   auto now = halfway();
   double before = -1;
-  for (const auto phase : {Phase::planning, Phase::routing, Phase::triangulating, Phase::splaying, Phase::collecting,
-                           Phase::finishing, Phase::done}) {
-    now.phase = phase;
-    EXPECT_GE(fraction_done(now), before) << name_of(phase);
+  for (const PhaseRow& row : phase_table) {
+    now.phase = row.phase;
+    EXPECT_GE(fraction_done(now), before) << row.name;
     before = fraction_done(now);
   }
   EXPECT_EQ(before, 1);
 }
 
 TEST(Progress, NothingKnownIsNothingDone) { EXPECT_EQ(fraction_done(ProgressSnapshot{}), 0); }
+
+TEST(Progress, TheFractionIsWhatIsOverAndWhatCountersTellOfTheRest) {
+  auto now = halfway();
+  EXPECT_DOUBLE_EQ(fraction_done(now), 0.08 + 0.55 * 4 / 8);
+  now.tiles_triangulated = 6;  // the greater of two
+  EXPECT_DOUBLE_EQ(fraction_done(now), 0.08 + 0.55 * 6 / 8);
+  now.phase = Phase::splaying;
+  EXPECT_DOUBLE_EQ(fraction_done(now), 0.08 + 0.55);
+  now.phase = Phase::collecting;
+  now.tiles_stored = 2;
+  EXPECT_DOUBLE_EQ(fraction_done(now), 0.08 + 0.55 + 0.12 + 0.25 * 2 / 8);
+  now = {};
+  now.phase = Phase::routing;
+  now.points_total = 1000;
+  now.points_routed = 250;
+  EXPECT_DOUBLE_EQ(fraction_done(now), 0.02);
+}
+
+TEST(Progress, TilesAreThoseThatAreAsFarAsThePhaseGoes) {
+  auto now = halfway();
+  now.tiles_stored = 1;
+  NodeProgress node;
+  node.name = "a";
+  node.tiles = 8;
+  node.tiles_triangulated = 5;
+  node.tiles_stored = 2;
+  now.nodes = {node};
+  for (const PhaseRow& row : phase_table) {
+    now.phase = row.phase;
+    const bool stored = row.phase >= Phase::collecting;
+    const auto text = progress_text({}, now);
+    EXPECT_NE(text.find(stored ? "tiles 1/8" : "tiles 4/8"), std::string::npos) << text;
+    EXPECT_NE(text.find(stored ? "nodes a 2/8" : "nodes a 5/8"), std::string::npos) << text;
+  }
+}
+
+TEST(Progress, ThePointsThatAreReadAreToldWhileThereAreNoTiles) {
+  ProgressSnapshot now;
+  now.phase = Phase::routing;
+  now.elapsed_s = 1;
+  now.points_routed = 4560;
+  EXPECT_NE(progress_text({}, now).find("   4.56 k points   "), std::string::npos) << progress_text({}, now);
+  now.phase = Phase::finishing;
+  EXPECT_EQ(progress_text({}, now).find("points"), std::string::npos) << progress_text({}, now);
+}
 
 TEST(Progress, TheRateIsThatOfThePhase) {
   auto before = halfway();

@@ -60,10 +60,6 @@ export function moment(rfc3339: string | undefined): string {
   return (at.getFullYear() === now.getFullYear() ? otherDay : otherYear).format(at);
 }
 
-// Phases as the command calls them (plain_phase() in src/report/human.h).
-const plainPhases: Record<string, string> = {routing: "reading", splaying: "joining tiles", collecting: "writing"};
-export const plainPhase = (phase: string): string => plainPhases[phase] ?? phase;
-
 // "tile_points" as "Tile points"
 export function words(name: string): string {
   const text = name.replaceAll("_", " ");

@@ -2,8 +2,9 @@
 import {Job, NodeFigures} from "./api";
 import {h, say, show} from "./dom";
 import {bytes, count} from "./format";
+import {PhaseRow, phaseNamed, phases} from "./phases";
 
-interface Row { element: HTMLElement; update(node: NodeFigures, collecting: boolean): void }
+interface Row { element: HTMLElement; update(node: NodeFigures, phase: PhaseRow): void }
 
 export class JobNodes {
   private readonly body = h("tbody");
@@ -26,7 +27,7 @@ export class JobNodes {
         this.rows.push(make(node.name));
         this.body.append(this.rows[i]!.element);
       }
-      this.rows[i]!.update(node, job.phase === "collecting" || job.phase === "finishing");
+      this.rows[i]!.update(node, phaseNamed(job.phase) ?? phases[0]!);
     });
     show(this.element, true);
   }
@@ -37,14 +38,14 @@ function make(name: string): Row {
   const done = h("meter", {min: 0, "aria-label": `Tiles done by ${name}`}), words = h("span", {class: "sub number"});
   const memory = h("td", {class: "number"});
   const element = h("tr", {}, h("th", {scope: "row"}, name), h("td", {}, state), h("td", {}, done, words), memory);
-  return {element, update: (node, collecting) => {
-    const tiles = collecting ? node.tilesStored : node.tilesTriangulated;
+  return {element, update: (node, phase) => {
+    const tiles = node[phase.tiles];
     state.dataset.state = node.lost ? "gone" : "free";
     say(state.lastElementChild!, node.lost ? "lost" : "at work");
     element.classList.toggle("gone", node.lost);
     done.max = Math.max(1, node.tiles, tiles);
     done.value = tiles;
-    say(words, node.lost ? `${count(node.tilesStored)} stored` : `${count(tiles)} of ${count(Math.max(node.tiles, tiles))} ${collecting ? "stored" : "triangulated"}`);
+    say(words, node.lost ? `${count(node.tilesStored)} stored` : `${count(tiles)} of ${count(Math.max(node.tiles, tiles))} ${phase.tilesAre}`);
     say(memory, node.lost ? "–" : bytes(node.memoryBytes));
   }};
 }

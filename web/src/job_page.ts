@@ -1,15 +1,15 @@
 // One job.
 import {address, ended, get, Job, JobEvent} from "./api";
 import {h, replace, say, show} from "./dom";
-import {bytes, count, duration, moment, plainPhase, secondsBetween, sentence} from "./format";
+import {bytes, count, duration, moment, secondsBetween, sentence} from "./format";
 import {JobGraphs} from "./job_graphs";
 import {JobNodes} from "./job_nodes";
 import {deedsFor, Deed, doIt, makeState, nameOf, progressWords, stateWord, updateState} from "./job_words";
 import {LogPanel, outcomeOf} from "./log_panel";
 import {Outcome} from "./outcome";
 import {action, Context, Figure, heading, Notice, Page} from "./page";
+import {phases, plainPhase} from "./phases";
 
-const phases = ["planning", "routing", "triangulating", "splaying", "collecting", "finishing"];
 const deedWords: Record<Deed, string> = {cancel: "Stop", resume: "Resume", remove: "Forget"};
 
 export class JobPage implements Page {
@@ -22,7 +22,7 @@ export class JobPage implements Page {
   private readonly about = h("p", {class: "muted"});
   private readonly bar = h("progress", {max: 100, value: 0, "aria-label": "Progress"});
   private readonly words = h("p", {class: "progress-words"});
-  private readonly steps = h("ol", {class: "steps", "aria-label": "Phases"}, ...phases.map(phase => h("li", {"data-phase": phase}, plainPhase(phase))));
+  private readonly steps = h("ol", {class: "steps", "aria-label": "Phases"}, ...phases.map(phase => h("li", {"data-phase": phase.name}, phase.words)));
   private readonly problem = h("p", {class: "notice", role: "alert"});
   private readonly figures = {
     points: new Figure("Points"), elapsed: new Figure("Time"), starts: new Figure("Begun"), lost: new Figure("Nodes lost"),
@@ -109,7 +109,7 @@ export class JobPage implements Page {
   private updateSteps(job: Job): void {
     const triangulates = job.processID === "triangulate";
     show(this.steps, triangulates);
-    const now = job.status === "successful" ? phases.length : phases.indexOf(job.phase ?? "");
+    const now = job.status === "successful" ? phases.length : phases.findIndex(phase => phase.name === job.phase);
     [...this.steps.children].forEach((step, i) => {
       step.classList.toggle("done", i < now);
       if (i === now && job.status === "running") step.setAttribute("aria-current", "step");
@@ -163,7 +163,7 @@ export class JobPage implements Page {
   // Not every step: who listens to the page hears of every tenth part, and of each change of state.
   private announce(job: Job): void {
     const part = Math.floor(job.progress / 10) * 10;
-    const text = ended(job) ? `${stateWord(job)}. ${progressWords(job)}` : `${stateWord(job)}, ${plainPhase(job.phase ?? "")} ${part} %`;
+    const text = ended(job) ? `${stateWord(job)}. ${progressWords(job)}` : `${stateWord(job)}, ${plainPhase(job.phase)} ${part} %`;
     if (text === this.announced) return;
     if (this.announced !== "") this.context.announce(`${nameOf(job)}: ${text}`);
     this.announced = text;

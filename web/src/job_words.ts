@@ -1,7 +1,8 @@
 // What is said of a job, on all pages alike.
 import {Job, ended, address, get, mayChange, Caller, send} from "./api";
 import {confirmed, h, say} from "./dom";
-import {duration, plainPhase, secondsBetween, sentence, words} from "./format";
+import {duration, secondsBetween, sentence, words} from "./format";
+import {plainPhase} from "./phases";
 
 const stateWords = {accepted: "Waiting", running: "Running", successful: "Done", failed: "Failed", dismissed: "Stopped"};
 
@@ -31,7 +32,7 @@ export function updateState(element: HTMLElement, job: Job): void {
 export function progressWords(job: Job): string {
   if (job.status === "accepted") return "in the queue";
   if (job.status === "running") {
-    const parts = [plainPhase(job.phase ?? ""), `${job.progress} %`];
+    const parts = [plainPhase(job.phase), `${job.progress} %`];
     if (job.eta) parts.push(`about ${duration(job.eta)} left`);
     return parts.filter(p => p !== "").join(", ");
   }

@@ -1,3 +1,10 @@
+// What src/base/phases_json.cc writes.
+declare module "phases" {
+  // `tiles` counts the tiles of a node that are as far as the phase goes, and they are called `tilesAre`.
+  export interface PhaseRow { name: string; words: string; over: boolean; tiles: "tilesTriangulated" | "tilesStored"; tilesAre: string }
+  const rows: readonly PhaseRow[];
+  export default rows;
+}
 // What the viewer uses of its packages, which bring no types of their own that this compiler reads.
 declare module "three" {
   export class Vector2 { constructor(x?: number, y?: number); x: number; y: number; set(x: number, y: number): this }

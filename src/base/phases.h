@@ -1,0 +1,163 @@
+// The phases of a job, one table: names, words, order, shares, and what else others ask of a phase. A new phase is a
+// row here. Others ask for a property of the row, and never for a phase that happens to have the property.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "src/base/tile_map.h"
+
+namespace tessera {
+
+enum class Phase : std::uint8_t { planning, routing, triangulating, splaying, collecting, finishing, done };
+
+// What tiles compute (src/exchange/tile_program.h), in three steps: each tile begins, tiles send messages to each other
+// until none is left, each tile stores what it has.
+enum class ProgramKind : std::uint8_t { none, delaunay };
+enum class ProgramStep : std::uint8_t { none, begin, exchange, store };
+
+// Members of Progress; what counts tiles is known of each node, too.
+enum class ProgressCounter : std::uint8_t {
+  none,
+  points_routed,
+  points_triangulated,
+  points_sent,
+  tiles_triangulated,
+  tiles_stored
+};
+
+struct PhaseRow {
+  Phase phase;
+  const char* name;   // in messages, manifests, metrics and JSON: it stays
+  const char* words;  // what the phase does, for people who have not read how
+
+  ProgramKind program = ProgramKind::none;
+  ProgramStep step = ProgramStep::none;
+  bool exchanges = false;  // tiles send messages to each other
+  bool settled = false;    // no tile has anything to tell another one any more
+  bool over = false;       // nothing is left to do
+
+  double share = 0;  // of a job's time. It steers the progress shown
+  // How much of the phase is done: the greater of what these say of their totals. None: the end is not foreseen, and
+  // the phase counts once it is over.
+  std::array<ProgressCounter, 2> counters = {};
+  ProgressCounter points = ProgressCounter::none;               // its growth is shown as points a second
+  ProgressCounter tiles = ProgressCounter::tiles_triangulated;  // counts the tiles that are as far as the phase goes
+  std::optional<TileStage> reached = {};                        // what a tile is once it was worked on
+
+  // In the report, on light and dark paper. None: the report does not show the phase.
+  const char* colour = nullptr;
+  const char* dark_colour = nullptr;
+};
+
+// The shares are those of 10 M uniform points on two threads, rounded.
+inline constexpr auto phase_table = std::to_array<PhaseRow>({
+    {
+        .phase = Phase::planning,
+        .name = "planning",
+        .words = "planning",
+        .points = ProgressCounter::points_routed,
+    },
+    {
+        .phase = Phase::routing,
+        .name = "routing",
+        .words = "reading",
+        .share = 0.08,
+        .counters = {ProgressCounter::points_routed},
+        .points = ProgressCounter::points_routed,
+        .colour = "#8a94a6",
+        .dark_colour = "#7d8798",
+    },
+    {
+        .phase = Phase::triangulating,
+        .name = "triangulating",
+        .words = "triangulating",
+        .program = ProgramKind::delaunay,
+        .step = ProgramStep::begin,
+        .exchanges = true,  // a tile that has begun tells its neighbours
+        .share = 0.55,
+        .counters = {ProgressCounter::points_triangulated, ProgressCounter::tiles_triangulated},
+        .points = ProgressCounter::points_triangulated,
+        .reached = TileStage::triangulated,
+        .colour = "#2f6db5",
+        .dark_colour = "#5b9be0",
+    },
+    {
+        .phase = Phase::splaying,
+        .name = "splaying",
+        .words = "joining tiles",
+        .program = ProgramKind::delaunay,
+        .step = ProgramStep::exchange,
+        .exchanges = true,
+        .share = 0.12,
+        .points = ProgressCounter::points_sent,
+        .reached = TileStage::splayed,
+        .colour = "#e08a2c",
+        .dark_colour = "#f0a04b",
+    },
+    {
+        .phase = Phase::collecting,
+        .name = "collecting",
+        .words = "writing",
+        .program = ProgramKind::delaunay,
+        .step = ProgramStep::store,
+        .settled = true,
+        .share = 0.25,
+        .counters = {ProgressCounter::tiles_stored},
+        .tiles = ProgressCounter::tiles_stored,
+        .colour = "#3d9a6a",
+        .dark_colour = "#58bd88",
+    },
+    {
+        .phase = Phase::finishing,
+        .name = "finishing",
+        .words = "finishing",
+        .settled = true,
+        .tiles = ProgressCounter::tiles_stored,
+        .colour = "#8a63b0",
+        .dark_colour = "#ab88d0",
+    },
+    {
+        .phase = Phase::done,
+        .name = "done",
+        .words = "done",
+        .settled = true,
+        .over = true,
+        .tiles = ProgressCounter::tiles_stored,
+    },
+});
+
+constexpr const PhaseRow& row_of(Phase phase) { return phase_table[static_cast<std::size_t>(phase)]; }
+constexpr const char* name_of(Phase phase) { return row_of(phase).name; }
+
+static_assert([] {
+  std::size_t place = 0;
+  for (const PhaseRow& row : phase_table) {
+    if (row.phase != static_cast<Phase>(place++)) return false;
+  }
+  return phase_table.back().over;
+}());
+
+// The first whose row is meant.
+template <class Is>
+constexpr std::optional<Phase> phase_where(Is is) {
+  for (const PhaseRow& row : phase_table) {
+    if (is(row)) return row.phase;
+  }
+  return std::nullopt;
+}
+
+// As name_of() gives it. Another release may know phases that this one does not.
+constexpr std::optional<Phase> phase_named(std::string_view name) {
+  return phase_where([name](const PhaseRow& row) { return row.name == name; });
+}
+
+// REQUIRES: the program has the step.
+constexpr Phase phase_of(ProgramKind program, ProgramStep step) {
+  return phase_where([=](const PhaseRow& row) { return row.program == program && row.step == step; }).value();
+}
+
+}  // namespace tessera
