@@ -27,7 +27,7 @@ def clouds(d):
             "grid": np.stack(np.meshgrid(*[np.arange(side) * 0.1] * d, indexing="ij"), -1).reshape(-1, d),
             "sphere": sphere / np.linalg.norm(sphere, axis=1, keepdims=True),
             "far": rng.random((800, d)) * 1e-3 + 1e6,
-            "small": rng.random((300, d)) * 1e-150,
+            "small": rng.random((300, d)) * 1e-100,
             "mixed": rng.random((400, d)) * 10.0 ** rng.integers(-30, 30, (400, d))}
 
 
