@@ -112,8 +112,8 @@ void bind_tile(py::module_& module) {
                                const auto& tile = self.cast<const Tile&>();
                                return rows_view(tile.neighbors(), tile.dimension() + 1, self);
                              })
-      .def_property_readonly("attributes",
-                             [](const py::object& self) { return views_of(self.cast<const Tile&>().attributes(), self); })
+      .def_property_readonly(
+          "attributes", [](const py::object& self) { return views_of(self.cast<const Tile&>().attributes(), self); })
       .def_property_readonly("cell_columns", [](const py::object& self) {
         return views_of(self.cast<const Tile&>().cell_columns(), self);
       });

@@ -53,7 +53,8 @@ Axis axis_of(std::span<const Point> corners, int axis) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (result.at[i].odd == 0) continue;
     const auto size = static_cast<std::uint64_t>(std::abs(result.at[i].odd));
-    result.bits = std::max(result.bits, static_cast<int>(std::bit_width(size)) + result.at[i].exponent - result.exponent);
+    result.bits =
+        std::max(result.bits, static_cast<int>(std::bit_width(size)) + result.at[i].exponent - result.exponent);
   }
   return result;
 }

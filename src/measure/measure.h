@@ -15,8 +15,8 @@ namespace tessera {
 struct MeasureOptions {
   // The volume of each cell, and of each vertex that of the cells around it; in 2D areas in the plane.
   bool volume = false;
-  std::uint64_t memory_bytes = 0;  // at least what a tile takes is used
-  unsigned threads = 0;            // 0: one
+  std::uint64_t memory_bytes = 0;         // at least what a tile takes is used
+  unsigned threads = 0;                   // 0: one
   std::vector<std::string> command = {};  // for the manifest
   std::string software_version = {};
   // Told the part that is done, by one thread at a time; or null.
