@@ -156,4 +156,26 @@ class TESSERA_PUBLIC VerifyRequest {
   std::unique_ptr<Impl> impl_;
 };
 
+// What is measured of a result.
+class TESSERA_PUBLIC MeasureRequest {
+ public:
+  MeasureRequest();
+  MeasureRequest(const MeasureRequest&);
+  MeasureRequest& operator=(const MeasureRequest&);
+  ~MeasureRequest();
+
+  // The volume of each cell, and of each vertex that of the cells around it; in 2D areas in the plane.
+  MeasureRequest& volume(bool volume);
+  // For tiles; 0: 70 % of what is free.
+  MeasureRequest& memory_bytes(std::uint64_t bytes);
+  // 0: all processors.
+  MeasureRequest& threads(unsigned threads);
+  MeasureRequest& stop(std::stop_token stop);
+
+ private:
+  friend struct OptionsInside;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 }  // namespace tessera

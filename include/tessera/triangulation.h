@@ -43,7 +43,10 @@ class TESSERA_PUBLIC Tile {
   // m x (dimension+1): the cell of this tile across the facet opposite each vertex, -1 outside, -2 a cell that only
   // other tiles hold (when no vertex of the facet is the tile's own, it may also be outside). Empty when not kept.
   std::span<const std::int32_t> neighbors() const;
+  // Of vertices; columns of vertices are among them.
   const std::vector<Field>& attributes() const;
+  // Columns of cells: m values each.
+  const std::vector<Field>& cell_columns() const;
 
  private:
   friend struct TileMaker;
@@ -69,7 +72,25 @@ class TESSERA_PUBLIC Proof {
   std::shared_ptr<const Impl> impl_;
 };
 
-// A finished result. Cheap to copy: copies share the folder.
+// What was computed of a result and added to it. Programs have its size compiled in: it stays as it is.
+struct ColumnInfo {
+  std::string name;
+  bool of_cells = false;      // else of vertices, and among the attributes of tiles
+  std::string type;           // NumPy's name
+  std::string unit;           // "metre^3"; "" when nobody knows
+  std::uint32_t version = 0;  // of the result, that it came with
+};
+
+// Programs have its size compiled in: it stays as it is.
+struct MeasureReport {
+  double total = 0;  // over all cells, rounded once: a function of the triangulation alone
+  std::string unit;  // "metre^3"; "" when nobody knows
+  bool made = true;  // else the columns were there already
+  std::string note;  // what there is to say about the values; else ""
+};
+
+// A finished result, of one version of it: a change by another program is seen when it is opened again. Cheap to copy:
+// copies share the folder.
 class TESSERA_PUBLIC Triangulation {
  public:
   // A result folder that is there. Failure: io, corrupt.
@@ -98,6 +119,12 @@ class TESSERA_PUBLIC Triangulation {
   // Proves it from its files, however it was made. Failure: not_delaunay with the first violation (tile, cell,
   // vertices); corrupt for damaged files and for a manifest they do not belong to; io, memory, interrupted.
   Proof verify(const VerifyRequest& request = {}) const;
+  // What was computed of it so far.
+  std::vector<ColumnInfo> columns() const;
+  // Computes columns and adds them to the folder, as a new version of the result, which this object is from then on;
+  // copies of it stay at the old one. Failure: usage when nothing is asked for, or another program changes the folder;
+  // corrupt, io, memory, interrupted.
+  MeasureReport measure(const MeasureRequest& request);
   // What `tessera info --json` says of it, one JSON object.
   std::string describe() const;
 

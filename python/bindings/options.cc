@@ -58,6 +58,11 @@ void bind_options(py::module_& module) {
       .def("memory_bytes", setter(&VerifyRequest::memory_bytes))
       .def("scratch", setter(&VerifyRequest::scratch))
       .def("against_cgal", setter(&VerifyRequest::against_cgal));
+  py::class_<MeasureRequest>(module, "MeasureRequest")
+      .def(py::init<>())
+      .def("volume", setter(&MeasureRequest::volume))
+      .def("memory_bytes", setter(&MeasureRequest::memory_bytes))
+      .def("threads", setter(&MeasureRequest::threads));
 }
 
 }  // namespace tessera::python

@@ -62,12 +62,30 @@ py::array mask_view(std::span<const std::uint8_t> flags, const py::object& self)
   return column_view(flags, self, py::dtype::of<bool>());
 }
 
-py::dict attributes_of(const py::object& self) {
-  py::dict attributes;
-  for (const auto& field : self.cast<const Tile&>().attributes()) {
-    attributes[py::str(field.name)] = column_view(field.values, self, py::dtype(field.type));
+py::dict views_of(const std::vector<Tile::Field>& fields, const py::object& self) {
+  py::dict views;
+  for (const auto& field : fields) views[py::str(field.name)] = column_view(field.values, self, py::dtype(field.type));
+  return views;
+}
+
+py::list columns_of(const Triangulation& self) {
+  py::list columns;
+  for (const auto& column : self.columns()) {
+    py::dict one;
+    one["name"] = column.name;
+    one["of"] = column.of_cells ? "cells" : "vertices";
+    one["type"] = column.type;
+    one["unit"] = text_of(column.unit);
+    one["version"] = column.version;
+    columns.append(one);
   }
-  return attributes;
+  return columns;
+}
+
+py::tuple measure(Triangulation& self, MeasureRequest request) {
+  const MeasureReport report =
+      run_interruptible([&](std::stop_token stop) { return self.measure(request.stop(std::move(stop))); });
+  return py::make_tuple(report.total, text_of(report.unit), report.made, text_of(report.note));
 }
 
 void bind_tile(py::module_& module) {
@@ -94,7 +112,11 @@ void bind_tile(py::module_& module) {
                                const auto& tile = self.cast<const Tile&>();
                                return rows_view(tile.neighbors(), tile.dimension() + 1, self);
                              })
-      .def_property_readonly("attributes", &attributes_of);
+      .def_property_readonly(
+          "attributes", [](const py::object& self) { return views_of(self.cast<const Tile&>().attributes(), self); })
+      .def_property_readonly("cell_columns", [](const py::object& self) {
+        return views_of(self.cast<const Tile&>().cell_columns(), self);
+      });
 }
 
 }  // namespace
@@ -120,6 +142,8 @@ void bind_triangulation(py::module_& module) {
       .def("tile", &Triangulation::tile, without_gil)
       .def("export_to", &export_to)
       .def("verify", &verify)
+      .def("columns", &columns_of)
+      .def("measure", &measure)
       .def("describe", [](const Triangulation& self) { return text_of(self.describe()); });
   py::class_<Proof>(module, "Proof")
       .def_property_readonly("cells", &Proof::cells)

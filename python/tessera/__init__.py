@@ -22,13 +22,13 @@ from ._surfaces import Contour, Profile, Raster
 from ._tile import Tile
 from ._region import region
 from ._triangulate import info, triangulate
-from ._triangulation import Proof, Tiles, Triangulation, open
+from ._triangulation import Columns, Measures, Proof, Tiles, Triangulation, open
 from ._job import Event, Job
 from .client import Client, connect
 
 __version__ = _tessera.version()
 
-__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
+__all__ = ["triangulate", "region", "open", "info", "connect", "Client", "Job", "Event", "Triangulation", "Tile", "Tiles", "Located", "Star", "Part", "Raster", "Contour", "Profile", "Weights", "Progress", "Proof", "Columns", "Measures", "Delaunay", "LinearNDInterpolator", "Error", "UsageError", "BadInputError",
            "IoError", "CorruptError", "NotDelaunayError", "MemoryLimitError", "InterruptedJobError", "InternalError"]
 # What help() and messages call them.
 for _public in __all__:

@@ -70,22 +70,31 @@ class Tile:
         """The attributes of the points that triangulate() was asked for, by name: n values each, of their file's type."""
         return self._tile.attributes
 
+    @property
+    def cell_columns(self) -> dict[str, np.ndarray]:
+        """What was computed of the cells and stored (Triangulation.measure()), by name: m values each. Columns of points are
+        among the attributes."""
+        return self._tile.cell_columns
+
     def __reduce__(self) -> tuple[typing.Any, ...]:
         return loaded_tile, (self.id, self.dim, *map(np.array, (self.points, self.ids, self.foreign, self.cells, self.ghost,
                                                                 self._tile.neighbors)),
-                             {name: np.array(values) for name, values in self.attributes.items()})
+                             {name: np.array(values) for name, values in self.attributes.items()},
+                             {name: np.array(values) for name, values in self.cell_columns.items()})
 
     def __repr__(self) -> str:
         return f"<tessera.Tile {self.id}: {len(self.points)} points, {len(self.cells)} {cell_word(self.dim)}>"
 
 
 def loaded_tile(id: int, dim: int, points: np.ndarray, ids: np.ndarray, foreign: np.ndarray, cells: np.ndarray,
-                ghost: np.ndarray, neighbors: np.ndarray, attributes: dict[str, np.ndarray]) -> Tile:
+                ghost: np.ndarray, neighbors: np.ndarray, attributes: dict[str, np.ndarray],
+                cell_columns: dict[str, np.ndarray]) -> Tile:
     """A tile that was pickled: of arrays, which need no result folder."""
-    for array in (points, ids, foreign, cells, ghost, neighbors, *attributes.values()):
+    for array in (points, ids, foreign, cells, ghost, neighbors, *attributes.values(),
+                  *cell_columns.values()):
         array.setflags(write=False)
     return Tile(types.SimpleNamespace(id=id, dimension=dim, points=points, ids=ids, foreign=foreign, cells=cells,
-                                      ghost=ghost, neighbors=neighbors, attributes=attributes))
+                                      ghost=ghost, neighbors=neighbors, attributes=attributes, cell_columns=cell_columns))
 
 
 def cell_word(dim: int) -> str:

@@ -31,6 +31,56 @@ class Proof(typing.NamedTuple):
     """A line for each check."""
 
 
+class Measures(typing.NamedTuple):
+    """What was measured of a triangulation."""
+
+    total: float
+    """Over all cells, rounded once: the same for any tiles and threads."""
+    unit: str
+    """"metre^3"; "" when nobody knows."""
+    made: bool
+    """False when the columns were there already."""
+
+
+class Columns(collections.abc.Mapping):
+    """What was computed of a triangulation and stored with it, by name: t.columns["volume"] reads the values of all tiles.
+
+    Of cells one value for each row of simplices(); of vertices one for each row of points(), NaN (or 0, if they are whole
+    numbers) in the rows of duplicates.
+    """
+
+    def __init__(self, triangulation: Triangulation):
+        self._of = triangulation
+        self.info: dict[str, dict[str, typing.Any]] = {one["name"]: one for one in triangulation._triangulation.columns()}
+        """By name: what it is of ("cells" or "vertices"), type, unit, and the version of the result it came with."""
+
+    def __len__(self) -> int:
+        return len(self.info)
+
+    def __iter__(self) -> typing.Iterator[str]:
+        return iter(self.info)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        column = self.info[name]
+        dtype = np.dtype(column["type"])
+        if column["of"] == "cells":
+            values, end = np.empty(self._of.n_cells, dtype), 0
+            for tile in self._of:
+                main = tile.cell_columns[name][~tile.ghost]
+                values[end : end + len(main)] = main
+                end += len(main)
+            return values
+        values = np.full(self._of.n_points, np.nan if dtype.kind == "f" else 0, dtype)
+        for tile in self._of:
+            own = ~tile.foreign
+            values[tile.ids[own]] = tile.attributes[name][own]
+        return values
+
+    def __repr__(self) -> str:
+        text = ", ".join(f"{name} of {one['of']}" for name, one in self.info.items())
+        return f"<tessera.Columns: {text or 'none'}>"
+
+
 class Tiles(collections.abc.Sequence):
     """Some tiles of a triangulation, t[2:5]: a sequence like the triangulation itself, each read when it is asked for."""
 
@@ -227,6 +277,37 @@ class Triangulation(Answers, Surfaces):
         request.against_cgal(against_cgal)
         proof = self._triangulation.verify(request)
         return Proof(proof.cells, proof.facets, proof.hull_facets, proof.vertices, tuple(proof.checks))
+
+    @property
+    def columns(self) -> Columns:
+        """What was computed of the triangulation so far, and stored with it: t.columns["volume"]. See measure()."""
+        return Columns(self)
+
+    def measure(self, volume: bool = False, memory: int | str | None = None, threads: int = 0) -> Measures:
+        """Computes columns and adds them to the result folder, as a new version of the result, which this object then is.
+
+        Parameters
+        ----------
+        volume
+            The volume of each cell, as t.columns["volume"], and of each vertex that of the cells around it, as
+            t.columns["star_volume"]. In 2D they are areas in the plane, "area" and "star_area".
+        memory
+            For tiles: bytes, or "800M", "4G". None: 70 % of what is free.
+        threads
+            0: all processors.
+
+        Who reads the result meanwhile is not disturbed. Ctrl-C leaves the result as it was. Columns that are there already
+        are not computed again. Warns with a UserWarning of values that need a word.
+        """
+        request = _tessera.MeasureRequest()
+        request.volume(volume)
+        request.memory_bytes(memory_bytes(memory))
+        request.threads(threads)
+        total, unit, made, note = self._triangulation.measure(request)
+        self._questions = None
+        if note:
+            warnings.warn(note, stacklevel=2)
+        return Measures(total, unit, made)
 
     def info(self) -> dict[str, typing.Any]:
         """What `tessera info --json` says of the result: inputs, box, CRS, tiles, digest, seconds, ..."""

@@ -189,4 +189,29 @@ VerifyRequest& VerifyRequest::stop(std::stop_token stop) {
   return *this;
 }
 
+MeasureRequest::MeasureRequest() : impl_(std::make_unique<Impl>()) {}
+MeasureRequest::MeasureRequest(const MeasureRequest& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+MeasureRequest& MeasureRequest::operator=(const MeasureRequest& other) {
+  *impl_ = *other.impl_;
+  return *this;
+}
+MeasureRequest::~MeasureRequest() = default;
+
+MeasureRequest& MeasureRequest::volume(bool volume) {
+  impl_->options.volume = volume;
+  return *this;
+}
+MeasureRequest& MeasureRequest::memory_bytes(std::uint64_t bytes) {
+  impl_->options.memory_bytes = bytes;
+  return *this;
+}
+MeasureRequest& MeasureRequest::threads(unsigned threads) {
+  impl_->options.threads = threads;
+  return *this;
+}
+MeasureRequest& MeasureRequest::stop(std::stop_token stop) {
+  impl_->stop = std::move(stop);
+  return *this;
+}
+
 }  // namespace tessera

@@ -3,6 +3,7 @@
 
 #include "src/export/export.h"
 #include "src/job/job_options.h"
+#include "src/measure/measure.h"
 #include "src/verify/verify.h"
 #include "tessera/options.h"
 
@@ -26,6 +27,11 @@ struct ExportRequest::Impl {
 
 struct VerifyRequest::Impl {
   VerifyOptions options{.memory_bytes = 0, .scratch = {}, .against_cgal = false};
+  std::stop_token stop;
+};
+
+struct MeasureRequest::Impl {
+  MeasureOptions options;  // 0 threads and 0 bytes stand for a choice of the library
   std::stop_token stop;
 };
 

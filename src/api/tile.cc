@@ -5,10 +5,8 @@
 #include "src/api/tile_impl.h"
 
 namespace tessera {
-namespace {
 
-// NumPy's names.
-const char* name_of(AttributeType type) {
+const char* numpy_name(AttributeType type) {
   switch (type) {
     case AttributeType::u8:
       return "uint8";
@@ -34,13 +32,12 @@ const char* name_of(AttributeType type) {
   return "";
 }
 
-}  // namespace
-
 struct Tile::Impl {
   std::uint32_t id = 0;
   TileMesh mesh;
   std::vector<std::vector<std::byte>> columns;  // of attributes
-  std::vector<Field> attributes;
+  std::vector<std::vector<std::byte>> of_cells;
+  std::vector<Field> attributes, cell_fields;
 
   void set_attributes(const std::vector<Attribute>& schema, const std::vector<std::byte>& rows) {
     const std::size_t stride = row_bytes(schema), n = mesh.points.size();
@@ -49,9 +46,14 @@ struct Tile::Impl {
       const std::size_t size = size_of(attribute.type);
       auto& column = columns.emplace_back(n * size);
       for (std::size_t i = 0; i < n; ++i) std::memcpy(&column[i * size], &rows[i * stride + offset], size);
-      attributes.push_back({attribute.name, name_of(attribute.type), column});
+      attributes.push_back({attribute.name, numpy_name(attribute.type), column});
       offset += size;
     }
+  }
+  void set_cell_columns(const std::vector<Attribute>& schema, std::vector<std::vector<std::byte>> values) {
+    of_cells = std::move(values);
+    for (std::size_t c = 0; c < of_cells.size(); ++c)
+      cell_fields.push_back({schema[c].name, numpy_name(schema[c].type), of_cells[c]});
   }
 };
 
@@ -68,12 +70,14 @@ std::span<const std::int32_t> Tile::cells() const { return impl_->mesh.cells; }
 std::span<const std::uint8_t> Tile::ghost() const { return impl_->mesh.cell_ghost; }
 std::span<const std::int32_t> Tile::neighbors() const { return impl_->mesh.neighbors; }
 const std::vector<Tile::Field>& Tile::attributes() const { return impl_->attributes; }
+const std::vector<Tile::Field>& Tile::cell_columns() const { return impl_->cell_fields; }
 
 Tile TileMaker::make(std::uint32_t id, StoredTile stored) {
   auto tile = std::make_shared<Tile::Impl>();
   tile->id = id;
   tile->mesh = std::move(stored.mesh);
   tile->set_attributes(stored.schema, stored.rows);
+  tile->set_cell_columns(stored.cell_schema, std::move(stored.cell_columns));
   return Tile(std::move(tile));
 }
 

@@ -8,6 +8,9 @@
 
 namespace tessera {
 
+// "uint8", "int16", "float64", ...
+const char* numpy_name(AttributeType type);
+
 struct TileMaker {
   static Tile make(std::uint32_t id, StoredTile stored);
 };

@@ -130,9 +130,11 @@ void refuse_options_of_files(const TriangulationOptions& options) {
 }  // namespace
 
 Triangulation TriangulationMaker::open(const std::filesystem::path& path, std::optional<TemporaryFolder> temporary) {
-  auto manifest = value_or_throw(read_manifest(path));
-  return Triangulation(std::make_shared<const Triangulation::Impl>(
-      Triangulation::Impl{path, std::move(manifest), std::move(temporary)}));
+  auto source = value_or_throw(TileSource::open(path));
+  std::shared_ptr<const TemporaryFolder> held;
+  if (temporary) held = std::make_shared<const TemporaryFolder>(std::move(*temporary));
+  return Triangulation(
+      std::make_shared<const Triangulation::Impl>(Triangulation::Impl{std::move(source), std::move(held)}));
 }
 
 Triangulation triangulate(std::span<const double> coordinates, const TriangulationOptions& options) {

@@ -11,31 +11,31 @@
 #include "src/files/checksum.h"
 #include "src/job/describe.h"
 #include "src/job/machine.h"
+#include "src/job/version.h"
 #include "src/verify/verify.h"
 
 namespace tessera {
 
 Triangulation Triangulation::open(const std::filesystem::path& folder) {
   return guarded([&] {
-    auto manifest = value_or_throw(read_manifest(folder));
-    return Triangulation(std::make_shared<const Impl>(Impl{folder, std::move(manifest), std::nullopt}));
+    return Triangulation(std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), nullptr}));
   });
 }
 
-const std::filesystem::path& Triangulation::folder() const { return impl_->folder; }
-int Triangulation::dimension() const { return impl_->manifest.dimension; }
-std::uint64_t Triangulation::vertices() const { return impl_->manifest.vertices; }
-std::uint64_t Triangulation::cells() const { return impl_->manifest.cells; }
-std::uint64_t Triangulation::points_read() const { return impl_->manifest.points_read; }
-std::uint64_t Triangulation::duplicates() const { return impl_->manifest.duplicates; }
+const std::filesystem::path& Triangulation::folder() const { return impl_->source.folder(); }
+int Triangulation::dimension() const { return impl_->source.manifest().dimension; }
+std::uint64_t Triangulation::vertices() const { return impl_->source.manifest().vertices; }
+std::uint64_t Triangulation::cells() const { return impl_->source.manifest().cells; }
+std::uint64_t Triangulation::points_read() const { return impl_->source.manifest().points_read; }
+std::uint64_t Triangulation::duplicates() const { return impl_->source.manifest().duplicates; }
 std::optional<std::uint64_t> Triangulation::duplicates_at_other_heights() const {
-  return impl_->manifest.other_heights;
+  return impl_->source.manifest().other_heights;
 }
 std::string Triangulation::digest() const {
-  return impl_->manifest.digest ? digest_text(*impl_->manifest.digest) : std::string();
+  return impl_->source.manifest().digest ? digest_text(*impl_->source.manifest().digest) : std::string();
 }
-std::size_t Triangulation::tiles() const { return impl_->manifest.tiles.size(); }
-std::string Triangulation::crs() const { return impl_->manifest.crs; }
+std::size_t Triangulation::tiles() const { return impl_->source.manifest().tiles.size(); }
+std::string Triangulation::crs() const { return impl_->source.manifest().crs; }
 
 Tile Triangulation::tile(std::size_t index) const {
   return guarded([&] {
@@ -43,9 +43,8 @@ Tile Triangulation::tile(std::size_t index) const {
       throw Failure(Cause::usage, "there is no tile " + std::to_string(index) + "; the result has " +
                                       std::to_string(tiles()) + ", counted from 0");
     }
-    const TileId id = impl_->manifest.tiles[index].tile;
-    auto stored = value_or_throw(read_tile(impl_->folder, id, true));
-    return TileMaker::make(id.value, std::move(stored));
+    auto stored = value_or_throw(impl_->source.read(index, {.rows = true, .cell_columns = true}));
+    return TileMaker::make(impl_->source.entry(index).tile.value, std::move(stored));
   });
 }
 
@@ -63,7 +62,8 @@ std::string Triangulation::export_to(const std::filesystem::path& target, const 
       stop.request_stop();
     }
   };
-  const auto exported = guarded([&] { return export_result(impl_->folder, target, options, stop.get_token()); });
+  const auto exported =
+      guarded([&] { return export_result(impl_->source.folder(), target, options, stop.get_token()); });
   if (thrown) std::rethrow_exception(thrown);
   return value_or_throw(exported).note;
 }
@@ -83,7 +83,7 @@ Proof Triangulation::verify(const VerifyRequest& request) const {
     const auto& asked = OptionsInside::of(request);
     VerifyOptions options = asked.options;
     if (options.memory_bytes == 0) options.memory_bytes = default_memory();
-    auto report = value_or_throw(tessera::verify(impl_->folder, options, asked.stop));
+    auto report = value_or_throw(tessera::verify(impl_->source.folder(), options, asked.stop));
     return Proof(std::make_shared<const Proof::Impl>(Proof::Impl{std::move(report)}));
   });
 }
@@ -96,8 +96,29 @@ std::string file_checksum(const std::filesystem::path& file, bool in_pieces) {
   });
 }
 
+std::vector<ColumnInfo> Triangulation::columns() const {
+  std::vector<ColumnInfo> list;
+  for (const ResultColumn& column : impl_->source.manifest().columns)
+    list.push_back({column.name, column.of_cells, numpy_name(column.type), column.unit, column.version});
+  return list;
+}
+
+MeasureReport Triangulation::measure(const MeasureRequest& request) {
+  return guarded([&] {
+    const auto& asked = OptionsInside::of(request);
+    MeasureOptions options = asked.options;
+    if (options.memory_bytes == 0) options.memory_bytes = default_memory();
+    if (options.threads == 0) options.threads = usable_processors();
+    options.software_version = tessera::version();
+    const std::filesystem::path folder = impl_->source.folder();
+    const auto measured = value_or_throw(tessera::measure(folder, options, asked.stop));
+    impl_ = std::make_shared<const Impl>(Impl{value_or_throw(TileSource::open(folder)), impl_->temporary});
+    return MeasureReport{measured.total, measured.unit, measured.made, measured.note};
+  });
+}
+
 std::string Triangulation::describe() const {
-  return guarded([&] { return value_or_throw(describe_result(impl_->folder.string(), true)); });
+  return guarded([&] { return value_or_throw(describe_result(impl_->source.folder().string(), true)); });
 }
 
 }  // namespace tessera

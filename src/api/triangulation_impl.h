@@ -1,18 +1,17 @@
 // What a Triangulation holds: made by triangulate() and by Triangulation::open().
 #pragma once
 
-#include <optional>
+#include <memory>
 
 #include "src/files/temporary.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 #include "tessera/triangulation.h"
 
 namespace tessera {
 
 struct Triangulation::Impl {
-  std::filesystem::path folder;
-  Manifest manifest;
-  std::optional<TemporaryFolder> temporary;  // `folder`, when it is to go with this
+  TileSource source;
+  std::shared_ptr<const TemporaryFolder> temporary;  // its folder, when it is to go with the last version of this
 };
 
 }  // namespace tessera

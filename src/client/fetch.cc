@@ -88,7 +88,7 @@ std::vector<Wanted> wanted_of(const Manifest& manifest, const std::string& trian
          .to = name_in(folder)});
   };
   for (const auto& entry : manifest.tiles) {
-    add([&](const fs::path& out) { return tile_file(out, entry.tile); }, entry.bytes, entry.xxh3,
+    add([&](const fs::path& out) { return tile_file(out, entry); }, entry.bytes, entry.xxh3,
         data_sum_of(manifest.format_version));
   }
   add([&](const fs::path& out) { return master_file(out); }, {}, manifest.master_xxh3, SumOf::bytes);

@@ -160,9 +160,11 @@ Result<ExportTarget> find_export_target(const fs::path& path, const ExportOption
 Result<Exported> export_result(const fs::path& out, const fs::path& path, const ExportOptions& options,
                                std::stop_token stop) {
   BOOST_OUTCOME_TRY(target, exports::find_free_target(path, options));
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(tiles, TileSource::open(out));
+  const Manifest& manifest = tiles.manifest();
   BOOST_OUTCOME_TRYV(exports::check_fits(out, manifest, *target.format));
   const exports::MeshSource source{.out = out,
+                                   .tiles = &tiles,
                                    .manifest = manifest,
                                    .format = *target.format,
                                    .options = options,
@@ -202,6 +204,7 @@ Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, Sto
     return error(Errc::usage, path.string() + ": is a folder or has no ending, and cells go to one file: add " +
                                   target.format->ending);
   const exports::MeshSource source{.out = out,
+                                   .tiles = nullptr,
                                    .manifest = manifest,
                                    .format = *target.format,
                                    .options = options,

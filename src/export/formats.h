@@ -32,6 +32,7 @@ struct Format {
   bool neighbors = false;      // wants CellView::neighbors
   bool edge_lengths = false;   // wants CellView::longest_edge
   bool final = false;          // holds CellView::final
+  bool cell_columns = false;   // holds CellView::values
   bool local = false;          // ExportOptions::local makes sense: it has a list of vertices, and no place on a map
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();

@@ -43,9 +43,6 @@ class Rows {
 
   // Fetches the heights of a tile, which was read with its rows if they are wanted. Error usage when one is not finite.
   Status lift(const MeshSource& source, StoredTile& tile) const {
-    if (!wanted()) return success();
-    if (tile.schema != source.manifest.schema)
-      return error(Errc::corrupt, source.out.string() + ": a tile has other attributes than the manifest");
     if (!height_at_) return success();
     for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
       double z = 0;
@@ -137,12 +134,15 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
   const auto is_own = [&](std::size_t v, TileId by) { return mesh.owners[v] == by; };
   CellView cell;
   cell.neighbors.fill(CellView::elsewhere);
+  cell.values.resize(source.format.cell_columns ? tile.cell_columns.size() : 0);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
     if (!source.filter.keeps(mesh, i)) continue;
     if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
     cell.tile = tile_of(i);
     cell.own = 0;
     cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
+    for (std::size_t c = 0; c < cell.values.size(); ++c)
+      cell.values[c] = tile.cell_columns[c].data() + i * size_of(tile.cell_schema[c].type);
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
       cell.ids[k] = mesh.ids[v];
@@ -176,8 +176,7 @@ auto tile_of(const MeshSource& source, std::size_t index) {
 Status give_vertices(const MeshSource& source, Selection& selection, const Rows& rows, MeshWriter& writer,
                      Watch& watch) {
   const auto read = [&](std::size_t index) {
-    if (source.filter.active()) return load(source, index, rows.wanted());
-    return load_vertices(source, index, rows.wanted());
+    return source.tiles->read(index, {.cells = source.filter.active(), .rows = rows.wanted()});
   };
   for (std::size_t index = 0; index < selection.parts.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
@@ -225,6 +224,8 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;
   head.columns = columns_of(source);
+  // Cells in memory, which a question has found, have none.
+  if (source.format.cell_columns && source.tiles != nullptr) head.cell_columns = cell_schema_of(manifest);
   head.heights = Rows(source).heights();
   return head;
 }
@@ -242,12 +243,13 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
   std::uint64_t cells = 0;
   for (std::size_t index = 0; index < selection.parts.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
-    BOOST_OUTCOME_TRY(tile, load(source, index, source.format.corners && rows.wanted()));
+    BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = source.format.corners && rows.wanted(),
+                                                       .cell_columns = source.format.cell_columns}));
     std::vector<std::uint64_t> numbers;
     if (source.format.corners) {
       BOOST_OUTCOME_TRYV(rows.lift(source, tile));
     } else {
-      const fs::path file = tile_file(source.out, source.manifest.tiles[index].tile);
+      const fs::path file = source.tiles->file(index);
       BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
       numbers = std::move(found);
     }
@@ -278,7 +280,8 @@ Status write_cells(const MeshSource& source, const Selection& selection, StoredT
 Result<std::uint64_t> write_piece(const MeshSource& source, const Selection& selection, std::size_t index,
                                   const fs::path& path, std::uint64_t& done) {
   const Rows rows(source);
-  BOOST_OUTCOME_TRY(tile, load(source, index, rows.wanted()));
+  BOOST_OUTCOME_TRY(tile,
+                    source.tiles->read(index, {.rows = rows.wanted(), .cell_columns = source.format.cell_columns}));
   BOOST_OUTCOME_TRYV(rows.lift(source, tile));
   const TileMesh& mesh = tile.mesh;
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;

@@ -7,12 +7,13 @@
 #include "src/export/cell_filter.h"
 #include "src/export/export.h"
 #include "src/export/formats.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera::exports {
 
 struct MeshSource {
   const std::filesystem::path& out;
+  const TileSource* tiles;  // null: the cells are in memory
   const Manifest& manifest;
   const Format& format;
   const ExportOptions& options;

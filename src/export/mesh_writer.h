@@ -39,6 +39,7 @@ struct MeshHead {
   bool spatial_index = true;
   std::optional<Point> corner = {};  // that coordinates count from, for a comment
   std::vector<Column> columns;
+  std::vector<Attribute> cell_columns = {};  // formats that hold values of cells
   std::string crs;
   std::string software_version;
   // A sentence about the corner for a comment of one line; empty without one.
@@ -65,6 +66,8 @@ struct CellView {
   std::array<std::int64_t, 4> neighbors{};
   bool final = true;        // for sure a cell of the whole triangulation
   double longest_edge = 0;  // in the plane in 2D; formats that want it
+  // By column of cells: its value.
+  std::vector<const std::byte*> values = {};
 };
 
 // Errors are kept until check() or finish(): vertex() and cell() are called millions of times.

@@ -16,26 +16,6 @@ std::string shortest_digits(double number) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
 }
 
-template <class Flags>
-std::uint64_t count_zeros(const Flags& flags) {
-  return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), 0));
-}
-
-// More than announced would run into the next array of a file.
-Error wrong_count(const MeshSource& source, const TileEntry& entry, std::uint64_t found, const char* of,
-                  std::uint64_t expected) {
-  return error(Errc::corrupt, tile_file(source.out, entry.tile).string() + ": holds " + std::to_string(found) + " " +
-                                  of + ", and the manifest counts " + std::to_string(expected));
-}
-
-Status check_counts(const MeshSource& source, const TileEntry& entry, const TileMesh& mesh) {
-  if (mesh.dimension != source.manifest.dimension)
-    return error(Errc::corrupt, tile_file(source.out, entry.tile).string() + ": has another dimension than the result");
-  const auto own = count_zeros(mesh.point_ghost);
-  if (own != entry.own_points) return wrong_count(source, entry, own, "vertices of its own", entry.own_points);
-  return success();
-}
-
 }  // namespace
 
 Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
@@ -54,7 +34,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
                                     " vertices and " + std::to_string(manifest.cells) + " cells, but of its tiles " +
                                     std::to_string(vertices) + " and " + std::to_string(main_cells));
   if (numbers_wanted || source.filter.active()) {
-    BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(source.out, manifest, source.filter, source.stop));
+    BOOST_OUTCOME_TRY(numbers, VertexNumbers::prepare(*source.tiles, source.filter, source.stop));
     selection.numbers = std::move(numbers);
   }
   if (!source.filter.active()) return selection;
@@ -64,7 +44,7 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted) {
   for (std::size_t index = 0; index < manifest.tiles.size(); ++index) {
     if (source.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
     if (source.options.progress) source.options.progress(0);  // nothing is written yet, but who is told may stop it
-    BOOST_OUTCOME_TRY(tile, load(source, index, false));
+    BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {}));
     selection.numbers.survey(tile.mesh, index);
     auto& cells = selection.parts[index].cells;
     cells = 0;
@@ -103,22 +83,6 @@ Selection select_all(const TileMesh& cells, std::span<const TileId> tiles) {
     }
   }
   return selection;
-}
-
-Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows) {
-  const TileEntry& entry = source.manifest.tiles[index];
-  BOOST_OUTCOME_TRY(tile, read_tile(source.out, entry.tile, with_rows));
-  BOOST_OUTCOME_TRYV(check_counts(source, entry, tile.mesh));
-  const auto cells = count_zeros(tile.mesh.cell_ghost);
-  if (cells != entry.main_cells) return wrong_count(source, entry, cells, "main cells", entry.main_cells);
-  return std::move(tile);
-}
-
-Result<StoredTile> load_vertices(const MeshSource& source, std::size_t index, bool with_rows) {
-  const TileEntry& entry = source.manifest.tiles[index];
-  BOOST_OUTCOME_TRY(tile, read_tile_vertices(source.out, entry.tile, with_rows));
-  BOOST_OUTCOME_TRYV(check_counts(source, entry, tile.mesh));
-  return std::move(tile);
 }
 
 }  // namespace tessera::exports

@@ -24,9 +24,4 @@ Result<Selection> select(const MeshSource& source, bool numbers_wanted);
 // order in which the cells use them first.
 Selection select_all(const TileMesh& cells, std::span<const TileId> tiles);
 
-// The manifest's `index`-th tile, whole or without its cells. Errors: of read_tile(); corrupt when it is not what the
-// manifest says of it.
-Result<StoredTile> load(const MeshSource& source, std::size_t index, bool with_rows);
-Result<StoredTile> load_vertices(const MeshSource& source, std::size_t index, bool with_rows);
-
 }  // namespace tessera::exports

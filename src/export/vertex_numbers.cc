@@ -23,13 +23,12 @@ std::vector<std::uint8_t> used_here(const TileMesh& mesh, const CellFilter& filt
 
 }  // namespace
 
-Result<VertexNumbers> VertexNumbers::prepare(const fs::path& out, const Manifest& manifest, const CellFilter& filter,
-                                             std::stop_token stop) {
+Result<VertexNumbers> VertexNumbers::prepare(const TileSource& source, const CellFilter& filter, std::stop_token stop) {
   VertexNumbers numbers(filter);
   auto& shared = numbers.shared_;
-  for (const auto& entry : manifest.tiles) {
+  for (std::size_t index = 0; index < source.tiles(); ++index) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
-    BOOST_OUTCOME_TRY(tile, read_tile_vertices(out, entry.tile));
+    BOOST_OUTCOME_TRY(tile, source.read(index, {.cells = false}));
     const auto before = static_cast<std::ptrdiff_t>(shared.size());
     for (std::size_t i = 0; i < tile.mesh.ids.size(); ++i)
       if (tile.mesh.point_ghost[i] != 0) shared.emplace_back(tile.mesh.ids[i], unknown);
@@ -39,7 +38,7 @@ Result<VertexNumbers> VertexNumbers::prepare(const fs::path& out, const Manifest
   }
   if (filter.active()) {
     numbers.used_.assign(shared.size(), 0);
-    numbers.alone_.assign(manifest.tiles.size(), 0);
+    numbers.alone_.assign(source.tiles(), 0);
   }
   return numbers;
 }

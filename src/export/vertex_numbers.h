@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "src/export/cell_filter.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera::exports {
 
@@ -17,9 +17,8 @@ namespace tessera::exports {
 class VertexNumbers {
  public:
   VertexNumbers() = default;
-  // Finds the vertices that other tiles than their own use. Errors: of read_tile_vertices(), interrupted.
-  static Result<VertexNumbers> prepare(const std::filesystem::path& out, const Manifest& manifest,
-                                       const CellFilter& filter, std::stop_token stop);
+  // Finds the vertices that other tiles than their own use. Errors: of reading; interrupted.
+  static Result<VertexNumbers> prepare(const TileSource& source, const CellFilter& filter, std::stop_token stop);
   // Notes which vertices of the manifest's `index`-th tile its cells use, those that the filter keeps.
   void survey(const TileMesh& mesh, std::size_t index);
   // By tile, once all are surveyed: how many own vertices cells use, its own or another tile's.

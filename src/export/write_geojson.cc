@@ -27,9 +27,14 @@ std::string quoted(const std::string& text) {
 class GeoJsonWriter : public StreamWriter {
  public:
   GeoJsonWriter(OutputFile file, const MeshHead& head, const std::string& crs)
-      : StreamWriter(std::move(file)), heights_(head.heights), final_(head.final), columns_(head.columns) {
+      : StreamWriter(std::move(file)),
+        heights_(head.heights),
+        final_(head.final),
+        columns_(head.columns),
+        cell_columns_(head.cell_columns) {
     stream_.text("{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":" + quoted(crs) +
                  "}},\"features\":[");
+    for (const auto& column : cell_columns_) cell_keys_.push_back("," + quoted(column.name) + ":");
     // As different from each other as the attributes' names; "tile" and "v0" end otherwise.
     for (const auto& column : columns_)
       for (std::size_t k = 0; k < 3; ++k) keys_.push_back("," + quoted(column.name + "_" + std::to_string(k)) + ":");
@@ -45,6 +50,10 @@ class GeoJsonWriter : public StreamWriter {
       stream_.digits(cell.ids[k].value);
     }
     if (final_) stream_.text(cell.final ? ",\"final\":1" : ",\"final\":0");
+    for (std::size_t c = 0; c < cell_columns_.size(); ++c) {
+      stream_.text(cell_keys_[c]);
+      visit_value(cell_columns_[c].type, cell.values[c], [&](auto value) { number(value); });
+    }
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       for (std::size_t k = 0; k < 3; ++k) {
         stream_.text(keys_[3 * c + k]);
@@ -81,6 +90,8 @@ class GeoJsonWriter : public StreamWriter {
   static constexpr const char* names[] = {",\"v0\":", ",\"v1\":", ",\"v2\":"};
   bool heights_, final_;
   std::vector<Column> columns_;
+  std::vector<Attribute> cell_columns_;
+  std::vector<std::string> cell_keys_;
   std::vector<std::string> keys_;  // three of each column
   std::uint64_t cells_ = 0;
 };

@@ -88,14 +88,7 @@ class GeoPackageWriter : public MeshWriter {
     gdal_.OGR_F_SetFieldInteger64(vertices_.feature, 0, static_cast<GIntBig>(vertex.id.value));
     for (std::size_t c = 0; c < head_.columns.size(); ++c) {
       const auto& column = head_.columns[c];
-      const int field = static_cast<int>(c) + 1;
-      visit_value(column.type, vertex.row + column.offset, [&](auto value) {
-        if constexpr (is_real<decltype(value)>) {
-          gdal_.OGR_F_SetFieldDouble(vertices_.feature, field, static_cast<double>(value));
-        } else {
-          gdal_.OGR_F_SetFieldInteger64(vertices_.feature, field, value);
-        }
-      });
+      set(vertices_, static_cast<int>(c) + 1, column.type, vertex.row + column.offset);
     }
     status_ = file_->add(vertices_, point_.make(vertex.at), point_.size());
   }
@@ -105,6 +98,8 @@ class GeoPackageWriter : public MeshWriter {
     for (int k = 0; k < 3; ++k)
       gdal_.OGR_F_SetFieldInteger64(triangles_.feature, k + 1,
                                     static_cast<GIntBig>(cell.ids[static_cast<std::size_t>(k)].value));
+    for (std::size_t c = 0; c < head_.cell_columns.size(); ++c)
+      set(triangles_, static_cast<int>(c) + 4, head_.cell_columns[c].type, cell.values[c]);
     status_ = file_->add(triangles_, triangle_.make(cell), triangle_.size());
   }
   Status check() override { return status_; }
@@ -122,9 +117,26 @@ class GeoPackageWriter : public MeshWriter {
   GeoPackageWriter(std::unique_ptr<GeoPackage> file, const MeshHead& head)
       : file_(std::move(file)), gdal_(file_->gdal()), point_(head.heights), triangle_(head.heights), head_(head) {}
 
+  void set(const GeoPackage::Layer& layer, int field, AttributeType type, const std::byte* at) {
+    visit_value(type, at, [&](auto value) {
+      if constexpr (is_real<decltype(value)>) {
+        gdal_.OGR_F_SetFieldDouble(layer.feature, field, static_cast<double>(value));
+      } else {
+        gdal_.OGR_F_SetFieldInteger64(layer.feature, field, value);
+      }
+    });
+  }
+  static OGRFieldType field_type(AttributeType type) {
+    const std::byte any[sizeof(double)] = {};
+    return visit_value(type, any, [](auto value) { return is_real<decltype(value)>; }) ? OFTReal : OFTInteger64;
+  }
+
   Status create() {
     std::vector<GeoPackage::Field> fields{
         {"tile", OFTInteger64}, {"v0", OFTInteger64}, {"v1", OFTInteger64}, {"v2", OFTInteger64}};
+    std::set<std::string> of_triangles{"fid", "geom", "tile", "v0", "v1", "v2"};
+    for (const auto& column : head_.cell_columns)
+      fields.push_back({column_name(column.name, of_triangles), field_type(column.type)});
     BOOST_OUTCOME_TRY(triangles, file_->add_layer("triangulation", head_.heights ? wkbPolygon25D : wkbPolygon, fields,
                                                   head_.spatial_index));
     triangles_ = triangles;
@@ -132,9 +144,7 @@ class GeoPackageWriter : public MeshWriter {
       fields = {{"id", OFTInteger64}};
       std::set<std::string> taken{"fid", "geom", "id"};
       for (const auto& column : head_.columns) {
-        const std::byte any[sizeof(double)] = {};
-        const bool real = visit_value(column.type, any, [](auto value) { return is_real<decltype(value)>; });
-        fields.push_back({column_name(column.name, taken), real ? OFTReal : OFTInteger64});
+        fields.push_back({column_name(column.name, taken), field_type(column.type)});
       }
       BOOST_OUTCOME_TRY(
           vertices, file_->add_layer("vertices", head_.heights ? wkbPoint25D : wkbPoint, fields, head_.spatial_index));

@@ -2,6 +2,7 @@
 //   points.npy     f8 n x dimension      ids.npy        u8 n        <attribute>.npy  n; in 2D also z.npy
 //   cells.npy      i8 m x (d+1)          tile.npy       u4 m, the tile whose main cell it is
 //   neighbors.npy  i8 m x (d+1), across the facet opposite each vertex; -1 the outside; if the result has neighbours
+//   cell_<column>.npy  m; columns of cells
 //   final.npy      u1 m, whether each cell is one of the whole triangulation for sure; of parts of one
 #include <algorithm>
 #include <deque>
@@ -57,6 +58,12 @@ class NpyWriter : public MeshWriter {
       while (!taken.insert(name).second) name += '_';
       BOOST_OUTCOME_TRYV(writer->add(name, column.type, head.vertices, 0));
     }
+    writer->first_of_cells_ = writer->arrays_.size();
+    for (const auto& column : head.cell_columns) {
+      std::string name = "cell_" + column.name;
+      while (!taken.insert(name).second) name += '_';
+      BOOST_OUTCOME_TRYV(writer->add(name, column.type, head.cells, 0));
+    }
     if (head.final) {
       BOOST_OUTCOME_TRYV(writer->add("final", AttributeType::u8, head.cells, 0));
     }
@@ -74,6 +81,8 @@ class NpyWriter : public MeshWriter {
     const std::size_t corners = head_.corners();
     for (std::size_t k = 0; k < corners; ++k) arrays_[cells].stream.value(static_cast<std::int64_t>(cell.numbers[k]));
     arrays_[tile].stream.value(cell.tile);
+    for (std::size_t c = 0; c < head_.cell_columns.size(); ++c)
+      arrays_[first_of_cells_ + c].stream.bytes({cell.values[c], size_of(head_.cell_columns[c].type)});
     if (head_.final) arrays_.back().stream.value(static_cast<std::uint8_t>(cell.final));
     if (head_.neighbors) {
       for (std::size_t k = 0; k < corners; ++k) {
@@ -155,6 +164,7 @@ class NpyWriter : public MeshWriter {
   MeshHead head_;
   std::deque<Array> arrays_;
   ExternalSort<OpenFacet> open_facets_;
+  std::size_t first_of_cells_ = 0;  // of arrays_: columns of cells
   std::uint64_t cells_ = 0;
   Status status_ = success();
 };

@@ -32,6 +32,7 @@ class VtuWriter : public MeshWriter {
   VtuWriter(OutputFile file, const MeshHead& head)
       : file_(std::move(file)),
         columns_(head.columns),
+        cell_columns_(head.cell_columns),
         corners_(head.corners()),
         cell_type_(store::vtk_cell_type(head.dimension)),
         final_(head.final) {
@@ -44,6 +45,8 @@ class VtuWriter : public MeshWriter {
                                  {"id", AttributeType::u64, 1, head.vertices * 8}};
     for (const auto& column : columns_)
       arrays.push_back({column.name, column.type, 1, head.vertices * size_of(column.type)});
+    for (const auto& column : cell_columns_)
+      arrays.push_back({column.name, column.type, 1, head.cells * size_of(column.type)});
     if (head.final) arrays.push_back({"final", AttributeType::u8, 1, head.cells});
     const std::string text = header(head, arrays);
     std::uint64_t at = 0;
@@ -69,6 +72,8 @@ class VtuWriter : public MeshWriter {
     streams_[3].value(cell_type_);
     streams_[4].value(cell.tile);
     streams_[5].value(cell.longest_edge);
+    for (std::size_t c = 0; c < cell_columns_.size(); ++c)
+      streams_[7 + columns_.size() + c].bytes({cell.values[c], size_of(cell_columns_[c].type)});
     if (final_) streams_.back().value(static_cast<std::uint8_t>(cell.final));
   }
   Status check() override {
@@ -97,19 +102,22 @@ class VtuWriter : public MeshWriter {
                              "\" format=\"appended\" offset=\"" + std::to_string(offset) + "\"/>\n");
       offset += 8 + array.bytes;
     }
-    std::string text = xml_start + std::string("UnstructuredGrid") + xml_version +
-                       "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" + std::to_string(head.vertices) +
-                       "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" + declarations[0] +
-                       "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
-                       "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] +
-                       (head.final ? declarations.back() : "") + "</CellData>\n<PointData>\n";
-    for (std::size_t i = 6; i < declarations.size() - (head.final ? 1 : 0); ++i) text += declarations[i];
+    std::string text =
+        xml_start + std::string("UnstructuredGrid") + xml_version + "<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
+        std::to_string(head.vertices) + "\" NumberOfCells=\"" + std::to_string(head.cells) + "\">\n<Points>\n" +
+        declarations[0] + "</Points>\n<Cells>\n" + declarations[1] + declarations[2] + declarations[3] +
+        "</Cells>\n<CellData>\n" + declarations[4] + declarations[5] + (head.final ? declarations.back() : "");
+    const std::size_t vertices_end = 7 + head.columns.size();
+    for (std::size_t i = 0; i < head.cell_columns.size(); ++i) text += declarations[vertices_end + i];
+    text += "</CellData>\n<PointData>\n";
+    for (std::size_t i = 6; i < vertices_end; ++i) text += declarations[i];
     return text + "</PointData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
   }
 
   OutputFile file_;
   std::vector<Stream> streams_;
   std::vector<Column> columns_;
+  std::vector<Attribute> cell_columns_;
   std::size_t corners_;
   std::uint8_t cell_type_;
   bool final_;
@@ -136,6 +144,9 @@ std::string pvtu_index(const MeshHead& head, const std::vector<std::string>& fil
       "</PPointData>\n<PCellData>\n<PDataArray type=\"UInt32\" Name=\"tile\"/>\n"
       "<PDataArray type=\"Float64\" Name=\"longest_edge\"/>\n";
   if (head.final) text += "<PDataArray type=\"UInt8\" Name=\"final\"/>\n";
+  for (const auto& column : head.cell_columns)
+    text +=
+        std::string("<PDataArray type=\"") + vtk_type(column.type) + "\" Name=\"" + xml_text(column.name) + "\"/>\n";
   text += "</PCellData>\n";
   for (const auto& file : files) text += "<Piece Source=\"" + xml_text(file) + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";

@@ -7,11 +7,13 @@
 #include <cstdio>
 #include <iterator>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "src/base/random_token.h"
 #include "src/files/data_names.h"
 #include "src/files/handed_file.h"
+#include "src/files/pass_names.h"
 
 namespace tessera {
 
@@ -21,6 +23,9 @@ namespace {
 
 constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
+constexpr const char* tile_ending = ".vtu";
+constexpr const char* version_ending = ".json";
+constexpr const char* copy_ending = ".copy.json";
 constexpr const char* of_node = "node-";
 constexpr const char* settled_ending = ".bin";
 constexpr const char* of_stage = ".stage";
@@ -56,6 +61,13 @@ fs::path numbered(const fs::path& folder, BundleId bundle) {
   return folder / (numbered("", bundle.attempt, "-").string() + numbered("", bundle.number, ".bin").string());
 }
 
+std::optional<std::uint32_t> number_in(std::string_view text) {
+  std::uint32_t number = 0;
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (wrong != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
 std::string without_temporary_ending(const fs::path& file) {
   std::string name = file.filename().string();
   if (const auto at = name.find(temporary_ending); at != std::string::npos) name.resize(at);
@@ -86,7 +98,41 @@ const char* folder_name(ScratchKind kind) {
 fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
 fs::path master_file(const fs::path& out) { return out / "triangulation.pvtu"; }
 fs::path tiles_folder(const fs::path& out) { return out / "tiles"; }
-fs::path tile_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, ".vtu"); }
+fs::path tile_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, tile_ending); }
+fs::path tile_file(const fs::path& out, TileId tile, std::uint32_t version) {
+  if (version <= 1) return tile_file(out, tile);
+  const std::string ending = "-" + std::to_string(version) + tile_ending;
+  return numbered(tiles_folder(out), tile, ending.c_str());
+}
+std::optional<std::uint32_t> version_of_tile_file(const fs::path& file) {
+  const std::string name = file.filename().string();
+  const auto dash = name.find('-');
+  if (dash == std::string::npos) return std::nullopt;
+  const auto tile = number_in(std::string_view(name).substr(0, dash));
+  const auto rest = std::string_view(name).substr(dash + 1);
+  if (!tile || !rest.ends_with(tile_ending)) return std::nullopt;
+  const auto version = number_in(rest.substr(0, rest.size() - std::string_view(tile_ending).size()));
+  // Names are made in one way.
+  if (!version || *version < 2 || tile_file("", TileId{*tile}, *version).filename() != name) return std::nullopt;
+  return version;
+}
+fs::path versions_folder(const fs::path& out) { return out / ".versions"; }
+fs::path version_file(const fs::path& out, std::uint32_t version) {
+  return numbered(versions_folder(out), version, version_ending);
+}
+fs::path version_copy(const fs::path& out, std::uint32_t version) {
+  return numbered(versions_folder(out), version, copy_ending);
+}
+std::optional<std::uint32_t> version_of_file(const fs::path& file) {
+  const std::string name = file.filename().string();
+  const auto version = number_in(std::string_view(name).substr(0, name.find('.')));
+  if (!version || (version_file("", *version).filename() != name && version_copy("", *version).filename() != name))
+    return std::nullopt;
+  return version;
+}
+fs::path pass_folder(const fs::path& out) { return versions_folder(out) / "pass"; }
+fs::path pass_values_file(const fs::path& scratch, TileId tile) { return numbered(scratch / "values", tile, ".bin"); }
+fs::path pass_sent_file(const fs::path& scratch, TileId tile) { return numbered(scratch / "sent", tile, ".bin"); }
 fs::path done_file(const fs::path& out, NodeId node) { return numbered(tiles_folder(out), node, done_ending); }
 fs::path early_file(const fs::path& out, TileId tile, NodeId node) {
   fs::path name = temporary_name(tile_file(out, tile));

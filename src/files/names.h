@@ -5,6 +5,9 @@
 //   OUT/tiles/000042.vtu           a tile
 //   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
 //                                  a tile's alone in 000042.done of older software
+//   OUT/tiles/000042-2.vtu         a tile as version 2 of the result wrote it
+//   OUT/.versions/000001.json      the manifest of version 1, once there is a newer one; 000001.copy.json: a copy of it
+//   OUT/.versions/pass/            what the writer of a version needs meanwhile: values/000042.bin, sent/000042.bin
 //   OUT/duplicates.bin             when there are any
 //   OUT/report.html
 //   OUT/.lock/                     while a process works in the folder (folder_lock.h)
@@ -70,11 +73,26 @@
 namespace tessera {
 
 // Result folders.
-inline constexpr int newest_format = 3, oldest_format = 2;  // that is read
+inline constexpr int newest_format = 4, oldest_format = 2;  // that is read
+// Of results that were never changed, and of those that have versions.
+inline constexpr int unchanged_format = 3, changed_format = 4;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
 std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile);
+// As that version of the result wrote it; 1: as above.
+std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, std::uint32_t version);
+// Of a file in a tiles folder that a version above 1 may have written; nothing for other names.
+std::optional<std::uint32_t> version_of_tile_file(const std::filesystem::path& file);
+// The manifests of older versions. Where a file cannot have two names they are copies, and nobody can tell who reads
+// that version.
+std::filesystem::path versions_folder(const std::filesystem::path& out);
+std::filesystem::path version_file(const std::filesystem::path& out, std::uint32_t version);
+std::filesystem::path version_copy(const std::filesystem::path& out, std::uint32_t version);
+// Of either; nothing for other names.
+std::optional<std::uint32_t> version_of_file(const std::filesystem::path& file);
+// What a writer of a version needs until it has written it.
+std::filesystem::path pass_folder(const std::filesystem::path& out);
 std::filesystem::path done_file(const std::filesystem::path& out, NodeId node);
 // What a node has written of a tile whose other cells are not known yet: a temporary name.
 std::filesystem::path early_file(const std::filesystem::path& out, TileId tile, NodeId node);

@@ -27,6 +27,8 @@ struct Described {
 };
 
 Result<std::string> describe_result(const std::string& folder, bool json, bool counters = false);
+// The columns that were computed of it and added: a table, or one object.
+Result<std::string> describe_columns(const std::string& folder, bool json);
 // The text for people, of the object for programs: also of one that a daemon has made. Nothing when it is none of
 // these.
 std::optional<std::string> description_text(const nlohmann::ordered_json& described, bool counters);

@@ -3,6 +3,7 @@
 
 #include "src/crs/crs.h"
 #include "src/job/describe.h"
+#include "src/job/describe_columns.h"
 #include "src/job/description.h"
 #include "src/store/tile_store.h"
 
@@ -56,6 +57,8 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"region", region},
               {"neighbors", manifest.neighbors},
               {"attributes", names},
+              {"version", manifest.version},
+              {"columns", columns_to_json(manifest)},
               {"seconds", manifest.seconds},
               {"figures", manifest.figures},
               {"tiles", tiles}};

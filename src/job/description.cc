@@ -14,6 +14,7 @@
 #include "src/base/printable.h"
 #include "src/io/cloud/cloud.h"
 #include "src/job/describe.h"
+#include "src/job/describe_columns.h"
 #include "src/report/human.h"
 #include "src/report/summary.h"
 
@@ -285,6 +286,9 @@ std::string result_text(const Json& result, bool counters) {
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));
+  // Of an older daemon there are none.
+  if (const auto columns = result.find("columns"); columns != result.end() && !columns->empty())
+    lines.add("columns", columns_in_words(*columns) + " (version " + grouped(count_of(result, "version")) + ")");
   if (!text_of(result, "crs").empty()) lines.add("CRS", text_of(result, "crs_name"));
   add_work(lines, result);
   if (counters) {

@@ -161,6 +161,7 @@ Status ResultFolder::remove_result() const {
     if (reader.error()) return refused_by_system(folder, "cannot be cleared: " + reader.error().message());
     return success();
   };
+  BOOST_OUTCOME_TRYV(remove_folder(versions_folder(out_)));
   BOOST_OUTCOME_TRYV(remove_from(out_, is_result_name));
   BOOST_OUTCOME_TRYV(remove_from(tiles_folder(out_), is_tile_name));
   fs::remove(tiles_folder(out_), ec);  // stays when somebody else's files are in it

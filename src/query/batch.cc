@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/query/on_threads.h"
+#include "src/base/on_threads.h"
 
 namespace tessera::query {
 namespace {

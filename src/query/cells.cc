@@ -147,7 +147,7 @@ Result<CellSet> StoredTriangulation::cells(const Area& area, const CellLimits& l
   }
   CellSet set = collector.take();
   set.final = knows(area.box);
-  BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, TileId{0}, impl_->out));
+  BOOST_OUTCOME_TRYV(match_facets(set.mesh.mesh, impl_->out));
   return set;
 }
 

@@ -53,23 +53,23 @@ Bounds box_of(const Manifest& manifest, TileId tile) {
   return box;
 }
 
-Result<std::vector<Point>> hull_of(const std::filesystem::path& out, const Manifest& manifest,
-                                   const std::stop_token& stop) {
+Result<std::vector<Point>> hull_of(const TileSource& source, const std::stop_token& stop) {
+  const Manifest& manifest = source.manifest();
   // Those that reach the border of all first: what they hold spares most of the others.
-  std::vector<std::pair<int, TileId>> order;
-  for (const auto& entry : manifest.tiles) {
-    const Bounds box = box_of(manifest, entry.tile);
+  std::vector<std::pair<int, std::size_t>> order;
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    const Bounds box = box_of(manifest, source.entry(i).tile);
     int inside = 0;
     for (int axis = 0; axis < 2; ++axis)
       inside += (box.lo[axis] > manifest.bounds.lo[axis]) + (box.hi[axis] < manifest.bounds.hi[axis]);
-    order.emplace_back(inside, entry.tile);
+    order.emplace_back(inside, i);
   }
   std::sort(order.begin(), order.end());
   std::vector<Point> hull;
-  for (const auto& [inside, tile] : order) {
+  for (const auto& [inside, i] : order) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for the hull");
-    if (covers(hull, box_of(manifest, tile))) continue;
-    BOOST_OUTCOME_TRY(stored, read_tile_vertices(out, tile));
+    if (covers(hull, box_of(manifest, source.entry(i).tile))) continue;
+    BOOST_OUTCOME_TRY(stored, source.read(i, {.cells = false}));
     for (const Point& p : stored.mesh.points) hull.push_back({p.x, p.y, 0});
     make_hull(hull);
   }

@@ -18,14 +18,16 @@
 namespace tessera::query {
 
 struct StoredTriangulation::Impl {
-  Impl(std::filesystem::path folder, Manifest read, Homes where, std::uint64_t bytes_max)
-      : out(std::move(folder)),
-        manifest(std::move(read)),
+  Impl(TileSource opened, Homes where, std::uint64_t bytes_max)
+      : source(std::move(opened)),
+        out(source.folder()),
+        manifest(source.manifest()),
         homes(std::move(where)),
-        cache(out, manifest, bytes_max),
+        cache(source, bytes_max),
         id_ranges(manifest.tiles.size()) {}
-  std::filesystem::path out;
-  Manifest manifest;
+  TileSource source;
+  const std::filesystem::path& out;  // its folder
+  const Manifest& manifest;          // its manifest
   Homes homes;
   mutable TileCache cache;
   // Of a part of a triangulation; made when it is first asked.

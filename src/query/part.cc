@@ -7,8 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "src/base/on_threads.h"
 #include "src/predicates/exact/predicates.h"
-#include "src/query/on_threads.h"
 
 namespace tessera::query {
 namespace {

@@ -29,34 +29,21 @@ double squared_distance(const Point& p, const Point& q) {
   return x * x + y * y + z * z;
 }
 
-Status check(const std::filesystem::path& path, const Manifest& manifest, const TileEntry& entry,
-             const StoredTile& tile) {
-  const TileMesh& mesh = tile.mesh;
-  const auto own = static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
-  const auto main = static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-  if (mesh.dimension != manifest.dimension || own != entry.own_points || main != entry.main_cells ||
-      mesh.cell_ghost.size() != entry.cells || tile.schema != manifest.schema)
-    return error(Errc::corrupt, path.string() + ": is not the tile that the manifest describes");
-  if (mesh.cell_ghost.empty()) return error(Errc::corrupt, path.string() + ": has vertices, but no cells");
-  return success();
-}
-
 }  // namespace
 
-Result<std::shared_ptr<const QueryTile>> QueryTile::load(const std::filesystem::path& out, const Manifest& manifest,
-                                                         const TileEntry& entry, bool with_rows) {
-  const auto path = tile_file(out, entry.tile);
+Result<std::shared_ptr<const QueryTile>> QueryTile::load(const TileSource& source, std::size_t index, bool with_rows) {
+  const auto path = source.file(index);
   try {
-    BOOST_OUTCOME_TRY(stored, read_tile(out, entry.tile, with_rows));
-    BOOST_OUTCOME_TRYV(check(path, manifest, entry, stored));
+    BOOST_OUTCOME_TRY(stored, source.read(index, {.rows = with_rows}));
+    if (stored.mesh.cell_ghost.empty()) return error(Errc::corrupt, path.string() + ": has vertices, but no cells");
     if (stored.mesh.neighbors.empty()) {
-      BOOST_OUTCOME_TRYV(match_facets(stored.mesh, entry.tile, out));
+      BOOST_OUTCOME_TRYV(match_facets(stored.mesh, path));
       // Of a part nothing says which facets are on the hull.
-      if (manifest.region)
+      if (source.manifest().region)
         for (auto& neighbor : stored.mesh.neighbors) neighbor = neighbor < 0 ? -2 : neighbor;
     }
     return std::shared_ptr<const QueryTile>(
-        new QueryTile(path, entry, std::move(stored), with_rows, manifest.region.has_value()));
+        new QueryTile(path, source.entry(index), std::move(stored), with_rows, source.manifest().region.has_value()));
   } catch (const std::bad_alloc&) {
     return worded([&] { return error(Errc::memory, path.string() + ": no memory is left to hold it"); });
   }

@@ -12,7 +12,7 @@
 
 #include "src/base/result.h"
 #include "src/mesh/tile_mesh.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera::query {
@@ -25,10 +25,9 @@ inline constexpr PointId no_id{~std::uint64_t{0}};
 // Constant once loaded, so several threads may share it.
 class QueryTile {
  public:
-  // Reads the tile, and finds the neighbours of its cells if the result was stored without. Errors: those of
-  // read_tile(); corrupt when it is not what the manifest says; not_delaunay when three cells share a facet; memory.
-  static Result<std::shared_ptr<const QueryTile>> load(const std::filesystem::path& out, const Manifest& manifest,
-                                                       const TileEntry& entry, bool with_rows);
+  // Reads the source's `index`-th tile, and finds the neighbours of its cells if the result was stored without. Errors:
+  // those of TileSource::read(); not_delaunay when three cells share a facet; memory.
+  static Result<std::shared_ptr<const QueryTile>> load(const TileSource& source, std::size_t index, bool with_rows);
 
   TileId id() const { return id_; }
   const TileMesh& mesh() const { return stored_.mesh; }

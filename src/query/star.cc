@@ -83,7 +83,7 @@ Result<std::optional<TileId>> StoredTriangulation::Impl::owner_of(PointId id, co
       const std::lock_guard lock(id_mutex);
       if (id_ranges[i] && (id < id_ranges[i]->first || id_ranges[i]->second < id)) continue;
     }
-    BOOST_OUTCOME_TRY(ids, read_own_ids(out, tile));
+    BOOST_OUTCOME_TRY(ids, source.read_own_ids(i));
     const auto [least, most] = std::minmax_element(ids.begin(), ids.end());
     if (least == ids.end()) continue;
     {

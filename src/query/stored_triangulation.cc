@@ -23,7 +23,13 @@ StoredTriangulation::StoredTriangulation(StoredTriangulation&&) noexcept = defau
 StoredTriangulation::~StoredTriangulation() = default;
 
 Result<StoredTriangulation> StoredTriangulation::open(const std::filesystem::path& out, const OpenOptions& options) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  return open(std::move(source), options);
+}
+
+Result<StoredTriangulation> StoredTriangulation::open(TileSource source, const OpenOptions& options) {
+  const std::filesystem::path& out = source.folder();
+  const Manifest& manifest = source.manifest();
   if (manifest.region && !options.parts)
     return error(Errc::usage, out.string() +
                                   ": holds a region of a triangulation: beside its cells nothing is known of what is "
@@ -31,9 +37,10 @@ Result<StoredTriangulation> StoredTriangulation::open(const std::filesystem::pat
   if (manifest.region && manifest.tiles.size() != 1)
     return error(Errc::corrupt, out.string() + ": is a region that has not one tile");
   BOOST_OUTCOME_TRY(homes, Homes::of(out, manifest));
-  return StoredTriangulation(std::make_unique<Impl>(out, std::move(manifest), std::move(homes), options.memory_bytes));
+  return StoredTriangulation(std::make_unique<Impl>(std::move(source), std::move(homes), options.memory_bytes));
 }
 
+const TileSource& StoredTriangulation::source() const { return impl_->source; }
 const Manifest& StoredTriangulation::manifest() const { return impl_->manifest; }
 std::uint64_t StoredTriangulation::tiles_read() const { return impl_->cache.loads(); }
 

@@ -116,10 +116,12 @@ class StoredTriangulation {
   // Reads the manifest alone. Errors: those of read_manifest(); corrupt for a partition that is none; usage for
   // a region of a triangulation, whose cells end where the triangulation does not, if parts are not wanted.
   static Result<StoredTriangulation> open(const std::filesystem::path& out, const OpenOptions& options = {});
+  static Result<StoredTriangulation> open(TileSource source, const OpenOptions& options = {});
   StoredTriangulation(StoredTriangulation&&) noexcept;
   ~StoredTriangulation();
 
-  const Manifest& manifest() const;
+  const TileSource& source() const;
+  const Manifest& manifest() const;  // of the source
   // Whether all cells of the whole triangulation that meet the closed box are here: of a part it may be so, or not.
   bool knows(const Bounds& box) const;
   std::uint64_t tiles_read() const;  // so far, one as often as it was

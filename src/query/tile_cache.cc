@@ -1,16 +1,13 @@
 #include "src/query/tile_cache.h"
 
-#include <algorithm>
-
 #include "src/files/names.h"
 
 namespace tessera::query {
 
 Result<PinnedTile> TileCache::get(TileId tile, bool with_rows) {
-  const auto entry = std::lower_bound(manifest_.tiles.begin(), manifest_.tiles.end(), tile,
-                                      [](const TileEntry& e, TileId wanted) { return e.tile < wanted; });
-  if (entry == manifest_.tiles.end() || entry->tile != tile)
-    return error(Errc::corrupt, manifest_file(out_).string() + ": has no tile " + to_string(tile) +
+  const auto index = source_.find(tile);
+  if (!index)
+    return error(Errc::corrupt, manifest_file(source_.folder()).string() + ": has no tile " + to_string(tile) +
                                     ", which other tiles name as an owner");
   std::unique_lock lock(mutex_);
   for (;;) {
@@ -23,7 +20,7 @@ Result<PinnedTile> TileCache::get(TileId tile, bool with_rows) {
   slots_[tile].loading = true;
   ++loads_;
   lock.unlock();
-  auto loaded = QueryTile::load(out_, manifest_, *entry, with_rows);
+  auto loaded = QueryTile::load(source_, *index, with_rows);
   lock.lock();
   Slot& slot = slots_[tile];
   slot.loading = false;

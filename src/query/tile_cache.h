@@ -3,14 +3,14 @@
 
 #include <condition_variable>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "src/base/result.h"
 #include "src/query/query_tile.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera::query {
 
@@ -20,9 +20,7 @@ using PinnedTile = std::shared_ptr<const QueryTile>;
 // held can exceed the budget, by what all threads together have pinned.
 class TileCache {
  public:
-  // `manifest` must outlive this.
-  TileCache(std::filesystem::path out, const Manifest& manifest, std::uint64_t bytes_max)
-      : out_(std::move(out)), manifest_(manifest), bytes_max_(bytes_max) {}
+  TileCache(TileSource source, std::uint64_t bytes_max) : source_(std::move(source)), bytes_max_(bytes_max) {}
 
   // From memory, or read, by one thread while others who want it wait. Errors: those of QueryTile::load(); corrupt when
   // the manifest has no such tile.
@@ -39,8 +37,7 @@ class TileCache {
   };
   void evict();  // REQUIRES: the lock is held
 
-  std::filesystem::path out_;
-  const Manifest& manifest_;
+  TileSource source_;
   std::uint64_t bytes_max_;
   mutable std::mutex mutex_;
   std::condition_variable loaded_;

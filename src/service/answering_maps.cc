@@ -49,7 +49,7 @@ Status add_tiles(const Manifest& manifest, const std::optional<std::uint64_t>& o
 Result<std::vector<Point>> Answering::hull_corners() const {
   const std::lock_guard lock(reader_.hull->mutex);
   if (!reader_.hull->points) {
-    BOOST_OUTCOME_TRY(points, query::hull_of(path_of(reader_.held.folder), reader_.stored.manifest(), ask_.stop));
+    BOOST_OUTCOME_TRY(points, query::hull_of(reader_.stored.source(), ask_.stop));
     reader_.hull->points = std::move(points);
   }
   return *reader_.hull->points;

@@ -40,7 +40,7 @@ std::string checksum_in(const Manifest& manifest, const fs::path& path) {
   if (path == master_file("")) return checksum_text(manifest.master_xxh3);
   if (path == duplicates_file("")) return checksum_text(manifest.duplicates_xxh3);
   for (const auto& entry : manifest.tiles)
-    if (path == tile_file("", entry.tile)) return checksum_text(entry.xxh3);
+    if (path == tile_file("", entry)) return checksum_text(entry.xxh3);
   return "";
 }
 

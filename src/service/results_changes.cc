@@ -27,6 +27,7 @@ Status remove_result(const fs::path& folder) {
   BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));
   BOOST_OUTCOME_TRYV(remove_whole(exports_folder(folder)));
   BOOST_OUTCOME_TRYV(remove_whole(run_folder(folder)));
+  BOOST_OUTCOME_TRYV(remove_whole(versions_folder(folder)));
   BOOST_OUTCOME_TRY(with_tiles, is_folder(tiles_folder(folder), FollowLinks::no));
   if (with_tiles) {
     BOOST_OUTCOME_TRY(tiles, sorted_names(tiles_folder(folder)));

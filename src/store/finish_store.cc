@@ -56,7 +56,7 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   manifest.schema = schema;
   manifest.digest = sum_of_digests(manifest.tiles);
 
-  manifest.format_version = newest_format;
+  manifest.format_version = unchanged_format;
 
   const std::string master = store::master_text(manifest);
   manifest.master_xxh3 = checksum(std::as_bytes(std::span(master)));

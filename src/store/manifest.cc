@@ -9,6 +9,7 @@
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/store/manifest_json.h"
 #include "src/store/tile_layout.h"
 #include "src/store/vtk_xml.h"
 
@@ -29,24 +30,6 @@ const std::string duplicates_key = duplicates_file("").string();
 // A digest of another definition stands under another key, and is passed over: "digest" was a hash of sorted ids.
 constexpr const char* digest_key = "digest2";
 
-constexpr const char* type_names[] = {"u8", "i8", "u16", "i16", "u32", "i32", "u64", "i64", "f32", "f64"};
-
-// JSON has no infinity; finite doubles are written with as many digits as it takes to read the same double back.
-ordered_json number(double value) {
-  if (value == std::numeric_limits<double>::infinity()) return "inf";
-  if (value == -std::numeric_limits<double>::infinity()) return "-inf";
-  return value;
-}
-
-double to_double(const json& value) {
-  if (value.is_string()) {
-    if (value == "inf") return std::numeric_limits<double>::infinity();
-    if (value == "-inf") return -std::numeric_limits<double>::infinity();
-    throw json::other_error::create(501, "'" + value.get<std::string>() + "' is not a number", &value);
-  }
-  return value.get<double>();
-}
-
 ordered_json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
 Point to_point(const json& value) { return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))}; }
 
@@ -60,19 +43,6 @@ B to_corners(const json& value) {
   box.lo = to_point(value.at("lo"));
   box.hi = to_point(value.at("hi"));
   return box;
-}
-
-// get<unsigned>() would accept -1 and 1.5.
-std::uint64_t to_count(const json& value) {
-  if (!value.is_number_unsigned()) throw json::other_error::create(501, value.dump() + " is not a count", &value);
-  return value.get<std::uint64_t>();
-}
-
-std::uint64_t to_sum(const json& value) {
-  const auto text = value.get<std::string>();
-  if (text.size() != 16 || text.find_first_not_of("0123456789abcdef") != std::string::npos)
-    throw json::other_error::create(501, "'" + text + "' is not a checksum", &value);
-  return std::stoull(text, nullptr, 16);
 }
 
 KeptPoint to_kept_point(const json& value) {
@@ -95,6 +65,7 @@ ordered_json entry_to_json(const TileEntry& entry) {
                      {"own_points", entry.own_points},   {"cells", entry.cells},
                      {"main_cells", entry.main_cells},   {"bytes", entry.bytes},
                      {"xxh3", checksum_text(entry.xxh3)}};
+  if (entry.version > 1) value["file"] = tile_file("", entry).generic_string();
   if (entry.digest) value[digest_key] = digest_text(*entry.digest);
   if (entry.heights) value["heights"] = {number(entry.heights->lo), number(entry.heights->hi)};
   return value;
@@ -113,6 +84,13 @@ TileEntry to_entry(const json& value) {
   entry.bytes = to_count(value.at("bytes"));
   entry.xxh3 = to_sum(value.at("xxh3"));
   entry.digest = to_digest(value);
+  if (value.contains("file")) {
+    const auto file = value.at("file").get<std::string>();
+    const auto version = version_of_tile_file(file);
+    entry.version = version.value_or(1);
+    if (!version || tile_file("", entry).generic_string() != file)
+      throw json::other_error::create(501, "'" + file + "' is no file of tile " + to_string(entry.tile), &value);
+  }
   if (value.contains("heights")) {
     const auto& heights = value.at("heights");
     entry.heights = HeightRange{to_double(heights.at(0)), to_double(heights.at(1))};
@@ -152,16 +130,14 @@ Manifest to_manifest(const json& value) {
   }
   manifest.neighbors = value.at("neighbors").get<bool>();
   for (const auto& attribute : value.at("attributes")) {
-    const auto type = attribute.at("type").get<std::string>();
-    const auto found = std::find(std::begin(type_names), std::end(type_names), type);
-    if (found == std::end(type_names)) throw json::other_error::create(501, "'" + type + "' is not a type", &value);
-    auto name = attribute.at("name").get<std::string>();
-    // Exports name files by it; and no tile can have it.
-    if (name.find_first_of(std::string_view("/\0", 2)) != std::string::npos)
-      throw json::other_error::create(501, "an attribute's name holds a '/' or a zero byte", &value);
-    manifest.schema.push_back({std::move(name), static_cast<AttributeType>(found - std::begin(type_names))});
+    manifest.schema.push_back({to_name(attribute), to_type(attribute)});
   }
-  for (const auto& entry : value.at("tiles")) manifest.tiles.push_back(to_entry(entry));
+  read_versions(value, manifest);
+  for (const auto& entry : value.at("tiles")) {
+    manifest.tiles.push_back(to_entry(entry));
+    if (manifest.tiles.back().version > manifest.version)
+      throw json::other_error::create(501, "a tile's file is of a version that is not there", &value);
+  }
   for (std::size_t i = 1; i < manifest.tiles.size(); ++i)
     if (manifest.tiles[i - 1].tile >= manifest.tiles[i].tile)
       throw json::other_error::create(501, "the tiles are not in ascending order", &value);
@@ -189,6 +165,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   ordered_json value;
   value["format"] = "tessera";
   value["format_version"] = manifest.format_version;
+  write_versions(manifest, value);
   value["software_version"] = manifest.software_version;
   value["command"] = manifest.command;
   value["inputs"] = json::array();
@@ -204,7 +181,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["neighbors"] = manifest.neighbors;
   value["attributes"] = json::array();
   for (const auto& attribute : manifest.schema)
-    value["attributes"].push_back({{"name", attribute.name}, {"type", type_names[static_cast<int>(attribute.type)]}});
+    value["attributes"].push_back({{"name", attribute.name}, {"type", name_of(attribute.type)}});
   value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
@@ -253,11 +230,19 @@ std::optional<HeightRange> heights_of(const Manifest& manifest) {
   return all;
 }
 
+Error no_manifest(const fs::path& out) {
+  return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+}
+
 Result<Manifest> read_manifest(const fs::path& out) {
   const auto path = manifest_file(out);
   BOOST_OUTCOME_TRY(there, is_there(path));
-  if (!there) return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+  if (!there) return no_manifest(out);
   BOOST_OUTCOME_TRY(bytes, read_whole(path));
+  return parse_manifest(path, bytes);
+}
+
+Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte> bytes) {
   const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
   const char* text = reinterpret_cast<const char*>(bytes.data());
   const json value = json::parse(text, text + bytes.size(), nullptr, false);

@@ -38,7 +38,8 @@ std::string storable_name(std::string_view name) {
 
 }  // namespace
 
-std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema) {
+std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema,
+                                   const std::vector<Attribute>& cell_schema) {
   const auto corners = static_cast<std::uint64_t>(dimension + 1);
   std::vector<ArrayInfo> arrays{
       {Section::points, "Points", AttributeType::f64, ArrayOf::points, 3, Packing::plain},
@@ -56,6 +57,8 @@ std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, co
   if (final) arrays.push_back({Section::cell_data, "final", AttributeType::u8, ArrayOf::cells, 1, Packing::deflated});
   if (neighbors)
     arrays.push_back({Section::cell_data, "neighbors", AttributeType::i32, ArrayOf::cells, corners, Packing::plain});
+  for (const auto& column : cell_schema)
+    arrays.push_back({Section::cell_data, column.name, column.type, ArrayOf::cells, 1, Packing::plain});
   return arrays;
 }
 
@@ -77,9 +80,10 @@ std::size_t neighbors_of(const std::vector<ArrayInfo>& arrays) {
   return place_of(arrays, Section::cell_data, "neighbors");
 }
 
-Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema) {
+namespace {
+
+Result<std::vector<Attribute>> stored_names(const std::vector<Attribute>& schema, const std::set<std::string>& taken) {
   std::vector<Attribute> result = schema;
-  const std::set<std::string> taken{"id", "owner", "vtkGhostType"};
   std::set<std::string> names = taken;
   for (auto& attribute : result) {
     attribute.name = storable_name(attribute.name);
@@ -89,6 +93,16 @@ Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schem
       return error(Errc::usage, "two attributes would both be stored as '" + attribute.name + "'");
   }
   return result;
+}
+
+}  // namespace
+
+Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema) {
+  return stored_names(schema, {"id", "owner", "vtkGhostType"});
+}
+
+Result<std::vector<Attribute>> stored_cell_schema(const std::vector<Attribute>& schema) {
+  return stored_names(schema, {"vtkGhostType", "tile", "final", "neighbors"});
 }
 
 }  // namespace tessera::store

@@ -27,7 +27,9 @@ struct ArrayInfo {
 
 // All arrays in the order in which they stand in the file.
 // `final`: of a part of a triangulation, whether each cell is one of the whole for sure.
-std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema);
+// `cell_schema`: columns of the cells, the last arrays of all.
+std::vector<ArrayInfo> tile_arrays(int dimension, bool final, bool neighbors, const std::vector<Attribute>& schema,
+                                   const std::vector<Attribute>& cell_schema = {});
 inline constexpr std::size_t first_attribute = 4;  // where those of the schema begin in that list
 // Where these two are in it; its end without neighbors.
 std::size_t connectivity_of(const std::vector<ArrayInfo>& arrays);
@@ -39,5 +41,7 @@ constexpr std::uint8_t vtk_cell_type(int dimension) { return dimension == 2 ? 5 
 // '_', and "id", "owner" and "vtkGhostType", which are taken, get a trailing '_'. Error usage when two names collide or
 // one is empty.
 Result<std::vector<Attribute>> stored_schema(const std::vector<Attribute>& schema);
+// The same of columns of cells, where "vtkGhostType", "tile", "final" and "neighbors" are taken.
+Result<std::vector<Attribute>> stored_cell_schema(const std::vector<Attribute>& schema);
 
 }  // namespace tessera::store

@@ -39,12 +39,18 @@ struct TileEntry {
   std::uint64_t cells = 0;  // cells in the file
   std::uint64_t main_cells = 0;
   std::uint64_t bytes = 0;
+  std::uint32_t version = 1;     // of the result, that wrote the file
   std::uint64_t xxh3 = 0;        // checksum of the file: see data_sum_of()
   std::optional<Digest> digest;  // of main cells and own vertices; older software wrote none
   // 2D: of own vertices, from their attribute z, those that are finite. Older software wrote none.
   std::optional<HeightRange> heights = {};
   friend bool operator==(const TileEntry&, const TileEntry&) = default;
 };
+
+// The tile's file in a result folder.
+inline std::filesystem::path tile_file(const std::filesystem::path& out, const TileEntry& entry) {
+  return tile_file(out, entry.tile, entry.version);
+}
 
 // What the checksums of tile files and of duplicates.bin are made of, in a folder of this format.
 constexpr SumOf data_sum_of(int format) { return format < 3 ? SumOf::bytes : SumOf::pieces; }
@@ -79,21 +85,31 @@ Result<std::vector<TileEntry>> stored_tiles(const std::filesystem::path& out,
 BigVector<std::byte> bytes_of(const TileEntry& entry);
 std::optional<TileEntry> tile_entry_of(std::span<const std::byte> bytes);
 
-// Reads a tile file back, of this format or an older one. Every array is checked (lengths, checksums, ranges, flags);
-// corrupt names the file and the place.
+// A tile as it was stored; src/result reads it.
 struct StoredTile {
   TileMesh mesh;
   std::vector<Attribute> schema;
   std::vector<std::byte> rows;
+  std::vector<Attribute> cell_schema;
+  std::vector<std::vector<std::byte>> cell_columns;  // in its order, by cell; if they were asked for
 };
-Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false);
-// The same without cells: cells, cell_ghost and neighbors are empty.
-Result<StoredTile> read_tile_vertices(const std::filesystem::path& out, TileId tile, bool with_rows = false);
-// Only the source indices of the tile's own vertices, in the file's order.
-Result<std::vector<PointId>> read_own_ids(const std::filesystem::path& out, TileId tile);
+
+// What was computed of a result and added to it.
+struct ResultColumn {
+  std::string name;
+  bool of_cells = false;  // else of vertices, and in the schema, too
+  AttributeType type = AttributeType::f64;
+  std::string unit;                  // of its values; "" when nobody knows
+  std::uint32_t version = 2;         // of the result, that it came with
+  std::vector<std::string> command;  // what made it,
+  std::string software_version;      // and which tessera
+  std::optional<double> total = {};  // over all cells or vertices, each once; if it says something
+  friend bool operator==(const ResultColumn&, const ResultColumn&) = default;
+};
 
 struct Manifest {
-  int format_version = newest_format;  // of the folder; finish_store() writes the newest
+  int format_version = unchanged_format;  // of the folder
+  std::uint32_t version = 1;              // of the result: one more with each change (src/result/new_version.h)
   std::string software_version;
   std::vector<std::string> command;
   struct Input {
@@ -117,16 +133,18 @@ struct Manifest {
   std::optional<Region> region;
   bool neighbors = true;
   std::vector<Attribute> schema;
-  std::vector<TileEntry> tiles;  // of non-empty tiles, by tile id
+  std::vector<ResultColumn> columns;  // what was added to the result; those of vertices are the last of the schema
+  std::vector<TileEntry> tiles;       // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
   KeptPoint keep = KeptPoint::first;  // of equal points
   std::optional<std::uint64_t>
-      other_heights;                      // 2D: duplicates not at the height of the kept point, if heights are known
-  std::optional<Digest> digest;           // the sum of the tiles'; none when a tile has none
-  std::uint64_t duplicates_xxh3 = 0;      // of duplicates.bin; 0 when there is none
-  std::uint64_t master_xxh3 = 0;          // of the master file
-  std::map<std::string, double> seconds;  // by phase
-  std::map<std::string, double> figures;  // messages, peak memory, ...: for people, not for programs
+      other_heights;                  // 2D: duplicates not at the height of the kept point, if heights are known
+  std::optional<Digest> digest;       // the sum of the tiles'; none when a tile has none
+  std::uint64_t duplicates_xxh3 = 0;  // of duplicates.bin; 0 when there is none
+  std::uint64_t master_xxh3 = 0;      // of the master file
+  std::optional<std::uint64_t> previous_master_xxh3 = {};  // of the version before; it may stand until the next change
+  std::map<std::string, double> seconds;                   // by phase
+  std::map<std::string, double> figures;                   // messages, peak memory, ...: for people, not for programs
 };
 
 struct DuplicatePair {
@@ -148,8 +166,14 @@ Status finish_store(const std::filesystem::path& out, Manifest& manifest, std::s
 void remove_side_files(const std::filesystem::path& out);
 // Error io when there is none, corrupt when it is damaged or from a future version.
 Result<Manifest> read_manifest(const std::filesystem::path& out);
+// The error when there is none.
+Error no_manifest(const std::filesystem::path& out);
+// Of its bytes; `path` is for errors.
+Result<Manifest> parse_manifest(const std::filesystem::path& path, std::span<const std::byte> bytes);
 // `keep`: as the manifest has it; pairs that it cannot make are corrupt.
 Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, KeptPoint keep);
+// The columns of the cells, in the order in which tile files have them.
+std::vector<Attribute> cell_schema_of(const Manifest& manifest);
 // Of all vertices; nothing when no tile tells any.
 std::optional<HeightRange> heights_of(const Manifest& manifest);
 

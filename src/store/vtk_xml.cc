@@ -130,10 +130,11 @@ std::optional<TileHeader> parse_header(std::string_view text) {
   if (header.dimension != 2 && header.dimension != 3) return std::nullopt;
   if (header.format < 2 || header.format > newest_format) return std::nullopt;
   header.neighbors = false;
-  bool point_data = false;
+  bool point_data = false, cell_data = false;
   while (in.until('\n', word)) {
     if (word == "<PointData>") point_data = true;
     if (word == "</PointData>") point_data = false;
+    if (word == "<CellData>") cell_data = true;
     Scanner line(word);
     std::string_view type, name, columns;
     std::uint64_t offset = 0;
@@ -146,12 +147,20 @@ std::optional<TileHeader> parse_header(std::string_view text) {
     if (found == type_names.end()) return std::nullopt;
     if (point_data && header.offsets.size() > first_attribute)
       header.schema.push_back({unescaped(name), static_cast<AttributeType>(found - type_names.begin())});
-    header.final |= !point_data && name == "final";
-    header.neighbors |= !point_data && name == "neighbors";
+    if (cell_data && name == "final") {
+      header.final = true;
+    } else if (cell_data && name == "neighbors") {
+      header.neighbors = true;
+    } else if (cell_data && name != "vtkGhostType" && name != "tile") {
+      header.cell_schema.push_back({unescaped(name), static_cast<AttributeType>(found - type_names.begin())});
+    }
   }
   // Whatever this did not look at shows here.
   const auto schema = stored_schema(header.schema);
+  const auto cell_schema = stored_cell_schema(header.cell_schema);
   if (!schema || schema.value() != header.schema) return std::nullopt;
+  if (!cell_schema || cell_schema.value() != header.cell_schema) return std::nullopt;
+  if (header.format < changed_format && !header.cell_schema.empty()) return std::nullopt;
   if (header.offsets.size() != header.arrays().size() ||
       header_text(header, header.format < 3 ? 0 : text.size()) != text)
     return std::nullopt;
@@ -163,8 +172,8 @@ std::string master_text(const Manifest& manifest) {
                      " -->\n<VTKFile type=\"PUnstructuredGrid\" version=\"1.0\" "
                      "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<PUnstructuredGrid GhostLevel=\"0\">\n";
   // Neighbours are indices into one tile: of no use here, and as large as the cells.
-  const auto arrays =
-      tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false, manifest.schema);
+  const auto arrays = tile_arrays(manifest.dimension, manifest.region && !manifest.region->complete, false,
+                                  manifest.schema, cell_schema_of(manifest));
   for (const Section section : {Section::points, Section::point_data, Section::cell_data}) {
     const std::string element = "P" + std::string(section_names[static_cast<std::size_t>(section)]);
     text += "<" + element + ">\n";
@@ -173,7 +182,7 @@ std::string master_text(const Manifest& manifest) {
     text += "</" + element + ">\n";
   }
   for (const auto& entry : manifest.tiles)
-    text += "<Piece Source=\"" + tile_file("", entry.tile).generic_string() + "\"/>\n";
+    text += "<Piece Source=\"" + tile_file("", entry).generic_string() + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 

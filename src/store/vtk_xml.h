@@ -16,7 +16,7 @@
 namespace tessera::store {
 
 struct TileHeader {
-  int format = newest_format;
+  int format = unchanged_format;
   int dimension = 3;
   TileId tile;
   std::uint64_t points = 0;
@@ -24,9 +24,10 @@ struct TileHeader {
   bool final = false;
   bool neighbors = true;
   std::vector<Attribute> schema;
-  std::vector<std::uint64_t> offsets;  // of tile_arrays(), from the end of the header
+  std::vector<Attribute> cell_schema = {};  // only in changed results
+  std::vector<std::uint64_t> offsets;       // of tile_arrays(), from the end of the header
 
-  std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, final, neighbors, schema); }
+  std::vector<ArrayInfo> arrays() const { return tile_arrays(dimension, final, neighbors, schema, cell_schema); }
   // How many bytes an array of this tile has before it is packed. REQUIRES: points, cells < 2^32.
   std::uint64_t bytes_of(const ArrayInfo& array) const;
 };

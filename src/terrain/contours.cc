@@ -69,7 +69,8 @@ std::string to_json(const Contours& contours) {
 
 Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions& options, std::uint64_t cells_max,
                                       const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(terrain::check_contours(out, manifest, options));
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   BOOST_OUTCOME_TRYV(terrain::check_meets(manifest, options.box));
@@ -77,10 +78,11 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
   std::uint64_t seen = 0, pieces = 0, all = 0;
   for (const auto& entry : manifest.tiles) all += entry.cells;
   try {
-    for (const auto& entry : manifest.tiles) {
+    for (std::size_t i = 0; i < source.tiles(); ++i) {
+      const TileEntry& entry = source.entry(i);
       if (seen >= cells_max) break;
       if (entry.bytes > options.memory_bytes / 8) continue;
-      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(out, manifest, entry, true));
+      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(source, i, true));
       const terrain::ContourCells cells(*tile, column, levels, options.max_edge, options.box, stop);
       BOOST_OUTCOME_TRYV(terrain::LineMaker::check_levels(cells));
       pieces += cells.pieces();

@@ -63,7 +63,7 @@ DrawingOptions drawing_options(const DemOptions& options, std::uint64_t memory_b
 }
 
 // The tiles with cells that may have a pixel.
-auto tiles_with_pixels(const Asked& asked, const fs::path& out, const DemOptions& options,
+auto tiles_with_pixels(const Asked& asked, const TileSource& source, const DemOptions& options,
                        const std::stop_token& stop) {
   std::optional<Bounds> centres;  // which may be outside of the box, by half a pixel
   if (const Grid& grid = asked.grid; options.box) {
@@ -71,7 +71,7 @@ auto tiles_with_pixels(const Asked& asked, const fs::path& out, const DemOptions
     centres->add(Point{grid.centre(grid.column0), grid.centre(grid.row0), 0});
     centres->add(Point{grid.centre(grid.column0 + grid.width - 1), grid.centre(grid.row0 + grid.height - 1), 0});
   }
-  return tiles_meeting(out, asked.manifest, centres, {.memory_bytes = options.memory_bytes / 2, .stop = stop});
+  return tiles_meeting(source, centres, {.memory_bytes = options.memory_bytes / 2, .stop = stop});
 }
 
 }  // namespace
@@ -94,9 +94,9 @@ std::string to_json(const Dem& dem) {
 
 namespace {
 
-// `cells`: those that may have a pixel; null: they are read.
-Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, const fs::path& target,
-                  const DemOptions& options, const std::stop_token& stop) {
+// `cells`: those that may have a pixel; null: they are read from the source.
+Result<Dem> write(const fs::path& out, Manifest read, const TileSource* source, const StoredTile* cells,
+                  const fs::path& target, const DemOptions& options, const std::stop_token& stop) {
   BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
   BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
   const auto& [manifest, column, grid] = asked;
@@ -115,8 +115,8 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
   if (cells) {
     BOOST_OUTCOME_TRYV(drawing.run(*cells));
   } else {
-    BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, out, options, stop));
-    terrain::TileQueue tiles(std::move(entries), stop, [&](double done) {
+    BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, *source, options, stop));
+    TileQueue tiles(*source, std::move(entries), stop, [&](double done) {
       if (options.progress) options.progress(terrain::drawing_part * done);
     });
     BOOST_OUTCOME_TRYV(drawing.run(tiles));
@@ -138,19 +138,19 @@ Result<Dem> write(const fs::path& out, Manifest read, const StoredTile* cells, c
 
 Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
-  return write(out, std::move(manifest), nullptr, target, options, stop);
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  return write(out, source.manifest(), &source, nullptr, target, options, stop);
 }
 
 Result<Dem> write_dem_of(const fs::path& out, const Manifest& manifest, const StoredTile& cells, const fs::path& target,
                          const DemOptions& options, std::stop_token stop) {
-  return write(out, manifest, &cells, target, options, stop);
+  return write(out, manifest, nullptr, &cells, target, options, stop);
 }
 
 Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::uint64_t pixels_max,
                           std::stop_token stop) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
-  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(manifest), options));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, source.manifest(), options));
   const terrain::Grid& grid = asked.grid;
   const auto width = static_cast<std::uint64_t>(grid.width), height = static_cast<std::uint64_t>(grid.height);
   if (width > pixels_max / height)
@@ -181,8 +181,8 @@ Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::u
     });
     return apart ? Status(success()) : error(Errc::corrupt, out.string() + ": cells of its tiles overlap each other");
   };
-  BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, out, options, stop));
-  terrain::TileQueue tiles(std::move(entries), stop, [](double) {});
+  BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, source, options, stop));
+  TileQueue tiles(source, std::move(entries), stop, [](double) {});
   terrain::Drawing drawing(out, asked.manifest, asked.column, grid,
                            terrain::drawing_options(options, options.memory_bytes), stop, take);
   BOOST_OUTCOME_TRYV(drawing.run(tiles));

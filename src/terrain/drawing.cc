@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <string>
 
+#include "src/base/on_threads.h"
 #include "src/files/names.h"
 #include "src/mesh/tile_mesh.h"
-#include "src/query/on_threads.h"
 #include "src/terrain/cell_raster.h"
 
 namespace tessera::terrain {
@@ -37,34 +37,25 @@ Status Drawing::run(TileQueue& tiles) {
   const std::uint64_t share = options_.memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
   blocks_bytes_ = std::max<std::uint64_t>(share - std::min(share, tile_bytes), blocks_least);
   std::atomic<bool> failed{false};
-  return query::on_threads(threads, failed, [&]() -> Status {
+  return on_threads(threads, failed, [&]() -> Status {
     Blocks blocks(grid_);
     while (!failed) {
-      BOOST_OUTCOME_TRY(entry, tiles.next());
-      if (entry == nullptr) break;
-      BOOST_OUTCOME_TRYV(draw(*entry, blocks));
+      BOOST_OUTCOME_TRY(index, tiles.next());
+      if (!index) break;
+      BOOST_OUTCOME_TRYV(draw(tiles.source(), *index, blocks));
       tiles.done();
     }
     return take_(blocks);
   });
 }
 
-Result<StoredTile> Drawing::load(const TileEntry& entry) const {
-  BOOST_OUTCOME_TRY(tile, read_tile(out_, entry.tile, true));
-  const TileMesh& mesh = tile.mesh;
-  if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.points.size() != entry.points ||
-      mesh.cell_ghost.size() != entry.cells)
-    return corrupt(tile_file(out_, entry.tile), "is not what the manifest says");
+Status Drawing::draw(const TileSource& source, std::size_t index, Blocks& blocks) {
+  BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true}));
   const Bounds& bounds = manifest_.bounds;
-  for (const Point& p : mesh.points)
+  for (const Point& p : tile.mesh.points)
     if (!(p.x >= bounds.lo.x && p.x <= bounds.hi.x && p.y >= bounds.lo.y && p.y <= bounds.hi.y))
-      return corrupt(tile_file(out_, entry.tile), "has a vertex outside of the manifest's bounds");
-  return tile;
-}
-
-Status Drawing::draw(const TileEntry& entry, Blocks& blocks) {
-  BOOST_OUTCOME_TRY(tile, load(entry));
-  return draw(tile, tile_file(out_, entry.tile), blocks);
+      return corrupt(source.file(index), "has a vertex outside of the manifest's bounds");
+  return draw(tile, source.file(index), blocks);
 }
 
 Status Drawing::draw(const StoredTile& tile, const fs::path& from, Blocks& blocks) {

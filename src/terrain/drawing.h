@@ -13,10 +13,10 @@
 #include "src/base/result.h"
 #include "src/export/cell_filter.h"
 #include "src/query/column.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_queue.h"
+#include "src/result/tile_source.h"
 #include "src/terrain/blocks.h"
 #include "src/terrain/grid.h"
-#include "src/terrain/tiles.h"
 
 namespace tessera::terrain {
 
@@ -53,8 +53,7 @@ class Drawing {
   std::uint64_t left_out() const { return left_out_; }  // cells, for their edges
 
  private:
-  Result<StoredTile> load(const TileEntry& entry) const;
-  Status draw(const TileEntry& entry, Blocks& blocks);
+  Status draw(const TileSource& source, std::size_t index, Blocks& blocks);
   // `from`: whose cells they are, for errors.
   Status draw(const StoredTile& tile, const std::filesystem::path& from, Blocks& blocks);
 

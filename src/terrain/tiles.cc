@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numeric>
 #include <utility>
 
 #include "src/base/option.h"
@@ -43,19 +44,21 @@ Status check_meets(const Manifest& manifest, const std::optional<Bounds>& box) {
   return success();
 }
 
-Result<std::vector<TileEntry>> tiles_meeting(const std::filesystem::path& out, const Manifest& manifest,
-                                             const std::optional<Bounds>& box, const Looking& looking) {
+Result<std::vector<std::size_t>> tiles_meeting(const TileSource& source, const std::optional<Bounds>& box,
+                                               const Looking& looking) {
+  const Manifest& manifest = source.manifest();
+  std::vector<std::size_t> tiles(source.tiles());
+  std::iota(tiles.begin(), tiles.end(), std::size_t{0});
   const Bounds& all = manifest.bounds;
-  if (!box || manifest.region) return manifest.tiles;  // a region is one tile
+  if (!box || manifest.region) return tiles;  // a region is one tile
   const double width = std::min(box->hi.x, all.hi.x) - std::max(box->lo.x, all.lo.x);
   const double height = std::min(box->hi.y, all.hi.y) - std::max(box->lo.y, all.lo.y);
   const double whole = (all.hi.x - all.lo.x) * (all.hi.y - all.lo.y);
-  if (width > 0 && height > 0 && width * height >= whole / 2) return manifest.tiles;
-  BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(out, {.memory_bytes = looking.memory_bytes}));
+  if (width > 0 && height > 0 && width * height >= whole / 2) return tiles;
+  BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(source, {.memory_bytes = looking.memory_bytes}));
   BOOST_OUTCOME_TRY(ids, result.tiles({.box = *box}, {.stop = looking.stop}));
-  std::vector<TileEntry> tiles;
-  for (const auto& entry : manifest.tiles)
-    if (std::binary_search(ids.begin(), ids.end(), entry.tile)) tiles.push_back(entry);
+  std::erase_if(tiles,
+                [&](std::size_t i) { return !std::binary_search(ids.begin(), ids.end(), source.entry(i).tile); });
   if (tiles.empty()) return nothing_there(all);
   return tiles;
 }
@@ -66,31 +69,6 @@ std::string note_of(const Manifest& manifest, const std::optional<Bounds>& box) 
     note += std::string(note.empty() ? "" : "; ") +
             "the region does not know all cells of this place: the whole triangulation may have more there, or others";
   return note;
-}
-
-std::uint64_t TileQueue::tile_bytes(double tile_factor) const {
-  std::uint64_t most = 0;
-  for (const auto& entry : tiles_) most = std::max(most, entry.bytes);
-  return (std::uint64_t{1} << 20) + static_cast<std::uint64_t>(static_cast<double>(most) * tile_factor);
-}
-
-unsigned TileQueue::threads(unsigned wanted, std::uint64_t memory_bytes, double tile_factor,
-                            std::uint64_t beside) const {
-  const std::uint64_t most = std::max<std::uint64_t>(memory_bytes / (tile_bytes(tile_factor) + beside), 1);
-  return static_cast<unsigned>(
-      std::min<std::uint64_t>({std::max(wanted, 1u), most, std::max<std::size_t>(tiles_.size(), 1)}));
-}
-
-Result<const TileEntry*> TileQueue::next() {
-  if (stop_.stop_requested()) return error(Errc::interrupted, "interrupted while reading tiles");
-  const std::size_t i = next_++;
-  return i < tiles_.size() ? &tiles_[i] : nullptr;
-}
-
-void TileQueue::done() {
-  const std::lock_guard lock(mutex_);
-  ++done_;
-  if (progress_) progress_(static_cast<double>(done_) / static_cast<double>(tiles_.size()));
 }
 
 }  // namespace tessera::terrain

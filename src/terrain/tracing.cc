@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/on_threads.h"
 #include "src/base/option.h"
 #include "src/query/column.h"
-#include "src/query/on_threads.h"
 #include "src/query/query_tile.h"
 #include "src/terrain/contour_cells.h"
 #include "src/terrain/drawing.h"
@@ -29,8 +29,7 @@ constexpr std::uint64_t ends_bytes_min = std::uint64_t{8} << 20;
 
 // What both ways of tracing have.
 struct Work {
-  const fs::path& out;
-  const Manifest& manifest;
+  const TileSource& source;
   const query::Column& column;
   const ContourOptions& options;
   const Levels& levels;
@@ -44,19 +43,19 @@ struct Work {
 Result<std::uint64_t> trace_tiles(const Work& work) {
   // As a mesh with attributes and neighbours, its values, and what reading takes beside it.
   constexpr double tile_factor = 1.5;
-  BOOST_OUTCOME_TRY(entries, tiles_meeting(work.out, work.manifest, work.options.box,
-                                           {.memory_bytes = work.memory_bytes, .stop = work.stop}));
-  TileQueue tiles(std::move(entries), work.stop, work.progress);
+  BOOST_OUTCOME_TRY(
+      entries, tiles_meeting(work.source, work.options.box, {.memory_bytes = work.memory_bytes, .stop = work.stop}));
+  TileQueue tiles(work.source, std::move(entries), work.stop, work.progress);
   const unsigned threads = tiles.threads(work.options.threads, work.memory_bytes, tile_factor,
                                          LineMaker::pieces_least * LineMaker::piece_bytes);
   const std::uint64_t share = work.memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
   std::atomic<std::uint64_t> left_out{0};
   std::atomic<bool> failed{false};
-  BOOST_OUTCOME_TRYV(query::on_threads(threads, failed, [&]() -> Status {
+  BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
     while (!failed) {
-      BOOST_OUTCOME_TRY(entry, tiles.next());
-      if (entry == nullptr) break;
-      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(work.out, work.manifest, *entry, true));
+      BOOST_OUTCOME_TRY(index, tiles.next());
+      if (!index) break;
+      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(work.source, *index, true));
       const ContourCells cells(*tile, work.column, work.levels, work.options.max_edge, work.options.box, work.stop);
       BOOST_OUTCOME_TRYV(work.maker.add(cells, share - std::min(share, tile_bytes)));
       left_out += cells.left_out();
@@ -71,10 +70,9 @@ Result<std::uint64_t> trace_tiles(const Work& work) {
 Result<std::uint64_t> draw_samples(const Work& work, const SmoothPlan& plan, const SampleFile& samples,
                                    std::function<void(double)> progress) {
   const auto box = work.options.box ? std::optional(plan.around) : std::nullopt;
-  BOOST_OUTCOME_TRY(
-      entries, tiles_meeting(work.out, work.manifest, box, {.memory_bytes = work.memory_bytes, .stop = work.stop}));
-  TileQueue tiles(std::move(entries), work.stop, std::move(progress));
-  Drawing drawing(work.out, work.manifest, work.column, plan.samples,
+  BOOST_OUTCOME_TRY(entries, tiles_meeting(work.source, box, {.memory_bytes = work.memory_bytes, .stop = work.stop}));
+  TileQueue tiles(work.source, std::move(entries), work.stop, std::move(progress));
+  Drawing drawing(work.source.folder(), work.source.manifest(), work.column, plan.samples,
                   {.max_edge = work.options.max_edge,
                    .doubles = true,
                    .memory_bytes = work.memory_bytes,
@@ -100,7 +98,7 @@ Result<std::uint64_t> trace_smooth(const Work& work, const SmoothPlan& plan, con
   std::atomic<std::size_t> next{0}, done{0};
   std::mutex telling;
   std::atomic<bool> failed{false};
-  BOOST_OUTCOME_TRYV(query::on_threads(threads, failed, [&]() -> Status {
+  BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
     SmoothSurface surface(samples, work.levels);
     for (std::size_t i = next++; i < parts.size() && !failed; i = next++) {
       if (work.stop.stop_requested()) return error(Errc::interrupted, "interrupted while tracing lines");
@@ -132,7 +130,8 @@ Status check_contours(const fs::path& out, const Manifest& manifest, const Conto
 
 Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourOptions& options,
                      const std::function<void(double)>& progress, const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_contours(out, manifest, options));
   BOOST_OUTCOME_TRY(column, query::find_column(out, manifest, options.value));
   BOOST_OUTCOME_TRYV(check_meets(manifest, options.box));
@@ -143,7 +142,7 @@ Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourO
   BOOST_OUTCOME_TRY(lines, ContourLines::create(folder, {quarter, std::max(quarter, ends_bytes_min)}, stop));
   const Levels levels(options.interval, options.base);
   LineMaker maker(lines, options.vertices_max, stop);
-  const Work work{out, manifest, column, options, levels, maker, options.memory_bytes - 2 * quarter, progress, stop};
+  const Work work{source, column, options, levels, maker, options.memory_bytes - 2 * quarter, progress, stop};
   std::uint64_t left_out = 0;
   if (options.smooth) {
     BOOST_OUTCOME_TRY(plan, plan_smooth(options, manifest.bounds));
@@ -153,7 +152,7 @@ Result<Traced> trace(const fs::path& out, const fs::path& folder, const ContourO
     BOOST_OUTCOME_TRY(cells, trace_tiles(work));
     left_out = cells;
   }
-  return Traced{std::move(manifest), std::move(lines), levels, left_out};
+  return Traced{manifest, std::move(lines), levels, left_out};
 }
 
 }  // namespace tessera::terrain

@@ -16,7 +16,7 @@
 #include "src/files/temporary.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 #include "src/tileset/columns.h"
 #include "src/tileset/node_files.h"
 #include "src/tileset/surface.h"
@@ -40,18 +40,18 @@ struct Built {
 
 class Making {
  public:
-  Making(const fs::path& out, const Manifest& manifest, const Partition& partition, const TilesetOptions& options,
+  Making(const TileSource& source, const Partition& partition, const TilesetOptions& options,
          const std::stop_token& stop, NodeFiles& files)
-      : out_(out),
-        manifest_(manifest),
+      : source_(source),
+        manifest_(source.manifest()),
         partition_(partition),
         options_(options),
         stop_(stop),
         files_(files),
         filter_(options.max_edge),
-        heights_(find_column(manifest.schema, "z")),
-        intensities_(find_column(manifest.schema, "intensity")),
-        classes_(find_column(manifest.schema, "classification")) {}
+        heights_(find_column(manifest_.schema, "z")),
+        intensities_(find_column(manifest_.schema, "intensity")),
+        classes_(find_column(manifest_.schema, "classification")) {}
 
   // Of all tiles below this row of the partition, or of this leaf; none when they have no triangles.
   Result<std::vector<Built>> build(std::int32_t row) {
@@ -87,13 +87,10 @@ class Making {
 
  private:
   Result<Surface> load(TileId id) {
-    const auto entry = std::find_if(manifest_.tiles.begin(), manifest_.tiles.end(),
-                                    [&](const TileEntry& one) { return one.tile == id; });
-    if (entry == manifest_.tiles.end()) return Surface{};  // it has no points
-    BOOST_OUTCOME_TRY(tile, read_tile(out_, id, true));
+    const auto index = source_.find(id);
+    if (!index) return Surface{};  // it has no points
+    BOOST_OUTCOME_TRY(tile, source_.read(*index, {.rows = true}));
     const TileMesh& mesh = tile.mesh;
-    if (mesh.dimension != 2 || tile.schema != manifest_.schema || mesh.cell_ghost.size() != entry->cells)
-      return error(Errc::corrupt, tile_file(out_, id).string() + ": is not what the manifest says");
     const std::size_t row = row_bytes(manifest_.schema);
     Surface surface;
     std::vector<std::int64_t> number(mesh.points.size(), -1);
@@ -112,8 +109,8 @@ class Making {
           Point at = mesh.points[v];
           at.z = heights_.at(values);
           if (!(std::abs(at.z) <= farthest))
-            return error(Errc::usage,
-                         out_.string() + ": a vertex has no height that can be shown: " + std::to_string(at.z));
+            return error(Errc::usage, source_.folder().string() +
+                                          ": a vertex has no height that can be shown: " + std::to_string(at.z));
           surface.vertices.push_back({at, mesh.ids[v], mesh.owners[v], clamped<std::uint16_t>(intensities_.at(values)),
                                       clamped<std::uint8_t>(classes_.at(values))});
         }
@@ -160,7 +157,7 @@ class Making {
     return Built{std::move(surface), place};
   }
 
-  const fs::path& out_;
+  const TileSource& source_;
   const Manifest& manifest_;
   const Partition& partition_;
   const TilesetOptions& options_;
@@ -239,7 +236,8 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   const fs::path path = target.has_filename() ? target : target.parent_path();
   BOOST_OUTCOME_TRYV(tileset::check_target(path, options.overwrite));
   BOOST_OUTCOME_TRYV(exports::check_max_edge(options.max_edge));
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
   BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));
   if (partition.kind() == PartitionKind::random)
@@ -250,7 +248,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   BOOST_OUTCOME_TRYV(tileset::check_room(out, manifest, beside, options.memory_bytes));
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(path)));
   BOOST_OUTCOME_TRY(files, tileset::NodeFiles::create(folder.path(), manifest.bounds));
-  tileset::Making making(out, manifest, partition, options, stop, files);
+  tileset::Making making(source, partition, options, stop, files);
   BOOST_OUTCOME_TRY(roots, making.build(partition.splits().empty() ? as_leaf(TileId{0}) : 0));
   if (roots.empty())
     return error(Errc::usage, out.string() + ": there are no triangles to show" +

@@ -7,9 +7,9 @@ namespace tessera {
 
 namespace {
 
-Status check_group(std::span<const CellCopy> group, int dimension, const std::filesystem::path& out) {
+Status check_group(std::span<const CellCopy> group, int dimension, const TileSource& source) {
   const auto wrong = [&](const CellCopy& copy, const std::string& reason) {
-    return wrong_cell(out, {copy.tile, copy.cell}, copy.ids, reason);
+    return wrong_cell(source, {copy.tile, copy.cell}, copy.ids, reason);
   };
   unsigned owned = 0;
   for (std::size_t i = 0; i < group.size(); ++i) {
@@ -35,10 +35,10 @@ Status check_group(std::span<const CellCopy> group, int dimension, const std::fi
 
 }  // namespace
 
-Status check_cell_copies(ExternalSort<CellCopy>& copies, int dimension, const std::filesystem::path& out) {
+Status check_cell_copies(ExternalSort<CellCopy>& copies, int dimension, const TileSource& source) {
   return for_each_group(
       copies, 64, [](const CellCopy& a, const CellCopy& b) { return a.ids == b.ids; },
-      [&](std::span<const CellCopy> group) { return check_group(group, dimension, out); });
+      [&](std::span<const CellCopy> group) { return check_group(group, dimension, source); });
 }
 
 }  // namespace tessera

@@ -3,7 +3,6 @@
 
 #include <compare>
 #include <cstdint>
-#include <filesystem>
 
 #include "src/base/result.h"
 #include "src/store/external_sort.h"
@@ -26,6 +25,6 @@ struct CellCopy {
 // For every cell: one copy in each tile that owns one of its vertices, no other copy; the coordinates are the same
 // everywhere; the copy of the lowest tile is main, and no other. Then, for any vertex, the tile that owns it holds each
 // cell around it exactly once.
-Status check_cell_copies(ExternalSort<CellCopy>& copies, int dimension, const std::filesystem::path& out);
+Status check_cell_copies(ExternalSort<CellCopy>& copies, int dimension, const TileSource& source);
 
 }  // namespace tessera

@@ -35,12 +35,12 @@ int sign_of(const T& value) {
 
 }  // namespace
 
-Hull::Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
+Hull::Hull(int dimension, TileSource source, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
            std::stop_token stop)
-    : dimension_(dimension), out_(std::move(out)), ridges_(scratch, memory_bytes, std::move(stop)) {}
+    : dimension_(dimension), source_(std::move(source)), ridges_(scratch, memory_bytes, std::move(stop)) {}
 
 Error Hull::wrong_facet(const HullFacet& facet, const std::string& reason) const {
-  return wrong_tile(out_, facet.cell.tile,
+  return wrong_tile(source_, facet.cell.tile,
                     "the hull facet of cell " + std::to_string(facet.cell.cell) + " with vertices " +
                         text_of(ids_of(facet, dimension_)) + " " + reason);
 }
@@ -168,14 +168,14 @@ Status Hull::finish() {
   for (const auto& ray : rays_) {
     if (ray.through_ridge) continue;
     if (ray.hits != 1)
-      return error(Errc::not_delaunay, out_.string() + ": the hull winds " + std::to_string(ray.hits) +
+      return error(Errc::not_delaunay, source_.folder().string() + ": the hull winds " + std::to_string(ray.hits) +
                                            " times around the cell of vertices " + text_of(core_->ids) +
                                            ": cells overlap");
     decided = true;
   }
   if (!rays_.empty() && !decided)
-    return error(Errc::not_delaunay, out_.string() + ": all rays from the cell of vertices " + text_of(core_->ids) +
-                                         " leave the hull through borders of its facets");
+    return error(Errc::not_delaunay, source_.folder().string() + ": all rays from the cell of vertices " +
+                                         text_of(core_->ids) + " leave the hull through borders of its facets");
   return success();
 }
 

@@ -21,7 +21,6 @@
 #include <array>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -47,7 +46,7 @@ struct Core {
 
 class Hull {
  public:
-  Hull(int dimension, std::filesystem::path out, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
+  Hull(int dimension, TileSource source, const std::filesystem::path& scratch, std::uint64_t memory_bytes,
        std::stop_token stop);
   // `cell`: the facet's own; that of the first facet becomes the core.
   Status add(const HullFacet& facet, const Core& cell);
@@ -85,7 +84,7 @@ class Hull {
   Error wrong_facet(const HullFacet& facet, const std::string& reason) const;
 
   int dimension_;
-  std::filesystem::path out_;
+  TileSource source_;
   std::uint64_t facets_ = 0;
   std::optional<Core> core_;
   std::vector<Ray> rays_;

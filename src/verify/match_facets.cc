@@ -8,7 +8,7 @@
 
 namespace tessera {
 
-Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& out, const std::stop_token& stop) {
+Status match_facets(TileMesh& mesh, const std::filesystem::path& file, const std::stop_token& stop) {
   constexpr std::size_t steps_a_look = 1 << 18;
   const auto go_on = [&](std::size_t step) { return step % steps_a_look != 0 || !stop.stop_requested(); };
   const auto interrupted = [] { return error(Errc::interrupted, "interrupted while looking for neighbours"); };
@@ -54,9 +54,9 @@ Status match_facets(TileMesh& mesh, TileId tile, const std::filesystem::path& ou
         IdSet ids{padding_id, padding_id, padding_id, padding_id};
         for (std::size_t k = 0; k + 1 < corners; ++k) ids[k] = mesh.ids[static_cast<std::size_t>(bucket[i].first[k])];
         std::sort(ids.begin(), ids.end());
-        return wrong_tile(out, tile,
-                          "cells " + std::to_string(cell_of(i)) + ", " + std::to_string(cell_of(i + 1)) + " and " +
-                              std::to_string(cell_of(i + 2)) + " share the facet of vertices " + text_of(ids));
+        return error(Errc::not_delaunay, file.string() + ": cells " + std::to_string(cell_of(i)) + ", " +
+                                             std::to_string(cell_of(i + 1)) + " and " + std::to_string(cell_of(i + 2)) +
+                                             " share the facet of vertices " + text_of(ids));
       }
       if (end - i == 2) {
         mesh.neighbors[bucket[i].second] = cell_of(i + 1);

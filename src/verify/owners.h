@@ -1,12 +1,11 @@
 // Whether every vertex, foreign ones too, is said to be the tile's that the partition gives it to.
 #pragma once
 
-#include <filesystem>
 #include <optional>
 
 #include "src/base/result.h"
 #include "src/mesh/tile_mesh.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -18,7 +17,7 @@ class Owners {
   // Format 1 and partitions that cannot be read tell nothing: the latter are for check_boxes() to find.
   explicit Owners(const Manifest& manifest);
   // Remembers the first vertex that has another owner.
-  void look_at(const TileMesh& mesh, TileId tile, const std::filesystem::path& out);
+  void look_at(const TileMesh& mesh, TileId tile, const TileSource& source);
   // Error not_delaunay names it.
   Status finish() const;
 

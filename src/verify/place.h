@@ -3,12 +3,11 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <string>
 
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 
@@ -29,14 +28,13 @@ inline std::string text_of(const IdSet& ids) {
 }
 
 // Error not_delaunay: "out/tiles/000007.vtu: cell 12 (vertices 1 5 8 9) is not positively oriented".
-inline Error wrong_cell(const std::filesystem::path& out, const Place& place, const IdSet& ids,
-                        const std::string& reason) {
-  return error(Errc::not_delaunay, tile_file(out, place.tile).string() + ": cell " + std::to_string(place.cell) +
+inline Error wrong_cell(const TileSource& source, const Place& place, const IdSet& ids, const std::string& reason) {
+  return error(Errc::not_delaunay, source.file(place.tile).string() + ": cell " + std::to_string(place.cell) +
                                        " (vertices " + text_of(ids) + ") " + reason);
 }
 
-inline Error wrong_tile(const std::filesystem::path& out, TileId tile, const std::string& reason) {
-  return error(Errc::not_delaunay, tile_file(out, tile).string() + ": " + reason);
+inline Error wrong_tile(const TileSource& source, TileId tile, const std::string& reason) {
+  return error(Errc::not_delaunay, source.file(tile).string() + ": " + reason);
 }
 
 }  // namespace tessera

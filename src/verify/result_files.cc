@@ -13,6 +13,9 @@
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/there.h"
+#include "src/files/whole_file.h"
+#include "src/result/check_sum.h"
+#include "src/result/old_versions.h"
 #include "src/store/manifest.h"
 #include "src/store/vtk_xml.h"
 
@@ -26,26 +29,57 @@ Error corrupt(const fs::path& path, const std::string& reason) {
   return error(Errc::corrupt, path.string() + ": " + reason);
 }
 
+std::uint64_t sum_of_text(const std::string& text) { return checksum(std::as_bytes(std::span(text))); }
+
+// The master of the version before, which stands when a writer was ended between manifest and master: it leads to tiles
+// that are still there.
+Status check_previous_master(const TileSource& source, const fs::path& path) {
+  BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
+  for (const auto& old : olds) {
+    if (old.version + 1 != source.manifest().version) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
+    BOOST_OUTCOME_TRY(manifest, parse_manifest(old.file, bytes));
+    if (sum_of_text(store::master_text(manifest)) != *source.manifest().previous_master_xxh3) continue;
+    for (const auto& entry : manifest.tiles) {
+      BOOST_OUTCOME_TRY(there, is_there(tile_file(source.folder(), entry)));
+      if (!there) return corrupt(path, "leads to tiles of the version before, which are not there");
+    }
+    return success();
+  }
+  return corrupt(path, "is the master file of the version before, whose manifest is not there");
+}
+
 // Programs open it instead of the tiles: it must lead to all of them, whole and in order. Made again rather than
 // parsed, so that nothing in it can be overlooked.
-Status check_master(const fs::path& out, const Manifest& manifest) {
-  const auto path = master_file(out);
+Status check_master(const TileSource& source) {
+  const Manifest& manifest = source.manifest();
+  const auto path = master_file(source.folder());
+  if (manifest.previous_master_xxh3) {
+    BOOST_OUTCOME_TRY(sum, checksum_file(path));
+    if (sum == *manifest.previous_master_xxh3 && sum != manifest.master_xxh3)
+      return check_previous_master(source, path);
+  }
   BOOST_OUTCOME_TRYV(check_sum(path, manifest.master_xxh3));
-  const std::string wanted = store::master_text(manifest);
-  if (checksum(std::as_bytes(std::span(wanted))) == manifest.master_xxh3) return success();
+  if (sum_of_text(store::master_text(manifest)) == manifest.master_xxh3) return success();
   return corrupt(path, "is not the master file of the tiles in the manifest");
 }
 
-Status check_listed(const fs::path& out, const Manifest& manifest) {
-  const auto folder = tiles_folder(out);
-  std::set<fs::path> names;
-  for (const auto& entry : manifest.tiles) {
-    names.insert(tile_file(out, entry.tile).filename());
+// Beside the tiles there may be those of older versions, and those of a version that never came to be.
+Status check_listed(const TileSource& source) {
+  const Manifest& manifest = source.manifest();
+  const auto folder = tiles_folder(source.folder());
+  std::set<fs::path> names = result::tile_names(manifest);
+  BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
+  for (const auto& old : olds) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
+    BOOST_OUTCOME_TRY(other, parse_manifest(old.file, bytes));
+    names.merge(result::tile_names(other));
   }
   FolderReader reader(folder);
   while (const char* entry = reader.next()) {
     const fs::path name(entry);
-    if (name.extension() == tile_file(out, TileId{0}).extension() && !names.contains(name))
+    const bool unfinished = version_of_tile_file(name).value_or(0) > manifest.version;
+    if (name.extension() == tile_file("", TileId{0}).extension() && !names.contains(name) && !unfinished)
       return corrupt(folder / name, "is no tile of the manifest");
   }
   // A result without tiles may be without the folder.
@@ -55,15 +89,10 @@ Status check_listed(const fs::path& out, const Manifest& manifest) {
 
 }  // namespace
 
-Status check_sum(const fs::path& path, std::uint64_t expected, SumOf what) {
-  BOOST_OUTCOME_TRY(sum, checksum_file(path, what));
-  if (sum == expected) return success();
-  return corrupt(path, "its checksum is " + checksum_text(sum) + ", the manifest says " + checksum_text(expected) +
-                           ": the file was changed or damaged");
-}
-
-Status check_files(const fs::path& out, const Manifest& manifest) {
-  BOOST_OUTCOME_TRYV(check_master(out, manifest));
+Status check_files(const TileSource& source) {
+  const fs::path& out = source.folder();
+  const Manifest& manifest = source.manifest();
+  BOOST_OUTCOME_TRYV(check_master(source));
   const auto duplicates = duplicates_file(out);
   if (manifest.duplicates_xxh3 != 0) {
     BOOST_OUTCOME_TRYV(check_sum(duplicates, manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
@@ -71,29 +100,17 @@ Status check_files(const fs::path& out, const Manifest& manifest) {
     BOOST_OUTCOME_TRY(there, is_there(duplicates));
     if (there) return corrupt(duplicates, "has no checksum in the manifest");
   }
-  return check_listed(out, manifest);
+  return check_listed(source);
 }
 
-Result<TileMesh> open_tile(const fs::path& out, const TileEntry& entry, const Manifest& manifest) {
-  const auto path = tile_file(out, entry.tile);
-  BOOST_OUTCOME_TRYV(check_sum(path, entry.xxh3, data_sum_of(manifest.format_version)));
-  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
-  if (bytes != entry.bytes)
-    return corrupt(path, "has " + std::to_string(bytes) + " bytes, the manifest says " + std::to_string(entry.bytes));
+Result<TileMesh> open_tile(const TileSource& source, std::size_t index) {
+  const Manifest& manifest = source.manifest();
+  const TileEntry& entry = source.entry(index);
+  const auto path = source.file(index);
+  BOOST_OUTCOME_TRYV(source.check(index));
   // With the values of the attributes, though nothing is known of them: each vertex must have one.
-  BOOST_OUTCOME_TRY(tile, read_tile(out, entry.tile, true));
+  BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true}));
   TileMesh& mesh = tile.mesh;
-  const auto count = [](const auto& ghosts) {
-    return static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0));
-  };
-  if (mesh.dimension != manifest.dimension) return corrupt(path, "has another dimension than the manifest");
-  if (mesh.points.size() != entry.points || count(mesh.point_ghost) != entry.own_points ||
-      mesh.cell_ghost.size() != entry.cells || count(mesh.cell_ghost) != entry.main_cells)
-    return corrupt(path, "holds other numbers of vertices or cells than the manifest says");
-  if (entry.cells > 0 && mesh.neighbors.empty() == manifest.neighbors)
-    return corrupt(path, manifest.neighbors ? "has no neighbours, though the manifest says so"
-                                            : "has neighbours, though the manifest says it has none");
-  if (tile.schema != manifest.schema) return corrupt(path, "has other attributes than the manifest says");
   if (entry.tile.value < manifest.boxes.size()) {
     const Box& box = manifest.boxes[entry.tile.value];
     for (std::size_t i = 0; i < mesh.points.size(); ++i)

@@ -1,23 +1,20 @@
 // Whether the files of a result are those its manifest tells of, before anything in them is believed.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
+#include <cstddef>
 
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 
-// Error corrupt when the file has not this checksum, io when it cannot be read.
-Status check_sum(const std::filesystem::path& path, std::uint64_t expected, SumOf what = SumOf::bytes);
-
 // The master file and duplicates.bin have their checksums; the master file is, byte for byte, the one that the manifest
-// makes; no tile file and no duplicates.bin is there that the manifest does not know. Error corrupt tells which file.
-Status check_files(const std::filesystem::path& out, const Manifest& manifest);
+// makes, or for a moment of a change that of the version before; no tile file and no duplicates.bin is there that no
+// version knows. Error corrupt tells which file.
+Status check_files(const TileSource& source);
 
-// The tile file is that of its entry: size and checksum, the numbers of vertices and cells, neighbours and attributes
-// as the manifest has them. Own vertices lie in the tile's box: error not_delaunay.
-Result<TileMesh> open_tile(const std::filesystem::path& out, const TileEntry& entry, const Manifest& manifest);
+// The `i`-th tile, whose file has its checksum, and of which all is as the manifest says. Own vertices lie in the
+// tile's box: error not_delaunay.
+Result<TileMesh> open_tile(const TileSource& source, std::size_t i);
 
 }  // namespace tessera

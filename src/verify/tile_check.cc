@@ -16,9 +16,8 @@ namespace {
 template <int D>
 class TileCheck {
  public:
-  TileCheck(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
-            TileSinks& sinks)
-      : mesh_(mesh), tile_(tile), neighbors_stored_(neighbors_stored), out_(out), sinks_(sinks) {}
+  TileCheck(const TileMesh& mesh, TileId tile, bool neighbors_stored, const TileSource& source, TileSinks& sinks)
+      : mesh_(mesh), tile_(tile), neighbors_stored_(neighbors_stored), source_(source), sinks_(sinks) {}
 
   Status run(std::stop_token stop) {
     BOOST_OUTCOME_TRYV(check_vertices());
@@ -38,7 +37,7 @@ class TileCheck {
     }
     if (const auto unused = std::find(used.begin(), used.end(), false); unused != used.end())
       return wrong_tile(
-          out_, tile_,
+          source_, tile_,
           "vertex " + to_string(mesh_.ids[static_cast<std::size_t>(unused - used.begin())]) + " belongs to no cell");
     return success();
   }
@@ -67,7 +66,7 @@ class TileCheck {
     return ids;
   }
   Error wrong(std::size_t cell, const std::string& reason) const {
-    return wrong_cell(out_, {tile_, static_cast<std::uint32_t>(cell)}, sorted_ids(cell), reason);
+    return wrong_cell(source_, {tile_, static_cast<std::uint32_t>(cell)}, sorted_ids(cell), reason);
   }
   std::string name(std::size_t cell) const {
     return "cell " + std::to_string(cell) + " (vertices " + text_of(sorted_ids(cell)) + ")";
@@ -85,7 +84,7 @@ class TileCheck {
     }
     std::sort(foreign.begin(), foreign.end());
     if (const auto twice = std::adjacent_find(foreign.begin(), foreign.end()); twice != foreign.end())
-      return wrong_tile(out_, tile_, "foreign vertex " + to_string(*twice) + " is there twice");
+      return wrong_tile(source_, tile_, "foreign vertex " + to_string(*twice) + " is there twice");
     return success();
   }
 
@@ -217,14 +216,14 @@ class TileCheck {
   const TileMesh& mesh_;
   const TileId tile_;
   const bool neighbors_stored_;
-  const std::filesystem::path& out_;
+  const TileSource& source_;
   TileSinks& sinks_;
 };
 
-Status check_claim_group(std::span<const FacetClaim> group, const std::filesystem::path& out) {
+Status check_claim_group(std::span<const FacetClaim> group, const TileSource& source) {
   const auto wrong = [&](const FacetClaim& claim, const std::string& reason) {
     return wrong_tile(
-        out, claim.tile,
+        source, claim.tile,
         "cell " + std::to_string(claim.cell) + " " + reason + " the facet of vertices " + text_of(claim.ids));
   };
   const bool on_hull = group[0].claim == Claim::on_hull;
@@ -241,16 +240,16 @@ Status check_claim_group(std::span<const FacetClaim> group, const std::filesyste
 
 }  // namespace
 
-Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
-                  TileSinks& sinks, std::stop_token stop) {
-  return mesh.dimension == 2 ? TileCheck<2>(mesh, tile, neighbors_stored, out, sinks).run(stop)
-                             : TileCheck<3>(mesh, tile, neighbors_stored, out, sinks).run(stop);
+Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const TileSource& source, TileSinks& sinks,
+                  std::stop_token stop) {
+  return mesh.dimension == 2 ? TileCheck<2>(mesh, tile, neighbors_stored, source, sinks).run(stop)
+                             : TileCheck<3>(mesh, tile, neighbors_stored, source, sinks).run(stop);
 }
 
-Status check_claims(ExternalSort<FacetClaim>& claims, const std::filesystem::path& out) {
+Status check_claims(ExternalSort<FacetClaim>& claims, const TileSource& source) {
   return for_each_group(
       claims, 64, [](const FacetClaim& a, const FacetClaim& b) { return a.ids == b.ids; },
-      [&](std::span<const FacetClaim> group) { return check_claim_group(group, out); });
+      [&](std::span<const FacetClaim> group) { return check_claim_group(group, source); });
 }
 
 }  // namespace tessera

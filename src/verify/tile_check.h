@@ -11,12 +11,11 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <stop_token>
 
 #include "src/base/result.h"
+#include "src/result/tile_source.h"
 #include "src/store/external_sort.h"
-#include "src/store/tile_store.h"
 #include "src/verify/cell_copies.h"
 #include "src/verify/hull.h"
 #include "src/verify/vertex_ids.h"
@@ -45,10 +44,10 @@ struct TileSinks {
 };
 
 // `neighbors_stored`: mesh.neighbors come from the file, so that -1 and -2 are claims to be checked.
-Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const std::filesystem::path& out,
-                  TileSinks& sinks, std::stop_token stop);
+Status check_tile(const TileMesh& mesh, TileId tile, bool neighbors_stored, const TileSource& source, TileSinks& sinks,
+                  std::stop_token stop);
 
 // Whether the claims of all tiles hold.
-Status check_claims(ExternalSort<FacetClaim>& claims, const std::filesystem::path& out);
+Status check_claims(ExternalSort<FacetClaim>& claims, const TileSource& source);
 
 }  // namespace tessera

@@ -34,8 +34,9 @@ struct Contents {
 };
 
 // Without any digests, as in results of older software, they say nothing; but none may be missing beside others.
-Status check_contents(const Contents& contents, const Manifest& manifest, const fs::path& out) {
-  const auto place = manifest_file(out).string();
+Status check_contents(const Contents& contents, const TileSource& source) {
+  const Manifest& manifest = source.manifest();
+  const auto place = manifest_file(source.folder()).string();
   if (contents.bounds != manifest.bounds)
     return error(Errc::corrupt, place + ": its bounds are not those of the vertices");
   Digest sum;
@@ -49,9 +50,9 @@ Status check_contents(const Contents& contents, const Manifest& manifest, const 
     const TileEntry& entry = manifest.tiles[i];
     sum += contents.digests[i];
     if (entry.digest && *entry.digest != contents.digests[i])
-      return error(Errc::corrupt, tile_file(out, entry.tile).string() + ": its digest is " +
-                                      digest_text(contents.digests[i]) + ", the manifest says " +
-                                      digest_text(*entry.digest) + ": it holds another triangulation than was stored");
+      return error(Errc::corrupt, source.file(i).string() + ": its digest is " + digest_text(contents.digests[i]) +
+                                      ", the manifest says " + digest_text(*entry.digest) +
+                                      ": it holds another triangulation than was stored");
   }
   if (manifest.digest && *manifest.digest != sum)
     return error(Errc::corrupt, place + ": its digest " + digest_text(*manifest.digest) +
@@ -68,7 +69,8 @@ std::uint64_t largest_tile(const Manifest& manifest) {
 }  // namespace
 
 Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, std::stop_token stop) {
-  BOOST_OUTCOME_TRY(manifest, read_manifest(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  const Manifest& manifest = source.manifest();
   if (manifest.region)
     return error(Errc::usage, out.string() +
                                   ": holds a region of a triangulation; its cells were compared, when they were made, "
@@ -80,7 +82,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
     scratch = fs::temp_directory_path(code);
     if (code) return error(Errc::io, "no temporary folder is set: " + code.message());
   }
-  BOOST_OUTCOME_TRYV(check_files(out, manifest));
+  BOOST_OUTCOME_TRYV(check_files(source));
   // A tile is in memory once, and its facets when neighbours must be found; the four sorters share the rest.
   const std::uint64_t tile_bytes = largest_tile(manifest) * (manifest.neighbors ? 1 : 3);
   const std::uint64_t rest = options.memory_bytes > tile_bytes ? options.memory_bytes - tile_bytes : 0;
@@ -88,31 +90,32 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   ExternalSort<CellCopy> copies(scratch, share, stop);
   ExternalSort<OwnVertex> own(scratch, share, stop);
   ExternalSort<FacetClaim> claims(scratch, share, stop);
-  Hull hull(manifest.dimension, out, scratch, share, stop);
+  Hull hull(manifest.dimension, source, scratch, share, stop);
   std::optional<AgainstCgal> cgal;
   if (options.against_cgal) cgal.emplace(manifest.dimension, stop);
 
   Contents contents;
   Owners owners(manifest);
   TileSinks sinks{copies, own, claims, hull};
-  for (const auto& entry : manifest.tiles) {
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
-    BOOST_OUTCOME_TRY(mesh, open_tile(out, entry, manifest));
+    const TileEntry& entry = source.entry(i);
+    BOOST_OUTCOME_TRY(mesh, open_tile(source, i));
     const bool neighbors_stored = !mesh.neighbors.empty();
     if (!neighbors_stored) {
-      BOOST_OUTCOME_TRYV(match_facets(mesh, entry.tile, out, stop));
+      BOOST_OUTCOME_TRYV(match_facets(mesh, source.file(i), stop));
     }
-    BOOST_OUTCOME_TRYV(check_tile(mesh, entry.tile, neighbors_stored, out, sinks, stop));
+    BOOST_OUTCOME_TRYV(check_tile(mesh, entry.tile, neighbors_stored, source, sinks, stop));
     if (cgal) cgal->add(mesh);
     contents.add(mesh);
-    owners.look_at(mesh, entry.tile, out);
+    owners.look_at(mesh, entry.tile, source);
     report.cells += entry.main_cells;
     report.vertices += entry.own_points;
   }
   BOOST_OUTCOME_TRY(duplicates, read_duplicates(out, manifest.keep));
-  BOOST_OUTCOME_TRYV(check_vertex_ids(own, manifest, std::move(duplicates), out));
-  BOOST_OUTCOME_TRYV(check_cell_copies(copies, manifest.dimension, out));
-  BOOST_OUTCOME_TRYV(check_claims(claims, out));
+  BOOST_OUTCOME_TRYV(check_vertex_ids(own, manifest, std::move(duplicates), source));
+  BOOST_OUTCOME_TRYV(check_cell_copies(copies, manifest.dimension, source));
+  BOOST_OUTCOME_TRYV(check_claims(claims, source));
   BOOST_OUTCOME_TRYV(hull.finish());
   if (report.cells != manifest.cells)
     return error(Errc::not_delaunay, manifest_file(out).string() + ": counts " + std::to_string(manifest.cells) +
@@ -120,7 +123,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   if (report.cells == 0) return error(Errc::not_delaunay, out.string() + ": holds no cell");
   BOOST_OUTCOME_TRYV(check_boxes(manifest, out));
   BOOST_OUTCOME_TRYV(owners.finish());
-  BOOST_OUTCOME_TRYV(check_contents(contents, manifest, out));
+  BOOST_OUTCOME_TRYV(check_contents(contents, source));
   report.facets = sinks.facets;
   report.hull_facets = hull.facets();
 

@@ -10,16 +10,16 @@
 namespace tessera {
 
 Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, std::vector<DuplicatePair> duplicates,
-                        const std::filesystem::path& out) {
+                        const TileSource& source) {
   const auto wrong = [&](const std::string& reason) {
-    return error(Errc::not_delaunay, manifest_file(out).string() + ": " + reason);
+    return error(Errc::not_delaunay, manifest_file(source.folder()).string() + ": " + reason);
   };
   if (duplicates.size() != manifest.duplicates)
     return wrong("counts " + std::to_string(manifest.duplicates) + " duplicates, duplicates.bin lists " +
                  std::to_string(duplicates.size()));
   // They ascend. A pair with a number that no point has could make up for a point that was lost.
   if (!duplicates.empty() && duplicates.back().duplicate.value >= manifest.points_read)
-    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " +
+    return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " +
                                          to_string(duplicates.back().duplicate) + " is none of the " +
                                          std::to_string(manifest.points_read) + " points read");
   std::vector<PointId> kept;
@@ -34,19 +34,19 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
   BOOST_OUTCOME_TRYV(own.for_each([&](const OwnVertex& vertex) -> Status {
     if (last && last->id == vertex.id)
       return wrong_tile(
-          out, vertex.tile,
+          source, vertex.tile,
           "vertex " + to_string(vertex.id) +
               (last->tile == vertex.tile ? " is there twice" : " is also tile " + to_string(last->tile) + "'s own"));
     if (vertex.id.value >= manifest.points_read)
-      return wrong_tile(out, vertex.tile,
+      return wrong_tile(source, vertex.tile,
                         "vertex " + to_string(vertex.id) + " is none of the " + std::to_string(manifest.points_read) +
                             " points read");
     while (duplicate != duplicates.end() && duplicate->duplicate < vertex.id) ++duplicate;
     if (duplicate != duplicates.end() && duplicate->duplicate == vertex.id)
-      return wrong_tile(out, vertex.tile,
+      return wrong_tile(source, vertex.tile,
                         "vertex " + to_string(vertex.id) + " is listed in duplicates.bin as a duplicate");
     if (wanted != kept.end() && *wanted < vertex.id)
-      return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + to_string(*wanted) +
+      return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
                                            " was kept for a duplicate, but is no vertex");
     while (wanted != kept.end() && *wanted == vertex.id) ++wanted;
     last = vertex;
@@ -54,7 +54,7 @@ Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, 
     return success();
   }));
   if (wanted != kept.end())
-    return error(Errc::not_delaunay, duplicates_file(out).string() + ": point " + to_string(*wanted) +
+    return error(Errc::not_delaunay, duplicates_file(source.folder()).string() + ": point " + to_string(*wanted) +
                                          " was kept for a duplicate, but is no vertex");
   if (vertices != manifest.vertices)
     return wrong("counts " + std::to_string(manifest.vertices) + " vertices, the tiles own " +

@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <utility>
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/result/tile_source.h"
 #include "src/store/external_sort.h"
-#include "src/store/tile_store.h"
 
 namespace tessera {
 
@@ -20,6 +19,6 @@ struct OwnVertex {
 
 // Every vertex is one tile's own; a duplicate is no vertex, and what was kept for it is one; the counts add up.
 Status check_vertex_ids(ExternalSort<OwnVertex>& own, const Manifest& manifest, std::vector<DuplicatePair> duplicates,
-                        const std::filesystem::path& out);
+                        const TileSource& source);
 
 }  // namespace tessera

@@ -1,5 +1,5 @@
 // Loaded before the C library: kills the process at its KILL_AT-th call that makes, renames or removes a file or a
-// folder, before the call does anything.
+// folder, before the call does anything. With KILL_AT_WRITES, calls that write or sync a file count, too.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -17,6 +17,11 @@ void count() {
   static const char* const at = std::getenv("KILL_AT");
   static std::atomic<long> calls{0};
   if (at != nullptr && ++calls == std::atol(at)) ::kill(::getpid(), SIGKILL);
+}
+
+void count_write() {
+  static const bool counts = std::getenv("KILL_AT_WRITES") != nullptr;
+  if (counts) count();
 }
 
 template <class Function>
@@ -38,6 +43,26 @@ COUNTED(remove, (const char* path), (path))
 COUNTED(unlink, (const char* path), (path))
 COUNTED(unlinkat, (int folder, const char* path, int flags), (folder, path, flags))
 COUNTED(rmdir, (const char* path), (path))
+
+COUNTED(link, (const char* from, const char* to), (from, to))
+
+extern "C" ssize_t write(int file, const void* from, size_t size) {
+  static auto* const real = next(&write, "write");
+  count_write();
+  return real(file, from, size);
+}
+
+extern "C" ssize_t pwrite(int file, const void* from, size_t size, off_t at) {
+  static auto* const real = next(&pwrite, "pwrite");
+  count_write();
+  return real(file, from, size, at);
+}
+
+extern "C" int fsync(int file) {
+  static auto* const real = next(&fsync, "fsync");
+  count_write();
+  return real(file);
+}
 
 extern "C" int open(const char* path, int flags, ...) {
   static auto* const real = next(&open, "open");

@@ -15,6 +15,7 @@
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/run/next_stage.h"
+#include "src/store/tile_reader.h"
 #include "src/store/tile_store.h"
 #include "tests/exchange/greatest.h"
 
@@ -24,7 +25,7 @@ inline std::uint64_t number_of(TileId tile) { return tile.value * 7919ULL % 1009
 
 // That the tile's cells have vertices of, as it is stored.
 inline Result<std::vector<TileId>> touched(const std::filesystem::path& out, TileId tile) {
-  BOOST_OUTCOME_TRY(stored, read_tile_vertices(out, tile));
+  BOOST_OUTCOME_TRY(stored, store::read_tile(tile_file(out, tile), tile, {.cells = false}));
   std::set<TileId> owners(stored.mesh.owners.begin(), stored.mesh.owners.end());
   owners.erase(tile);
   return std::vector<TileId>(owners.begin(), owners.end());

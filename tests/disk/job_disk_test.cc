@@ -14,6 +14,7 @@
 #include "src/job/open_cloud.h"
 #include "src/reference/clouds.h"
 #include "src/reference/reference.h"
+#include "src/result/tile_source.h"
 #include "tests/disk/failing_disk.h"
 #include "tests/engine/sets.h"
 
@@ -44,11 +45,11 @@ class JobDisk : public ::testing::Test {
 
   // "" or what is wrong with the result.
   std::string wrong() const {
-    const auto manifest = read_manifest(out_);
-    if (!manifest) return manifest.error().where;
+    const auto source = TileSource::open(out_);
+    if (!source) return source.error().where;
     std::vector<TileMesh> meshes;
-    for (const TileEntry& entry : manifest.value().tiles) {
-      auto tile = read_tile(out_, entry.tile);
+    for (std::size_t i = 0; i < source.value().tiles(); ++i) {
+      auto tile = source.value().read(i, {});
       if (!tile) return tile.error().where;
       meshes.push_back(std::move(tile.value().mesh));
     }

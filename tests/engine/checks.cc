@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "src/predicates/independent/predicates.h"
+#include "src/result/tile_source.h"
 #include "src/tiling/partition.h"
 #include "src/verify/verify.h"
 
@@ -175,9 +176,9 @@ std::string wrong_with(const EngineRun& run, const std::filesystem::path& out, c
   for (const LocalPoint& p : expected.points) {
     if (is_finite(p.at)) owners[p.id.value] = run.routed.partition.tile_of(p.at);
   }
-  const auto written = read_manifest(out);
-  if (!written) return written.error().where;
-  const auto partition = Partition::from_json(written.value().partition);
+  const auto source = TileSource::open(out);
+  if (!source) return source.error().where;
+  const auto partition = Partition::from_json(source.value().manifest().partition);
   if (!partition) return partition.error().where;
   for (const LocalPoint& p : expected.points)
     if (is_finite(p.at) && partition.value().tile_of(p.at) != owners[p.id.value])
@@ -188,7 +189,9 @@ std::string wrong_with(const EngineRun& run, const std::filesystem::path& out, c
   std::uint64_t own_points = 0;
   for (const TileEntry& entry : run.manifest.tiles) {
     const std::string at = "tile " + to_string(entry.tile) + ": ";
-    const auto stored = read_tile(out, entry.tile);
+    const auto index = source.value().find(entry.tile);
+    if (!index) return at + "is not in the manifest that was written";
+    const auto stored = source.value().read(*index, {});
     if (!stored) return stored.error().where;
     const TileMesh& mesh = stored.value().mesh;
     if (auto wrong = TileFileCheck(mesh, entry.tile, expected, owners).run(main); !wrong.empty()) return at + wrong;

@@ -14,6 +14,7 @@
 #include "src/files/temporary.h"
 #include "src/reference/clouds.h"
 #include "src/reference/reference.h"
+#include "src/result/tile_source.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"
 
@@ -66,10 +67,8 @@ class Invariance : public ::testing::TestWithParam<Case> {
 
   static std::vector<IdCell> cells(const fs::path& out) {
     std::vector<TileMesh> meshes;
-    const auto manifest = read_manifest(out);
-    for (const TileEntry& entry : manifest.value().tiles) {
-      meshes.push_back(read_tile(out, entry.tile).value().mesh);
-    }
+    const auto source = TileSource::open(out).value();
+    for (std::size_t i = 0; i < source.tiles(); ++i) meshes.push_back(source.read(i, {}).value().mesh);
     return main_cells(meshes);
   }
 

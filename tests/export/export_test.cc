@@ -97,9 +97,12 @@ TEST(Export, TilesThatAreNotWhatTheManifestCountsAreCorrupt) {
       }
     }
   };
-  refused([](Manifest& m) { ++m.tiles[1].own_points, ++m.vertices; }, "vertices of its own");
-  refused([](Manifest& m) { ++m.tiles[1].main_cells, ++m.cells; }, "main cells");
-  refused([](Manifest& m) { --m.tiles[3].main_cells, --m.cells; }, "main cells");
+  refused([](Manifest& m) { ++m.tiles[1].own_points, ++m.vertices; },
+          "numbers of vertices or cells than the manifest says");
+  refused([](Manifest& m) { ++m.tiles[1].main_cells, ++m.cells; },
+          "numbers of vertices or cells than the manifest says");
+  refused([](Manifest& m) { --m.tiles[3].main_cells, --m.cells; },
+          "numbers of vertices or cells than the manifest says");
   refused([](Manifest& m) { ++m.cells; }, "but of its tiles");
 }
 

@@ -17,6 +17,7 @@
 #include "src/job/open_cloud.h"
 #include "src/reference/clouds.h"
 #include "src/reference/reference.h"
+#include "src/result/tile_source.h"
 #include "tests/engine/sets.h"
 #include "tests/memory/failing_memory.h"
 #include "tests/memory/runs.h"
@@ -70,11 +71,11 @@ class MemoryInJob : public ::testing::TestWithParam<Case> {
 
   // "" or what is wrong with the result.
   std::string wrong() const {
-    const auto manifest = read_manifest(out_);
-    if (!manifest) return manifest.error().where;
+    const auto source = TileSource::open(out_);
+    if (!source) return source.error().where;
     std::vector<TileMesh> meshes;
-    for (const TileEntry& entry : manifest.value().tiles) {
-      auto tile = read_tile(out_, entry.tile);
+    for (std::size_t i = 0; i < source.value().tiles(); ++i) {
+      auto tile = source.value().read(i, {});
       if (!tile) return tile.error().where;
       meshes.push_back(std::move(tile.value().mesh));
     }

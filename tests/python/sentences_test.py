@@ -95,6 +95,7 @@ class Sentences(unittest.TestCase):
         arguments = {*inspect.signature(tessera.triangulate).parameters,
                      *inspect.signature(tessera.Triangulation.export).parameters,
                      *inspect.signature(tessera.Triangulation.verify).parameters,
+                     *inspect.signature(tessera.Triangulation.measure).parameters,
                      *(name for drawn in (tessera.Triangulation.dem, tessera.Triangulation.contours, tessera.Triangulation.profile)
                        for name in inspect.signature(drawn).parameters),
                      *inspect.signature(tessera.region).parameters}

@@ -47,7 +47,8 @@ TEST_P(EveryResult, TellsThePlaceInTheMainTile) {
   const auto result = sample.open();
   for (const Cell& cell : located(result, sample.questions(100, 2))) {
     if (!cell) continue;
-    const auto tile = read_tile(sample.out(), cell.tile);
+    const TileSource& source = result.source();
+    const auto tile = source.read(source.find(cell.tile).value(), {});
     ASSERT_TRUE(tile);
     const TileMesh& mesh = tile.value().mesh;
     const auto at = static_cast<std::size_t>(cell.cell);

@@ -98,7 +98,7 @@ TEST_P(DamagedTile, IsCorruptWithAHeaderThatIsNotOurs) {
   replace("tile 1 ", "tile 2 ");
   expect_corrupt("header: is that of tile 2");
   for (const auto& [from, to] :
-       std::vector<std::pair<std::string, std::string>>{{"format 3", "format 4"},
+       std::vector<std::pair<std::string, std::string>>{{"format 3", "format 5"},
                                                         {"dimension " + std::to_string(GetParam()), "dimension 4"},
                                                         {"version=\"1.0\" byte", "version=\"1.1\" byte"},
                                                         {"NumberOfPoints=\"", "NumberOfPoints=\"0"},

@@ -16,6 +16,8 @@
 namespace tessera {
 namespace {
 
+using test::read_tile;
+
 namespace fs = std::filesystem;
 
 fs::path old_result(int format) { return fs::path(TESSERA_TEST_DATA) / ("format-" + std::to_string(format)); }
@@ -60,7 +62,7 @@ TEST_P(OldFormat, TilesHoldTheInputsPointsAndAttributes) {
     }
     own += static_cast<std::uint64_t>(std::count(mesh.point_ghost.begin(), mesh.point_ghost.end(), 0));
     main += static_cast<std::uint64_t>(std::count(mesh.cell_ghost.begin(), mesh.cell_ghost.end(), 0));
-    const auto vertices = read_tile_vertices(result_, entry.tile);
+    const auto vertices = store::read_tile(tile_file(result_, entry), entry.tile, {.cells = false});
     ASSERT_TRUE(vertices) << vertices.error().where;
     EXPECT_EQ(vertices.value().mesh.points, mesh.points);
     EXPECT_TRUE(vertices.value().mesh.cells.empty());

@@ -10,6 +10,7 @@
 
 #include "src/base/point.h"
 #include "src/mesh/tile_mesh.h"
+#include "src/store/tile_reader.h"
 #include "src/store/tile_store.h"
 
 namespace tessera::test {
@@ -33,6 +34,11 @@ using RowsOf = std::function<std::vector<std::byte>(const TileMesh&)>;
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
                       const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {},
                       const RowsOf& rows_of = {});
+
+// The tile of a result that has no versions, without a look at its manifest.
+inline Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false) {
+  return store::read_tile(tile_file(out, tile), tile, {.rows = with_rows});
+}
 
 // An empty folder of its own, removed at the end.
 class TemporaryFolder {

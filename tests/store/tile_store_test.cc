@@ -193,7 +193,7 @@ TEST(Manifest, ReadsBackWhatWasWrittenToTheLastBit) {
   ASSERT_TRUE(finish_store(folder.path(), manifest, duplicates));
   const auto read = read_manifest(folder.path());
   ASSERT_TRUE(read) << read.error().where;
-  EXPECT_EQ(read.value().format_version, newest_format);
+  EXPECT_EQ(read.value().format_version, unchanged_format);
   EXPECT_EQ(read.value().boxes, manifest.boxes);
   EXPECT_EQ(read.value().partition, manifest.partition);
   EXPECT_EQ(read.value().bounds, manifest.bounds);
@@ -239,11 +239,11 @@ TEST(Manifest, AFolderWithoutOneIsToldSo) {
 
 TEST(Manifest, OneFromAFutureVersionIsRefusedInOneSentence) {
   const TemporaryFolder folder;
-  overwrite(folder.path() / "manifest.json", R"({"format": "tessera", "format_version": 4, "new": true})");
+  overwrite(folder.path() / "manifest.json", R"({"format": "tessera", "format_version": 5, "new": true})");
   const auto read = read_manifest(folder.path());
   ASSERT_FALSE(read);
   EXPECT_EQ(read.error().code, Errc::corrupt);
-  EXPECT_NE(read.error().where.find("format version 4"), std::string::npos) << read.error().where;
+  EXPECT_NE(read.error().where.find("format version 5"), std::string::npos) << read.error().where;
 }
 
 TEST(Manifest, EveryTruncationAndAbsurdValueIsCorrupt) {

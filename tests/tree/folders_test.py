@@ -43,6 +43,12 @@ class Folders(unittest.TestCase):
                     wrong.append(f"{path} includes {name}")
         self.assertEqual(wrong, [])
 
+    def test_tiles_are_read_through_one_door(self):
+        """src/result reads tile files, and looks what the manifest says of them; nobody else does."""
+        readers = {path for path, text in self.texts.items() if "src/store/tile_reader.h" in tree.includes(text)
+                   and not path.startswith("tests/")}
+        self.assertEqual(readers, {"src/result/tile_source.h", "src/store/tile_reader.cc"})
+
     def test_headers_are_named_from_the_project_folder(self):
         wrong = [f"{path} includes {name}" for path, text in self.texts.items() for name in tree.includes(text)
                  if tree.place_of(name) not in self.texts and not name.endswith(".pb.h")]

@@ -13,7 +13,7 @@
 #include "src/base/result.h"
 #include "src/base/stopped.h"
 
-namespace tessera::query {
+namespace tessera {
 
 // Runs work() on so many threads, the calling one among them; all draw from its ledger. The first error; `work` sees
 // `failed` and ends early.
@@ -29,7 +29,7 @@ Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work)
       } catch (const Stopped&) {
         return error(Errc::interrupted, "interrupted");
       } catch (const std::bad_alloc&) {
-        return worded([] { return error(Errc::memory, "no memory is left to answer questions"); });
+        return worded([] { return error(Errc::memory, "no memory is left to work on"); });
       }
     }();
     if (status) return;
@@ -46,4 +46,4 @@ Status on_threads(unsigned threads, std::atomic<bool>& failed, const Work& work)
   return success();
 }
 
-}  // namespace tessera::query
+}  // namespace tessera

@@ -1,0 +1,15 @@
+// The columns of a result, in JSON and in words.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+nlohmann::ordered_json columns_to_json(const Manifest& manifest);
+// One line, of what the former gave: "volume of cells, star_volume of vertices".
+std::string columns_in_words(const nlohmann::ordered_json& columns);
+
+}  // namespace tessera

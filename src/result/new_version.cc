@@ -1,0 +1,209 @@
+#include "src/result/new_version.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <set>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "src/files/checksum.h"
+#include "src/files/descriptor.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
+#include "src/files/there.h"
+#include "src/files/whole_file.h"
+#include "src/result/old_versions.h"
+#include "src/store/manifest.h"
+#include "src/store/vtk_xml.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Status remove_whole(const fs::path& path) {
+  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
+  return success();
+}
+
+// An old version that nobody reads stays locked until it is removed, so that nobody begins to read it.
+struct Unread {
+  fs::path file;
+  FileHandle lock;
+};
+
+// Nothing when it is read, or nobody can tell.
+Result<std::optional<Unread>> lock_if_unread(const result::OldVersion& old) {
+  if (old.copy) return std::optional<Unread>{};
+  BOOST_OUTCOME_TRY(file, open_handle(old.file, O_RDWR));  // network file systems want the right to write
+  if (::flock(file.get(), LOCK_EX | LOCK_NB) != 0) return std::optional<Unread>{};
+  return std::optional(Unread{old.file, std::move(file)});
+}
+
+Result<std::set<fs::path>> tile_names_of(const result::OldVersion& old) {
+  BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
+  BOOST_OUTCOME_TRY(manifest, parse_manifest(old.file, bytes));
+  return result::tile_names(manifest);
+}
+
+bool is_tile_of_result(const fs::path& name) {
+  return version_of_tile_file(name) || (is_tile_name(name) && name.extension() == tile_file("", TileId{}).extension());
+}
+
+}  // namespace
+
+Result<std::unique_ptr<NewVersion>> NewVersion::begin(const fs::path& out) {
+  BOOST_OUTCOME_TRY(there, is_there(manifest_file(out)));
+  if (!there) return no_manifest(out);
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(out));
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
+  if (source.manifest().format_version < unchanged_format)
+    return error(Errc::usage, out.string() + ": is of format version " +
+                                  std::to_string(source.manifest().format_version) +
+                                  ", which is read and not changed; triangulate again");
+  std::unique_ptr<NewVersion> made(new NewVersion(std::move(lock), std::move(source)));
+  BOOST_OUTCOME_TRYV(made->mend_master());
+  BOOST_OUTCOME_TRYV(made->remove_unneeded());
+  BOOST_OUTCOME_TRYV(make_directories(versions_folder(out)));
+  BOOST_OUTCOME_TRYV(remove_whole(pass_folder(out)));
+  BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(pass_folder(out)));
+  made->scratch_.emplace(std::move(scratch));
+  return made;
+}
+
+NewVersion::~NewVersion() {
+  scratch_.reset();
+  ::rmdir(versions_folder(source_.folder()).c_str());  // stays when older versions are in it
+}
+
+// Before anything is removed that the old one leads to.
+Status NewVersion::mend_master() const {
+  const Manifest& manifest = source_.manifest();
+  const auto path = master_file(source_.folder());
+  if (!manifest.previous_master_xxh3) return success();
+  BOOST_OUTCOME_TRY(sum, checksum_file(path));
+  if (sum != *manifest.previous_master_xxh3 || sum == manifest.master_xxh3) return success();
+  BOOST_OUTCOME_TRYV(lock_.check());
+  return write_whole(path, store::master_text(manifest));
+}
+
+Status NewVersion::remove_unneeded() const {
+  const fs::path& out = source_.folder();
+  std::set<fs::path> needed = result::tile_names(source_.manifest());
+  std::vector<Unread> unread;
+  BOOST_OUTCOME_TRY(olds, result::old_versions(out));
+  for (const auto& old : olds) {
+    if (old.version >= source_.manifest().version) {  // of a writer that was ended
+      BOOST_OUTCOME_TRYV(remove_file(old.file));
+      continue;
+    }
+    BOOST_OUTCOME_TRY(locked, lock_if_unread(old));
+    if (locked) {
+      unread.push_back(std::move(*locked));
+      continue;
+    }
+    BOOST_OUTCOME_TRY(names, tile_names_of(old));
+    needed.merge(names);
+  }
+  const auto folder = tiles_folder(out);
+  BOOST_OUTCOME_TRY(with_tiles, is_folder(folder));
+  if (with_tiles) {
+    BOOST_OUTCOME_TRY(names, sorted_names(folder));
+    for (const std::string& name : names) {
+      if (needed.contains(name) || !(is_tile_of_result(name) || (is_tile_name(name) && is_temporary_name(name))))
+        continue;
+      BOOST_OUTCOME_TRYV(lock_.heard());
+      BOOST_OUTCOME_TRYV(remove_file(folder / name));
+    }
+  }
+  for (const auto& old : unread) {
+    BOOST_OUTCOME_TRYV(remove_file(old.file));
+  }
+  const auto versions = versions_folder(out);
+  BOOST_OUTCOME_TRY(with_versions, is_folder(versions, FollowLinks::no));
+  if (!with_versions) return success();
+  BOOST_OUTCOME_TRY(names, sorted_names(versions));
+  for (const std::string& name : names) {
+    if (!is_temporary_name(name)) continue;
+    BOOST_OUTCOME_TRYV(remove_file(versions / name));
+  }
+  return success();
+}
+
+Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnValues> columns,
+                               const std::stop_token& stop) {
+  TileEntry entry = source_.entry(index);
+  BOOST_OUTCOME_TRYV(source_.check(index));
+  entry.version = number();
+  const auto final_name = tile_file(source_.folder(), entry);
+  TemporaryFile temporary(temporary_name_of_process(final_name));
+  const store::TileCopy copy{
+      .tile = entry.tile, .from = source_.file(index), .to = temporary.path(), .final_name = final_name};
+  BOOST_OUTCOME_TRY(written, store::copy_with_columns(copy, columns, stop));
+  entry.bytes = written.bytes;
+  entry.xxh3 = written.xxh3;
+  BOOST_OUTCOME_TRYV(lock_.heard());
+  BOOST_OUTCOME_TRYV(rename_file(temporary.path(), final_name));
+  temporary.keep();
+  const std::lock_guard lock(mutex_);
+  files_.emplace_back(final_name);
+  written_.push_back(entry);
+  return success();
+}
+
+// Under a second name: whoever reads the old version has its file locked.
+Status NewVersion::keep_old_manifest() const {
+  const fs::path& out = source_.folder();
+  const std::uint32_t version = source_.manifest().version;
+  const auto path = version_file(out, version);
+  BOOST_OUTCOME_TRYV(remove_file(path));
+  if (::link(manifest_file(out).c_str(), path.c_str()) != 0) {
+    const int reason = errno;
+    if (reason != EPERM && reason != EOPNOTSUPP && reason != ENOSYS && reason != EMLINK)
+      return io_error(path, "cannot be made", reason);
+    BOOST_OUTCOME_TRY(bytes, read_whole(manifest_file(out)));
+    BOOST_OUTCOME_TRYV(write_whole(version_copy(out, version), bytes));
+  }
+  BOOST_OUTCOME_TRYV(sync_folder(versions_folder(out)));
+  return sync_folder(out);
+}
+
+Status NewVersion::commit(std::vector<ResultColumn> columns) {
+  const fs::path& out = source_.folder();
+  Manifest next = source_.manifest();
+  if (written_.size() != next.tiles.size()) return error(Errc::internal, "a version lacks tiles");
+  std::ranges::sort(written_, {}, &TileEntry::tile);
+  next.tiles = written_;
+  next.format_version = changed_format;
+  next.version = number();
+  for (auto& column : columns) {
+    column.version = next.version;
+    if (!column.of_cells) next.schema.push_back({column.name, column.type});
+    next.columns.push_back(std::move(column));
+  }
+  next.previous_master_xxh3 = next.master_xxh3;
+  const std::string master = store::master_text(next);
+  next.master_xxh3 = checksum(std::as_bytes(std::span(master)));
+
+  std::vector<fs::path> files;
+  for (const auto& file : files_) files.push_back(file.path());
+  BOOST_OUTCOME_TRYV(sync_files(files));
+  if (!files.empty()) {
+    BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
+  }
+  BOOST_OUTCOME_TRYV(lock_.check());
+  BOOST_OUTCOME_TRYV(keep_old_manifest());
+  BOOST_OUTCOME_TRYV(lock_.check());
+  for (auto& file : files_) file.keep();  // what fails from here on may have come too late to undo it
+  BOOST_OUTCOME_TRYV(write_whole(manifest_file(out), store::manifest_to_text(next)));
+  BOOST_OUTCOME_TRYV(lock_.check());
+  return write_whole(master_file(out), master);
+}
+
+}  // namespace tessera

@@ -1,0 +1,73 @@
+// A change of a finished result. Whoever reads the result meanwhile is not disturbed, and whatever ends the writer
+// leaves the old version or the new one.
+//
+//   begin     takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
+//   what
+//             writers that were ended have left, and the files that only versions need which nobody reads any more
+//   tiles     are new files, tiles/NNNNNN-V.vtu, which no manifest knows yet
+//   commit    syncs them; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
+//             manifest.json, and from then on the result is the new version; then the master file, which follows from
+//             it
+//
+// A reader holds a lock on the manifest that it has read (held_manifest.h), and whoever can lock the old manifest for
+// itself knows that its version has no reader. Only the next writer removes files: programs that know nothing of locks
+// have what they opened until then.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/files/folder_lock.h"
+#include "src/files/temporary.h"
+#include "src/result/tile_source.h"
+#include "src/store/tile_columns.h"
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+class NewVersion {
+ public:
+  // Errors: of TileSource::open(); usage when another process works in the folder, and for format 2; corrupt for a
+  // damaged manifest of an older version that is read; io.
+  static Result<std::unique_ptr<NewVersion>> begin(const std::filesystem::path& out);
+  // Without commit() nothing of it stays.
+  ~NewVersion();
+  NewVersion(const NewVersion&) = delete;
+  NewVersion& operator=(const NewVersion&) = delete;
+
+  // The version that stands.
+  const TileSource& source() const { return source_; }
+  std::uint32_t number() const { return source_.manifest().version + 1; }
+  // A folder for whatever must be put down meanwhile.
+  const std::filesystem::path& scratch() const { return scratch_->path(); }
+
+  // The tile with these columns more, which are the same in each. Safe to call from several threads for different
+  // tiles. Errors: corrupt when the file is not the one that was stored; io, interrupted.
+  Status add_columns(std::size_t index, std::span<const store::ColumnValues> columns, const std::stop_token& stop);
+  // `columns`: what they are. REQUIRES: add_columns() was called for each tile. Errors: io; with it either version may
+  // stand.
+  Status commit(std::vector<ResultColumn> columns);
+
+ private:
+  NewVersion(FolderLock lock, TileSource source) : lock_(std::move(lock)), source_(std::move(source)) {}
+  Status mend_master() const;
+  Status remove_unneeded() const;
+  Status keep_old_manifest() const;
+
+  FolderLock lock_;
+  TileSource source_;
+  std::optional<TemporaryFolder> scratch_;
+  std::mutex mutex_;
+  std::vector<TileEntry> written_;
+  std::vector<TemporaryFile> files_;
+};
+
+}  // namespace tessera

@@ -1,0 +1,53 @@
+// The one door to the tiles of a result: of one version, as its manifest has them.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/files/descriptor.h"
+#include "src/store/tile_reader.h"
+#include "src/store/tile_store.h"
+
+namespace tessera {
+
+// Cheap to copy; for several threads at once. As long as a copy is there, no later version takes the files away.
+class TileSource {
+ public:
+  // The newest version. Reads the manifest alone. Errors: those of read_manifest().
+  static Result<TileSource> open(const std::filesystem::path& out);
+
+  const std::filesystem::path& folder() const { return inside_->folder; }
+  const Manifest& manifest() const { return inside_->manifest; }
+  // The tiles that have points are numbered from 0, by their ids.
+  std::size_t tiles() const { return manifest().tiles.size(); }
+  const TileEntry& entry(std::size_t i) const { return manifest().tiles[i]; }
+  // Nothing for a tile without points.
+  std::optional<std::size_t> find(TileId tile) const;
+  // Where a tile stands, for errors and for whoever wants the bytes.
+  std::filesystem::path file(std::size_t i) const { return tile_file(folder(), entry(i)); }
+  std::filesystem::path file(TileId tile) const;
+
+  // The tile's file has the checksum that the manifest says. Errors: corrupt, io.
+  Status check(std::size_t i) const;
+  // Every array is checked, and all is compared with what the manifest says of the tile. Errors: corrupt, which names
+  // file and place; io.
+  Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
+  // Only the source indices of the tile's own vertices, in the file's order. Errors as above.
+  Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
+
+ private:
+  struct Inside {
+    std::filesystem::path folder;
+    Manifest manifest;
+    FileHandle held;  // held_manifest.h
+  };
+  explicit TileSource(std::shared_ptr<const Inside> inside) : inside_(std::move(inside)) {}
+  std::shared_ptr<const Inside> inside_;
+};
+
+}  // namespace tessera

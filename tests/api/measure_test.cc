@@ -1,0 +1,54 @@
+// Triangulation::measure() and columns(); the values are tested in tests/measure.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+#include "tests/api/api_testing.h"
+
+namespace tessera {
+namespace {
+
+using testing::cloud;
+using testing::failure_of;
+
+TEST(MeasureOf, AResultIsANewVersionOfItAndCopiesStayAtTheOldOne) {
+  TriangulationOptions options;
+  options.max_points_per_tile(100);
+  auto t = triangulate(cloud("uniform", 3, 400), options);
+  const Triangulation old = t;
+  EXPECT_TRUE(t.columns().empty());
+  const MeasureReport report = t.measure(MeasureRequest().volume(true).threads(2).memory_bytes(std::uint64_t{1} << 30));
+  EXPECT_TRUE(report.made);
+  ASSERT_EQ(t.columns().size(), 2u);
+  EXPECT_EQ(t.columns()[0].name, "volume");
+  EXPECT_TRUE(t.columns()[0].of_cells);
+  EXPECT_EQ(t.columns()[1].name, "star_volume");
+  double total = 0;
+  for (std::size_t i = 0; i < t.tiles(); ++i) {
+    const Tile tile = t.tile(i), before = old.tile(i);
+    EXPECT_TRUE(before.cell_columns().empty());
+    ASSERT_EQ(tile.cell_columns().size(), 1u);
+    EXPECT_EQ(tile.cell_columns()[0].type, "float64");
+    for (std::size_t cell = 0; cell < tile.ghost().size(); ++cell) {
+      double volume = 0;
+      std::memcpy(&volume, tile.cell_columns()[0].values.data() + 8 * cell, sizeof volume);
+      if (tile.ghost()[cell] == 0) total += volume;
+    }
+    ASSERT_EQ(tile.attributes().size(), 1u);
+    EXPECT_EQ(tile.attributes()[0].name, "star_volume");
+  }
+  EXPECT_NEAR(total / report.total, 1, 1e-12);
+  EXPECT_FALSE(t.measure(MeasureRequest().volume(true)).made);
+  EXPECT_EQ(t.verify().cells(), t.cells());
+}
+
+TEST(MeasureOf, NothingIsRefusedInTheWordsOfTheLibrary) {
+  auto t = triangulate(cloud("uniform", 2, 50), TriangulationOptions().dimension(2));
+  EXPECT_EQ(std::string(failure_of([&] { t.measure({}); }).what()),
+            "nothing is to be measured; volume(true) measures cells");
+}
+
+}  // namespace
+}  // namespace tessera

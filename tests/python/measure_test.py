@@ -1,0 +1,63 @@
+"""t.measure() and t.columns."""
+import pickle
+import unittest
+
+import numpy as np
+import tessera
+
+import clouds
+from triangulation_test import FolderTest
+
+
+def volumes(points, cells):
+    edges = points[cells[:, 1:]] - points[cells[:, :1]]
+    return np.linalg.det(edges) / (2 if points.shape[1] == 2 else 6)
+
+
+class Measure(FolderTest):
+    def test_columns_have_the_order_of_simplices_and_points(self):
+        for dim, name in (2, "area"), (3, "volume"):
+            points = np.concatenate([clouds.random(800, dim), clouds.random(1, dim)])
+            points[-1] = points[0]  # a duplicate
+            t = tessera.triangulate(points, max_points_per_tile=200)
+            self.assertEqual((len(t.columns), repr(t.columns)), (0, "<tessera.Columns: none>"))
+            measured = t.measure(volume=True, threads=2, memory="500M")
+            self.assertTrue(measured.made)
+            self.assertEqual(list(t.columns), [name, "star_" + name])
+            self.assertEqual(t.columns.info[name]["of"], "cells")
+            cells = t.simplices()
+            expected = volumes(points, cells)
+            np.testing.assert_allclose(t.columns[name], expected, rtol=1e-6)
+            self.assertAlmostEqual(measured.total, expected.sum(), places=12)
+            stars = np.zeros(len(points))
+            np.add.at(stars, cells, t.columns[name][:, None])
+            found = t.columns["star_" + name]
+            self.assertTrue(np.isnan(found[-1]))
+            np.testing.assert_allclose(found[:-1], stars[:-1], rtol=1e-12)
+            again = t.measure(volume=True)
+            self.assertEqual((again.made, again.total), (False, measured.total))
+            with self.assertRaises(KeyError):
+                t.columns["none"]
+
+    def test_tiles_have_them(self):
+        t = tessera.triangulate(clouds.random(500, 3), max_points_per_tile=200)
+        before = t[0]
+        t.measure(volume=True)
+        after = t[0]
+        self.assertEqual((list(before.cell_columns), list(before.attributes)), ([], []))
+        self.assertEqual((list(after.cell_columns), list(after.attributes)), (["volume"], ["star_volume"]))
+        np.testing.assert_array_equal(before.cells, after.cells)
+        copy = pickle.loads(pickle.dumps(after))
+        np.testing.assert_array_equal(copy.cell_columns["volume"], after.cell_columns["volume"])
+        self.assertGreater(t.interpolate([[0.5, 0.5, 0.5]], value="star_volume")[0], 0)
+        self.assertEqual([column["name"] for column in t.info()["columns"]], ["volume", "star_volume"])
+        t.verify()
+
+    def test_nothing_to_measure_is_told(self):
+        t = tessera.triangulate(clouds.random(50, 2))
+        with self.assertRaisesRegex(tessera.UsageError, "nothing is to be measured; volume=True"):
+            t.measure()
+
+
+if __name__ == "__main__":
+    unittest.main()
