@@ -14,7 +14,7 @@
 #include "src/generate/generate.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace tessera {
 namespace {
@@ -28,14 +28,15 @@ struct Options {
 };
 
 // Processor time of the digests, measured again on the stored tiles.
-Result<double> digest_seconds(const std::filesystem::path& out, const Manifest& manifest) {
+Result<double> digest_seconds(const std::filesystem::path& out) {
+  BOOST_OUTCOME_TRY(source, TileSource::open(out));
   std::clock_t total = 0;
-  for (const TileEntry& entry : manifest.tiles) {
-    BOOST_OUTCOME_TRY(tile, read_tile(out, entry.tile));
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    BOOST_OUTCOME_TRY(tile, source.read(i, {}));
     const std::clock_t begin = std::clock();
     const Digest digest = digest_of(tile.mesh);
     total += std::clock() - begin;
-    if (digest != entry.digest) return error(Errc::internal, "a tile's digest is not the one in the manifest");
+    if (digest != source.entry(i).digest) return error(Errc::internal, "a tile's digest is not the one in the manifest");
   }
   return static_cast<double>(total) / CLOCKS_PER_SEC;
 }
@@ -83,7 +84,7 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
       static_cast<unsigned long long>(s.exchange.most_received));
   std::printf("  %llu vertices, %llu cells, peak memory %.0f MiB\n", static_cast<unsigned long long>(s.vertices),
               static_cast<unsigned long long>(s.cells), static_cast<double>(s.peak_memory_bytes) / (1 << 20));
-  BOOST_OUTCOME_TRY(digest_s, digest_seconds(out, manifest));
+  BOOST_OUTCOME_TRY(digest_s, digest_seconds(out));
   std::printf("  digest %s: %.3f s of %.2f s of processor time\n", s.digest.c_str(), digest_s, work_s);
   return s.total_s;
 }

@@ -18,7 +18,7 @@
 
 #include "src/base/option.h"
 #include "src/query/stored_triangulation.h"
-#include "src/store/tile_store.h"
+#include "src/result/tile_source.h"
 
 namespace {
 
@@ -168,8 +168,9 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const auto result = value(query::StoredTriangulation::open(folder, {}));
   std::vector<std::pair<Point, PointId>> points;
-  for (const auto& entry : result.manifest().tiles) {
-    const auto tile = value(read_tile_vertices(folder, entry.tile));
+  const auto source = value(TileSource::open(folder));
+  for (std::size_t t = 0; t < source.tiles(); ++t) {
+    const auto tile = value(source.read(t, {.cells = false}));
     for (std::size_t i = 0; i < tile.mesh.ids.size(); ++i)
       if (tile.mesh.point_ghost[i] == 0) points.emplace_back(tile.mesh.points[i], tile.mesh.ids[i]);
   }

@@ -2,6 +2,7 @@
 // folder of certificates, scratch folder, folder of the stage's results. It ends when it is killed, or its input ends.
 #include <cstdio>
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -30,7 +31,7 @@ int main(int argc, char** argv) {
   const auto engine =
       Engine::join(1, std::uint64_t{256} << 20, std::make_unique<Seat>(std::move(options)), {std::move(stage)});
   if (!engine) {
-    std::fprintf(stderr, "%s\n", engine.error().where.c_str());
+    std::cerr << engine.error().where << '\n';
     return 1;
   }
   while (std::getchar() != EOF) {
