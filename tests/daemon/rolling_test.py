@@ -11,7 +11,7 @@ import losses_test
 from daemon import DaemonTest
 from losses_test import Node, free_port
 
-POINTS, TILES = os.environ.get("ROLLING_POINTS", "600k"), 48
+POINTS, TILES = os.environ.get("ROLLING_POINTS", "1M"), 48
 
 
 class Rolling(DaemonTest):
