@@ -10,7 +10,7 @@ import time
 
 from namespaces import SEED, ClusterTest
 
-KILLS = int(os.environ.get("KILLS", "3"))
+KILLS = int(os.environ.get("KILLS", "2"))
 COORDINATOR_KILLS = int(os.environ.get("COORDINATOR_KILLS", "2"))
 A_JOB = int(os.environ.get("A_JOB", "1"))
 CLOUD = os.environ.get("CLOUD")

@@ -14,7 +14,7 @@ import unittest
 from daemon import ENDED, Daemon, DaemonTest
 
 LEASE_S = 3
-ROUNDS, SEED = int(os.environ.get("ROUNDS", "6")), int(os.environ.get("SEED", "1"))
+ROUNDS, SEED = int(os.environ.get("ROUNDS", "4")), int(os.environ.get("SEED", "1"))
 LOST = "was silent for so long that another process has taken its lock"
 
 

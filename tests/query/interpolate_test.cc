@@ -76,7 +76,7 @@ TEST_P(Interpolation, HasTheNaturalNeighborsOfCgal) {
   const test::CgalAnswers cgal(sample.points(), sample.dimension());
   std::vector<Point> inside;
   // Anywhere, and in the middle of edges and facets: not on vertices.
-  for (const Point& q : sample.questions(120, 11))
+  for (const Point& q : sample.questions(60, 11))  // CGAL takes 10 ms for one
     if (sample.right_cell(q) != nullptr &&
         std::find(sample.points().begin(), sample.points().end(), q) == sample.points().end())
       inside.push_back(q);
