@@ -136,7 +136,6 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
-  void wait_if_homeless(bool any_host);
   const Table& table() const { return placements_.table(); }
   Placements::Lives lives() const {
     return [this](NodeId node) { return roster_.has(node); };

@@ -58,7 +58,6 @@ class Roster {
   }
 
   bool has(NodeId node) const { return node.value < nodes_.size() && !nodes_[node.value].gone(); }
-  bool lives(NodeId node) const { return has(node); }
   // No part is there, and none is on its way.
   bool nobody() const {
     return all([](const Node&) { return false; });

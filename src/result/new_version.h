@@ -1,13 +1,12 @@
 // A change of a finished result. Whoever reads the result meanwhile is not disturbed, and whatever ends the writer
 // leaves the old version or the new one.
 //
-//   begin     takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
-//   what
-//             writers that were ended have left, and the files that only versions need which nobody reads any more
-//   tiles     are new files, tiles/NNNNNN-V.vtu, which no manifest knows yet
-//   commit    syncs them; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
-//             manifest.json, and from then on the result is the new version; then the master file, which follows from
-//             it
+//   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
+//          | what writers that were ended have left, and files that only versions without a reader need
+//   tiles  | are new files, tiles/NNNNNN-V.vtu, which no manifest knows yet
+//   commit | syncs the new files; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
+//          | manifest.json, and from then on the result is the new version; then replaces the master file, which
+//          | follows from the manifest
 //
 // A reader holds a lock on the manifest that it has read (held_manifest.h), and whoever can lock the old manifest for
 // itself knows that its version has no reader. Only the next writer removes files: programs that know nothing of locks
