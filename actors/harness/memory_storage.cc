@@ -138,12 +138,42 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
       if (kept == all_.early_.end()) return done(error(Errc::corrupt, "the harness has damaged it"));
       early = kept->second;
     }
-    Pending pending{node_, tile, std::move(collected).whole(early.vertices, early.neighbors), std::move(done)};
+    store_mesh({node_, tile, std::move(collected).whole(early.vertices, early.neighbors), std::move(done)});
+  }
+
+  // Kept as the mesh that follows, which must be what was counted.
+  void store_points(TileId tile, PointsOfTile kept, Finished::Stored done) override {
+    const Turn ours(all_.memory_faults, false);
+    const int dimension = all_.dimension_;
+    Digest digest = kept.counted.digest;
+    digest += digest_of(dimension, kept.points, kept.ids);
+    const std::uint64_t own = kept.points.size();
+    std::vector<TileId> owners(own, tile);
+    for (const SharedPoint& p : kept.foreign) {
+      kept.points.push_back(p.at);
+      kept.ids.push_back(p.id);
+      owners.push_back(p.tile);
+    }
+    auto mesh = rebuild({.dimension = dimension,
+                         .self = tile,
+                         .own = own,
+                         .points = std::move(kept.points),
+                         .ids = std::move(kept.ids),
+                         .owners = std::move(owners)});
+    if (!mesh) return done(mesh.error());
+    const auto& ghosts = mesh.value().cell_ghost;
+    if (digest_of(mesh.value()) != digest || ghosts.size() != kept.counted.cells ||
+        static_cast<std::uint64_t>(std::count(ghosts.begin(), ghosts.end(), 0)) != kept.counted.main_cells)
+      return done(error(Errc::internal, "other cells follow from what was kept than were counted"));
+    store_mesh({node_, tile, std::move(mesh).value(), std::move(done)});
+  }
+
+ private:
+  void store_mesh(Pending pending) {
     if (!all_.late_stores) return all_.store_now(std::move(pending));
     all_.pending_.push_back(std::move(pending));
   }
 
- private:
   static BigVector<std::byte> name_of(NodeId node) {
     const auto bytes = std::as_bytes(std::span(&node, 1));
     return {bytes.begin(), bytes.end()};

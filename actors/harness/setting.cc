@@ -107,6 +107,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.late_stores = rng() % 2 == 0;
   // Nodes that must wait for each other's credit after every few points.
   if (rng() % 2 == 0) s.gates = {.window_bytes = 800, .parcel_bytes = 300};
+  s.stage.kind = rng() % 3 == 0 ? TileKind::points : TileKind::cells;
   return s;
 }
 

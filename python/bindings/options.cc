@@ -40,6 +40,7 @@ void bind_options(py::module_& module) {
       .def("returns", setter(&Options::returns))
       .def("without", setter(&Options::without))
       .def("keep", setter(&Options::keep))
+      .def("store", setter(&Options::store))
       .def("columns", setter(&Options::columns))
       .def("resolution", setter(&Options::resolution))
       .def("attributes", setter(&Options::attributes))

@@ -22,7 +22,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
                 recursive: bool = False, tiles: int | None = None, partition: str = "kdtree",
                 crop: typing.Sequence[float] | None = None, classes: typing.Iterable[int] = (),
                 returns: str = "all", without: typing.Iterable[str] = (), resolution: float | None = None,
-                columns: typing.Iterable[str] = (), keep: str = "first",
+                columns: typing.Iterable[str] = (), keep: str = "first", store: str = "auto",
                 crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False) -> _tessera.Options:
     """The options of triangulate(); `dim` None: as the files have it."""
@@ -50,6 +50,7 @@ def job_options(dim: int | None, *, max_points_per_tile: int | None = None, fold
     options.classes([positive(number + 1, "classes", 257) - 1 for number in classes])
     options.returns(returns)
     options.keep(keep)
+    options.store(store)
     options.without([without] if isinstance(without, str) else list(without))
     options.columns(columns.split(",") if isinstance(columns, str) else list(columns))
     if resolution is not None:

@@ -25,7 +25,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                 classes: typing.Iterable[int] = (), returns: str = "all", without: typing.Iterable[str] = (),
                 resolution: float | None = None, crs: Path | None = None, heights: bool = True,
                 input_list: Path | None = None, resume: bool = False, columns: typing.Iterable[str] = (),
-                keep: str = "first") -> Triangulation:
+                keep: str = "first", store: str = "auto") -> Triangulation:
     """The exact Delaunay triangulation of points of any number, in tiles, on several threads, within given memory.
 
     Parameters
@@ -79,6 +79,9 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
         Of the points. From files: ["intensity", "classification"], or "all". Of an array: a dict or DataFrame of
         columns, {"mass": m}, with a value for each row, bool (kept as uint8), integers, float32 or float64; "z" of an
         n x 2 array are heights. They are copied. See Tile.attributes.
+    store
+        What the result holds: "cells"; "points", a tenth of the bytes, from which cells are made again when they are
+        asked for; or "auto": points for clouds of more than 50 million.
     neighbors
         Keep the neighbours of cells: 33 bytes a tetrahedron on disk instead of 17.
     skip_invalid
@@ -117,7 +120,7 @@ def triangulate(source: npt.ArrayLike | Path | typing.Sequence[Path] = (), dim: 
                           threads=threads, memory=memory, attributes=() if values is not None else attributes, neighbors=neighbors,
                           skip_invalid=skip_invalid, recursive=recursive, tiles=tiles, partition=partition, crop=crop,
                           classes=classes, returns=returns, without=without, resolution=resolution, crs=crs,
-                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep)
+                          heights=heights, input_list=input_list, resume=resume, columns=columns, keep=keep, store=store)
     if progress is not None and not callable(progress):
         raise UsageError("progress must be callable")
     report = None if progress is None else lambda *figures: progress(Progress(*figures))

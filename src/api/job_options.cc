@@ -43,6 +43,7 @@ JobOptions job_options(const TriangulationOptions& options) {
   job.partition = checked(parse_partition_kind(asked.partition), "partition");
   if (!asked.crop.empty()) job.cloud.crop = checked(crop_box(asked.crop, dimension == 2 ? 2 : 3), "crop");
   if (!asked.crs.empty()) job.cloud.crs = checked(parse_crs(asked.crs), "crs");
+  job.store = checked(parse_store_as(asked.store), "store");
   job.cloud.keep = checked(parse_kept_point(asked.keep), "keep");
   job.cloud.returns = checked(parse_returns(asked.returns), "returns");
   if (const Status known = check_flags(job.cloud.without); !known) checked(Result<int>(known.error()), "without");

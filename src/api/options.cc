@@ -70,6 +70,11 @@ TriangulationOptions& TriangulationOptions::crs(const std::string& crs) {
   impl_->crs = crs;
   return *this;
 }
+TriangulationOptions& TriangulationOptions::store(const std::string& what) {
+  impl_->store = what;
+  return *this;
+}
+
 TriangulationOptions& TriangulationOptions::keep(const std::string& which) {
   impl_->keep = which;
   return *this;

@@ -11,7 +11,7 @@ namespace tessera {
 
 struct TriangulationOptions::Impl {
   JobOptions job;  // as it was set; 0 threads and 0 bytes stand for a choice of the library
-  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first";
+  std::string partition = name_of(PartitionKind::kdtree), crs, returns = "all", keep = "first", store = "auto";
   std::vector<double> crop;
   std::filesystem::path folder;
   bool overwrite = false, resume = false;

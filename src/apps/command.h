@@ -32,6 +32,7 @@ Command add_region(CLI::App& root);
 Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
 Command add_tileset(CLI::App& root);
+Command add_materialise(CLI::App& root);
 Command add_measure(CLI::App& root);
 Command add_columns(CLI::App& root);
 Command add_certs(CLI::App& root);

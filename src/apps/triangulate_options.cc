@@ -132,6 +132,10 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
 void add_triangulate_options(Command& command) {
   add_value(command, "output", "FOLDER", "the result folder; with --server, the name of the result", 'o', true);
   add_cloud_options(command);
+  add_value(command, "store", "WHAT",
+            "cells: files that ParaView opens; points: a tenth of the bytes, cells are made again when they are asked "
+            "for; auto (default): points for clouds of more than 50 million");
+  add_choices(command, "store", "auto, cells, points");
   add_value(command, "kernel", "KIND", "flat (default), cgal");
   add_choices(command, "kernel", "flat, cgal");
   add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
@@ -142,6 +146,8 @@ void add_triangulate_options(Command& command) {
 Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs) {
   TriangulateOptions options;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, options.job));
+  BOOST_OUTCOME_TRY(store, settings.get("store", [](const std::string& text) { return parse_store_as(text); }));
+  options.job.store = store.value_or(StoreAs::by_size);
   BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
   options.job.kernel = kernel.value_or(KernelKind::flat);
   BOOST_OUTCOME_TRY(output, output_options(settings));

@@ -24,7 +24,15 @@ std::uint64_t whole_bytes(std::uint64_t points, std::uint64_t largest, const Nee
 
 }  // namespace
 
-Needs needs(int dimension, KernelKind kernel) {
+Needs needs(int dimension, KernelKind kernel, TileKind kind) {
+  if (kind == TileKind::points) {
+    Needs need = needs(dimension, kernel);
+    need.whole = std::min(need.whole, need.image + 40);  // its own points stay beside what can still change
+    need.collect = dimension == 3 ? 120 : 90;
+    need.collect_whole = dimension == 3 ? 80 : 50;
+    need.mesh = dimension == 3 ? 120 : 100;
+    return need;
+  }
   if (kernel == KernelKind::cgal) {
     if (dimension == 3) {
       return {.triangulate = 880, .whole = 620, .image = 200, .collect = 560, .collect_whole = 270, .mesh = 365};
@@ -66,8 +74,8 @@ std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles) {
   return std::clamp(memory_bytes / 16 / std::max<std::uint64_t>(1, tiles), least, most);
 }
 
-bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, std::uint32_t threads,
-                std::uint64_t memory_bytes) {
+bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, TileKind kind,
+                std::uint32_t threads, std::uint64_t memory_bytes) {
   std::uint64_t points = 0, largest = 0;
   for (const std::uint64_t n : tile_points) {
     points += n;
@@ -75,7 +83,8 @@ bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, Kerne
   }
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(tile_points.begin(), tile_points.end(), [](auto n) { return n > 0; }));
-  return whole_bytes(points, largest, needs(dimension, kernel), threads) <= for_tiles(memory_bytes, threads, tiles);
+  return whole_bytes(points, largest, needs(dimension, kernel, kind), threads) <=
+         for_tiles(memory_bytes, threads, tiles);
 }
 
 std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes) {
@@ -95,9 +104,9 @@ std::uint32_t reading_threads(std::uint64_t memory_bytes, std::uint32_t threads)
   return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, std::max(1u, threads)));
 }
 
-Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_points, std::uint32_t threads,
-              std::uint64_t memory_bytes) {
-  const Needs need = needs(dimension, kernel);
+Phases phases(int dimension, KernelKind kernel, TileKind kind, std::uint64_t points, std::uint64_t tile_points,
+              std::uint32_t threads, std::uint64_t memory_bytes) {
+  const Needs need = needs(dimension, kernel, kind);
   const std::uint64_t tile = std::min(points, tile_points);
   const std::uint64_t tiles = tile == 0 ? 0 : (points + tile - 1) / tile;
   const auto busy = static_cast<std::uint32_t>(std::min<std::uint64_t>(threads, tiles));

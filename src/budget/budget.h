@@ -11,6 +11,7 @@
 #include "src/base/phases.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/base/tile_kind.h"
 #include "src/kernel/kernel.h"
 
 namespace tessera::budget {
@@ -24,7 +25,8 @@ struct Needs {
   std::uint64_t collect_whole = 0;  // the same for a tile that was kept whole
   std::uint64_t mesh = 0;           // while its mesh waits to be stored and is
 };
-Needs needs(int dimension, KernelKind kernel);
+// Where points are kept of tiles, final cells go as soon as they are known.
+Needs needs(int dimension, KernelKind kernel, TileKind kind = TileKind::cells);
 
 // Bytes a point of mail may cost the tile that inserts it: a vertex, its cells, what is known of who was told.
 std::uint64_t foreign_point_bytes(int dimension, KernelKind kernel);
@@ -51,8 +53,8 @@ std::uint64_t mail_bytes_max(std::uint64_t memory_bytes, std::uint64_t tiles);
 
 // Whether all tiles fit whole, every thread collecting one and another one on its way to the store.
 // `tile_points`: by tile; may be 0.
-bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, std::uint32_t threads,
-                std::uint64_t memory_bytes);
+bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, KernelKind kernel, TileKind kind,
+                std::uint32_t threads, std::uint64_t memory_bytes);
 
 // While points are routed: bytes of the buffer that sorts them into tiles, points of the sample that tells where to
 // cut, bytes for the sample by which a tile that became too large is cut, threads that may read ahead.
@@ -93,7 +95,7 @@ struct Phases {
   std::vector<std::pair<Phase, std::uint64_t>> bytes;  // in order; the others take next to nothing
   bool whole = false;  // tiles are kept with all their cells: nothing final is put on disk meanwhile
 };
-Phases phases(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_points, std::uint32_t threads,
-              std::uint64_t memory_bytes);
+Phases phases(int dimension, KernelKind kernel, TileKind kind, std::uint64_t points, std::uint64_t tile_points,
+              std::uint32_t threads, std::uint64_t memory_bytes);
 
 }  // namespace tessera::budget

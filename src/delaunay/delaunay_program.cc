@@ -38,6 +38,7 @@ Status DelaunayProgram::build(bool announce) {
   finals_.reset();  // of an image that was none
   stored_early_ = {};
   finals_sum_ = 0;
+  gone_ = {};
   BOOST_OUTCOME_TRY(loaded, stage_.store->load_points(self_));
   own_points_ = loaded.points.size();
   if (!loaded.duplicates.empty()) {
@@ -49,7 +50,9 @@ Status DelaunayProgram::build(bool announce) {
   // Kept until finish() when the tile is not reduced; moving the vector leaves its points where they are.
   triangulation_->triangulate(loaded.points, loaded.ids, KeepPoints::borrowed);
   // A tile that is collected at once is not worth reducing, but for what it stores.
-  if (early() || (stage_.reduce && announce)) {
+  if (!keeps_cells()) {
+    if (announce) discard(loaded, box);
+  } else if (early() || (stage_.reduce && announce)) {
     FinalCells finals = triangulation_->reduce(loaded.points, box, !stage_.reduce || !announce);
     if (triangulation_->handed_out()) {
       BOOST_OUTCOME_TRYV(keep_finals(std::move(finals), loaded, !announce));
@@ -140,6 +143,7 @@ Message DelaunayProgram::settled() const {
 }
 
 Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
+  if (!keeps_cells()) return finish_points();
   if (!points_) {
     BOOST_OUTCOME_TRYV(load_own_points());
   }
@@ -161,7 +165,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
 
 Image DelaunayProgram::save() {
   Image bytes = triangulation_->save();
-  const ImageEnd end{own_points_, finals_sum_};
+  const ImageEnd end{own_points_, finals_sum_, stage_.kind, gone_};
   const auto last = std::as_bytes(std::span(&end, 1));
   bytes.insert(bytes.end(), last.begin(), last.end());
   earlier_ = false;
@@ -173,6 +177,7 @@ std::unique_ptr<TileTriangulation> DelaunayProgram::decode(Image image, ImageEnd
   if (image.size() < sizeof end) return nullptr;
   std::memcpy(&end, image.data() + image.size() - sizeof end, sizeof end);
   image.resize(image.size() - sizeof end);
+  if (end.kind != stage_.kind) return nullptr;
   auto tile = std::make_unique<TileTriangulation>(options());
   if (!tile->load(std::move(image))) return nullptr;
   return tile;
@@ -203,7 +208,8 @@ Result<bool> DelaunayProgram::restore(Image image, const Image* finals, bool at_
   if (!tile) return false;
   own_points_ = end.own_points;
   finals_sum_ = end.finals_sum;
-  if (tile->handed_out()) {
+  gone_ = end.gone;
+  if (keeps_cells() && tile->handed_out()) {
     TileStorage::Pieces pieces;
     if (!finals) {
       auto read = stage_.storage->read(self_, ScratchKind::finals);

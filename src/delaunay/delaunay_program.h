@@ -23,6 +23,8 @@ struct DelaunayStage final : TilePrograms {
   KernelKind kernel = KernelKind::flat;
   // Hand out final cells and keep the rest only: a tenth of the memory, a tenth more work.
   bool reduce = false;
+  // Whether cells are stored; else final ones are counted and dropped as soon as they are known.
+  TileKind kind = TileKind::cells;
   // Tiles of so many points do so in any case, and store as many of them early, before there are others, as are whole
   // units; 0: none does. What they store depends on these two, not on who stores it when.
   std::uint64_t early_points = 0, early_unit = 1;
@@ -61,6 +63,8 @@ class DelaunayProgram final : public TileProgram {
   struct ImageEnd {
     std::uint64_t own_points = 0;
     std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
+    TileKind kind = TileKind::cells;
+    CountedCells gone;
   };
   struct Heard {
     TileId from;
@@ -81,7 +85,10 @@ class DelaunayProgram final : public TileProgram {
   bool decode_finals(std::span<const std::byte> bytes);
   Result<bool> restore_finals(std::span<const std::byte> bytes, bool at_once);
   // Its first cells are stored before the others.
-  bool early() const { return stage_.early_points > 0 && own_points_ >= stage_.early_points; }
+  void discard(const LoadedTile& loaded, const Box& box);
+  Result<std::unique_ptr<Finished>> finish_points();
+  bool keeps_cells() const { return stage_.kind == TileKind::cells; }
+  bool early() const { return keeps_cells() && stage_.early_points > 0 && own_points_ >= stage_.early_points; }
   TileOptions options() const {
     return {self_, stage_.dimension, stage_.kernel, ExchangeRule::introduce, stage_.around.get(), stage_.stop};
   }
@@ -97,6 +104,7 @@ class DelaunayProgram final : public TileProgram {
   bool earlier_ = false;                             // the image on scratch is another life's
   std::uint64_t own_points_ = 0;
   std::uint64_t finals_sum_ = 0;  // of what is, or was, in finals_
+  CountedCells gone_;             // cells that were dropped, all of them main
   ExchangeCounts counts_;
 };
 

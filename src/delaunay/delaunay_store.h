@@ -4,16 +4,31 @@
 #include <cstddef>
 #include <future>
 #include <memory>
+#include <vector>
 
 #include "src/base/big_vector.h"
 #include "src/base/ids.h"
+#include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/exchange/tile_program.h"
+#include "src/store/tile_store.h"
 #include "src/tile/collected_tile.h"
 #include "src/tile/early_finals.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
+
+// A tile of which points are kept, and of its cells what was counted.
+struct PointsOfTile {
+  std::vector<Point> points;         // the tile's own, in Hilbert order
+  std::vector<PointId> ids;          // theirs
+  std::vector<SharedPoint> foreign;  // vertices of its cells, in Hilbert order
+  CountedCells counted;
+
+  std::uint64_t bytes() const {
+    return points.size() * (sizeof(Point) + sizeof(PointId)) + foreign.size() * sizeof(SharedPoint);
+  }
+};
 
 // Calls for different tiles may come from different threads at once; those for one tile come one after the other.
 class DelaunayStore {
@@ -31,6 +46,7 @@ class DelaunayStore {
 
   // As Finished::store(): the receipt is the tile's entry (bytes_of() in src/store/tile_store.h).
   virtual void store(TileId tile, CollectedTile collected, Finished::Stored done) = 0;
+  virtual void store_points(TileId tile, PointsOfTile kept, Finished::Stored done) = 0;
 };
 
 }  // namespace tessera

@@ -10,39 +10,60 @@
 #include "src/base/stopped.h"
 #include "src/files/folder_lock.h"
 #include "src/store/early_cells.h"
+#include "src/store/points_tile.h"
 
 namespace tessera {
 
-DiskStore::DiskStore(std::shared_ptr<const RoutedRun> run, std::filesystem::path out, StoreOptions options,
+namespace {
+
+class PointsOfRun final : public TilePoints {
+ public:
+  explicit PointsOfRun(std::shared_ptr<const RoutedRun> run) : run_(std::move(run)) {}
+  int dimension() const override { return run_->dimension; }
+  const std::vector<Attribute>& schema() const override { return run_->schema; }
+  Result<LoadedTile> load(TileId tile) const override { return load_tile(*run_, tile); }
+
+  // Foreign vertices' rows stand in their owners' files.
+  Result<std::vector<std::byte>> rows(TileId, std::span<const PointId> vertices,
+                                      std::span<const TileId> owners) const override {
+    const std::size_t width = row_bytes(run_->schema);
+    std::vector<std::byte> rows(vertices.size() * width);
+    if (width == 0) return rows;
+    std::map<TileId, std::vector<std::size_t>> by_owner;
+    for (std::size_t i = 0; i < owners.size(); ++i) by_owner[owners[i]].push_back(i);
+    BundleMaps maps(*run_);
+    for (const auto& [owner, places] : by_owner) {
+      std::vector<PointId> ids;
+      ids.reserve(places.size());
+      for (const std::size_t i : places) ids.push_back(vertices[i]);
+      BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
+      for (std::size_t k = 0; k < places.size(); ++k) {
+        std::memcpy(&rows[places[k] * width], &part[k * width], width);
+      }
+    }
+    return rows;
+  }
+
+ private:
+  std::shared_ptr<const RoutedRun> run_;
+};
+
+}  // namespace
+
+std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedRun> run) {
+  return std::make_shared<const PointsOfRun>(std::move(run));
+}
+
+DiskStore::DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
                      std::uint32_t writers, TileStorage& scratch)
-    : run_(std::move(run)),
+    : points_(std::move(points)),
       out_(std::move(out)),
       options_(std::move(options)),
       scratch_(scratch),
       early_(writers),
       writers_(writers) {}
 
-Result<LoadedTile> DiskStore::load_points(TileId tile) { return load_tile(*run_, tile); }
-
-// Foreign vertices' rows stand in their owners' files.
-Result<std::vector<std::byte>> DiskStore::gather_rows(const TileMesh& mesh) const {
-  const std::size_t width = row_bytes(run_->schema);
-  std::vector<std::byte> rows(mesh.points.size() * width);
-  if (width == 0) return rows;
-  std::map<TileId, std::vector<std::size_t>> by_owner;
-  for (std::size_t i = 0; i < mesh.owners.size(); ++i) by_owner[mesh.owners[i]].push_back(i);
-  BundleMaps maps(*run_);
-  for (const auto& [owner, places] : by_owner) {
-    std::vector<PointId> ids;
-    ids.reserve(places.size());
-    for (const std::size_t i : places) ids.push_back(mesh.ids[i]);
-    BOOST_OUTCOME_TRY(part, load_rows(maps, owner, ids));
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      std::memcpy(&rows[places[k] * width], &part[k * width], width);
-    }
-  }
-  return rows;
-}
+Result<LoadedTile> DiskStore::load_points(TileId tile) { return points_->load(tile); }
 
 // What `write` gives, or why it could not.
 template <class Write>
@@ -69,7 +90,7 @@ auto DiskStore::written(TileId tile, const Write& write) const noexcept -> declt
 DiskStore::StoredEarly DiskStore::write_early(TileId tile, const EarlyFinals& cells) const {
   const std::uint64_t others = cells.others();
   BOOST_OUTCOME_TRY(early, write_early_cells(out_, tile,
-                                             {.dimension = run_->dimension,
+                                             {.dimension = points_->dimension(),
                                               .ids = cells.ids(),
                                               .cells = cells,
                                               .count = cells.early(),
@@ -100,7 +121,7 @@ Status DiskStore::take_early(TileId tile, BigVector<std::byte>& stored) {
 }
 
 Result<Receipt> DiskStore::write_result(TileId tile, const CollectedTile& collected) {
-  BOOST_OUTCOME_TRY(rows, gather_rows(collected.mesh));
+  BOOST_OUTCOME_TRY(rows, points_->rows(tile, collected.mesh.ids, collected.mesh.owners));
   const auto early = early_cells_of(collected.stored);
   if (collected.early > 0 && (!early || early->cells != collected.early))
     return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost its first cells");
@@ -110,13 +131,45 @@ Result<Receipt> DiskStore::write_result(TileId tile, const CollectedTile& collec
   return bytes_of(entry);
 }
 
-void DiskStore::store(TileId tile, CollectedTile collected, Finished::Stored done) {
-  auto held = std::make_shared<CollectedTile>(std::move(collected));  // a task can be copied
-  writers_.take([this, tile, held = std::move(held), done = std::move(done)]() mutable noexcept {
-    Result<Receipt> receipt = written(tile, [&] { return write_result(tile, *held); });
+Result<Receipt> DiskStore::write_points(TileId tile, PointsOfTile& kept) {
+  const std::uint64_t own = kept.points.size();
+  std::vector<TileId> owners(own, tile);
+  for (const SharedPoint& p : kept.foreign) {
+    kept.points.push_back(p.at);
+    kept.ids.push_back(p.id);
+    owners.push_back(p.tile);
+  }
+  BOOST_OUTCOME_TRY(rows, points_->rows(tile, kept.ids, owners));
+  BOOST_OUTCOME_TRY(entry, write_points_tile(out_,
+                                             {.dimension = points_->dimension(),
+                                              .tile = tile,
+                                              .own = own,
+                                              .points = kept.points,
+                                              .ids = kept.ids,
+                                              .owners = owners,
+                                              .schema = points_->schema(),
+                                              .rows = rows},
+                                             kept.counted, options_));
+  BOOST_OUTCOME_TRYV(remove_beginnings(scratch_, tile));
+  return bytes_of(entry);
+}
+
+template <class Tile, class Write>
+void DiskStore::write_later(TileId tile, Tile kept, Finished::Stored done, Write write) {
+  auto held = std::make_shared<Tile>(std::move(kept));  // a task can be copied
+  writers_.take([this, tile, held = std::move(held), done = std::move(done), write]() mutable noexcept {
+    Result<Receipt> receipt = written(tile, [&] { return (this->*write)(tile, *held); });
     held.reset();  // before the node believes that it is gone
     done(std::move(receipt));
   });
+}
+
+void DiskStore::store(TileId tile, CollectedTile collected, Finished::Stored done) {
+  write_later(tile, std::move(collected), std::move(done), &DiskStore::write_result);
+}
+
+void DiskStore::store_points(TileId tile, PointsOfTile kept, Finished::Stored done) {
+  write_later(tile, std::move(kept), std::move(done), &DiskStore::write_points);
 }
 
 }  // namespace tessera

@@ -24,6 +24,7 @@ namespace {
 constexpr const char* temporary_ending = ".tmp";
 constexpr const char* done_ending = ".done";
 constexpr const char* tile_ending = ".vtu";
+constexpr const char* points_tile_ending = ".pts";
 constexpr const char* version_ending = ".json";
 constexpr const char* copy_ending = ".copy.json";
 constexpr const char* of_node = "node-";
@@ -98,22 +99,27 @@ const char* folder_name(ScratchKind kind) {
 fs::path manifest_file(const fs::path& out) { return out / "manifest.json"; }
 fs::path master_file(const fs::path& out) { return out / "triangulation.pvtu"; }
 fs::path tiles_folder(const fs::path& out) { return out / "tiles"; }
-fs::path tile_file(const fs::path& out, TileId tile) { return numbered(tiles_folder(out), tile, tile_ending); }
-fs::path tile_file(const fs::path& out, TileId tile, std::uint32_t version) {
-  if (version <= 1) return tile_file(out, tile);
-  const std::string ending = "-" + std::to_string(version) + tile_ending;
+fs::path tile_file(const fs::path& out, TileId tile, std::uint32_t version, TileKind kind) {
+  std::string ending = kind == TileKind::cells ? tile_ending : points_tile_ending;
+  if (version > 1) ending = "-" + std::to_string(version) + ending;
   return numbered(tiles_folder(out), tile, ending.c_str());
+}
+std::optional<TileKind> kind_of_tile_file(const fs::path& file) {
+  const auto ending = file.extension();
+  if (ending == tile_ending) return TileKind::cells;
+  if (ending == points_tile_ending) return TileKind::points;
+  return std::nullopt;
 }
 std::optional<std::uint32_t> version_of_tile_file(const fs::path& file) {
   const std::string name = file.filename().string();
+  const auto kind = kind_of_tile_file(file);
   const auto dash = name.find('-');
-  if (dash == std::string::npos) return std::nullopt;
+  if (!kind || dash == std::string::npos) return std::nullopt;
   const auto tile = number_in(std::string_view(name).substr(0, dash));
-  const auto rest = std::string_view(name).substr(dash + 1);
-  if (!tile || !rest.ends_with(tile_ending)) return std::nullopt;
-  const auto version = number_in(rest.substr(0, rest.size() - std::string_view(tile_ending).size()));
+  const auto version = number_in(std::string_view(name).substr(dash + 1, name.rfind('.') - dash - 1));
+  if (!tile || !version || *version < 2) return std::nullopt;
   // Names are made in one way.
-  if (!version || *version < 2 || tile_file("", TileId{*tile}, *version).filename() != name) return std::nullopt;
+  if (tile_file("", TileId{*tile}, *version, *kind).filename() != name) return std::nullopt;
   return version;
 }
 fs::path versions_folder(const fs::path& out) { return out / ".versions"; }

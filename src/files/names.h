@@ -2,7 +2,8 @@
 //
 //   OUT/manifest.json              what the result is; written last
 //   OUT/triangulation.pvtu         the master file, over the tiles
-//   OUT/tiles/000042.vtu           a tile
+//   OUT/tiles/000042.vtu           a tile with its cells
+//   OUT/tiles/000042.pts           a tile kept as points
 //   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
 //                                  a tile's alone in 000042.done of older software
 //   OUT/tiles/000042-2.vtu         a tile as version 2 of the result wrote it
@@ -69,21 +70,24 @@
 #include <string>
 
 #include "src/base/ids.h"
+#include "src/base/tile_kind.h"
 
 namespace tessera {
 
 // Result folders.
 inline constexpr int newest_format = 4, oldest_format = 2;  // that is read
-// Of results that were never changed, and of those that have versions.
+// Of results that were never changed and have all their cells; of those that have versions or tiles kept as points.
 inline constexpr int unchanged_format = 3, changed_format = 4;
 std::filesystem::path manifest_file(const std::filesystem::path& out);
 std::filesystem::path master_file(const std::filesystem::path& out);
 std::filesystem::path tiles_folder(const std::filesystem::path& out);
-std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile);
-// As that version of the result wrote it; 1: as above.
-std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, std::uint32_t version);
+// As that version of the result wrote it; without a number in its name for 1.
+std::filesystem::path tile_file(const std::filesystem::path& out, TileId tile, std::uint32_t version = 1,
+                                TileKind kind = TileKind::cells);
 // Of a file in a tiles folder that a version above 1 may have written; nothing for other names.
 std::optional<std::uint32_t> version_of_tile_file(const std::filesystem::path& file);
+// By the ending of a tile's file; nothing for other endings.
+std::optional<TileKind> kind_of_tile_file(const std::filesystem::path& file);
 // The manifests of older versions. Where a file cannot have two names they are copies, and nobody can tell who reads
 // that version.
 std::filesystem::path versions_folder(const std::filesystem::path& out);

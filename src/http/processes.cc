@@ -51,6 +51,7 @@ const char* help_of(const std::string& field) {
       {"threads", "How many threads the job may use."},
       {"memory", "How much memory the job may use: a number with K, M, G or T."},
       {"kernel", "Which Delaunay kernel."},
+      {"store", "What is stored of tiles: cells, points that they follow from, or by the size of the cloud."},
       {"neighbors", "Also store the neighbours of each cell."},
       {"crop", "Only points in this box: the lower corner, then the upper one."},
       {"class", "Only points of these classes."},

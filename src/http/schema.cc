@@ -18,6 +18,7 @@ ordered_json values_of(const FieldDescriptor& field) {
       {"dim", {2, 3}},
       {"partition", {"kdtree", "grid", "octree", "random"}},
       {"kernel", {"flat", "cgal"}},
+      {"store", {"auto", "cells", "points"}},
       {"keep", {"first", "last", "lowest", "highest"}},
       {"returns", {"all", "first", "last", "single"}},
       {"type", {"float32", "float64"}},

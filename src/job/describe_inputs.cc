@@ -74,8 +74,9 @@ Result<Forecast> forecast(const JobOptions& options, const Cloud& cloud, std::ui
                            : Partition::build(options.partition, dimension, sample, made.sampled, points, limit))
             .tiles();
   }
-  made.cost = estimate(dimension, options.kernel, points, limit, options.neighbors, row_bytes(cloud.schema()),
-                       {.memory_bytes = options.memory_bytes, .threads = options.threads});
+  made.cost =
+      estimate(dimension, options.kernel, kind_of_tiles(options.store, points), points, limit, options.neighbors,
+               row_bytes(cloud.schema()), {.memory_bytes = options.memory_bytes, .threads = options.threads});
   for (const auto& file : cloud.files())
     if (!file.packing.empty()) made.cost.temporary_bytes += file.content_bytes;
   return made;

@@ -26,7 +26,8 @@ struct Estimate {
   std::uint64_t temporary_bytes = 0;  // of the run folder, gone at the end
   double seconds = 0;
 };
-Estimate estimate(int dimension, KernelKind kernel, std::uint64_t points, std::uint64_t tile_limit, bool neighbors,
-                  std::uint64_t attribute_row_bytes, const Machine& machine);
+// `kind`: of the tiles of the result.
+Estimate estimate(int dimension, KernelKind kernel, TileKind kind, std::uint64_t points, std::uint64_t tile_limit,
+                  bool neighbors, std::uint64_t attribute_row_bytes, const Machine& machine);
 
 }  // namespace tessera

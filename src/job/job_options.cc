@@ -15,6 +15,7 @@ std::string options_key(const JobOptions& options) {
                              {"attributes", options.cloud.attributes},
                              {"z", options.cloud.heights},
                              {"neighbors", options.neighbors}};
+  if (options.store != StoreAs::by_size) key["store"] = name_of(options.store);
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
   if (options.cloud.keep != KeptPoint::first) key["keep"] = name_of(options.cloud.keep);
   if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
@@ -66,6 +67,12 @@ Result<Returns> parse_returns(std::string_view text) {
 Result<KeptPoint> parse_kept_point(std::string_view text) {
   if (const auto keep = kept_point_of(text)) return *keep;
   return error(Errc::usage, "'" + std::string(text) + "' is none of first, last, lowest and highest");
+}
+
+Result<StoreAs> parse_store_as(std::string_view text) {
+  const auto found = std::find(store_as_names.begin(), store_as_names.end(), text);
+  if (found != store_as_names.end()) return static_cast<StoreAs>(found - store_as_names.begin());
+  return error(Errc::usage, "'" + std::string(text) + "' is none of auto, cells and points");
 }
 
 Status check_flags(const std::vector<std::string>& names) {

@@ -35,6 +35,8 @@ Result<Box> crop_box(std::span<const double> numbers, int dimension);
 Result<Returns> parse_returns(std::string_view text);
 // "first", "last", "lowest", "highest".
 Result<KeptPoint> parse_kept_point(std::string_view text);
+// "auto", "cells", "points".
+Result<StoreAs> parse_store_as(std::string_view text);
 // Whether these are flags that LAS has.
 Status check_flags(const std::vector<std::string>& names);
 

@@ -141,6 +141,11 @@ class Kernel {
   // the cells that stay all of them can be reached through facets, as when those with a circumsphere in a convex region
   // are final and no vertex in it is not local.
   virtual FinalCells freeze(const std::function<bool(const Vertex*)>& is_final) = 0;
+  // The same for a caller who keeps nothing of the frozen cells: `told` sees their vertices, d+1 a cell, some thousand
+  // cells at a time. What lies across the facets of the hole is `across_frozen`, whichever cell it was. Returns how
+  // many cells are gone. A third of freeze()'s time. REQUIRES: as freeze().
+  using TakeVertices = std::function<void(std::span<const Vertex>)>;
+  virtual std::uint64_t discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) = 0;
 
   virtual KernelImage save() const = 0;
   // Replaces the content. The image must come from save(): it is checked for range, not for geometry; false if it

@@ -53,7 +53,7 @@ Result<std::set<fs::path>> tile_names_of(const result::OldVersion& old) {
 }
 
 bool is_tile_of_result(const fs::path& name) {
-  return version_of_tile_file(name) || (is_tile_name(name) && name.extension() == tile_file("", TileId{}).extension());
+  return version_of_tile_file(name) || (is_tile_name(name) && kind_of_tile_file(name));
 }
 
 }  // namespace
@@ -139,6 +139,9 @@ Status NewVersion::remove_unneeded() const {
 Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnValues> columns,
                                const std::stop_token& stop) {
   TileEntry entry = source_.entry(index);
+  if (entry.kind == TileKind::points)
+    return error(Errc::usage, source_.file(index).string() +
+                                  ": is kept as points, and columns are stored beside cells: make cells of it first");
   BOOST_OUTCOME_TRYV(source_.check(index));
   entry.version = number();
   const auto final_name = tile_file(source_.folder(), entry);
@@ -154,6 +157,18 @@ Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnV
   const std::lock_guard lock(mutex_);
   files_.emplace_back(final_name);
   written_.push_back(entry);
+  return success();
+}
+
+Status NewVersion::replace_tile(std::size_t index, TileEntry entry, const fs::path& file) {
+  entry.tile = source_.entry(index).tile;
+  entry.version = number();
+  const auto final_name = tile_file(source_.folder(), entry);
+  BOOST_OUTCOME_TRYV(lock_.heard());
+  BOOST_OUTCOME_TRYV(rename_file(file, final_name));
+  const std::lock_guard lock(mutex_);
+  files_.emplace_back(final_name);
+  written_.push_back(std::move(entry));
   return success();
 }
 
@@ -177,9 +192,8 @@ Status NewVersion::keep_old_manifest() const {
 Status NewVersion::commit(std::vector<ResultColumn> columns) {
   const fs::path& out = source_.folder();
   Manifest next = source_.manifest();
-  if (written_.size() != next.tiles.size()) return error(Errc::internal, "a version lacks tiles");
-  std::ranges::sort(written_, {}, &TileEntry::tile);
-  next.tiles = written_;
+  if (!columns.empty() && written_.size() != next.tiles.size()) return error(Errc::internal, "a version lacks tiles");
+  for (const TileEntry& entry : written_) next.tiles[*source_.find(entry.tile)] = entry;
   next.format_version = changed_format;
   next.version = number();
   for (auto& column : columns) {

@@ -51,8 +51,10 @@ class NewVersion {
   // The tile with these columns more, which are the same in each. Safe to call from several threads for different
   // tiles. Errors: corrupt when the file is not the one that was stored; io, interrupted.
   Status add_columns(std::size_t index, std::span<const store::ColumnValues> columns, const std::stop_token& stop);
-  // `columns`: what they are. REQUIRES: add_columns() was called for each tile. Errors: io; with it either version may
-  // stand.
+  // The tile is this file from then on, which moves; `entry`: of it. Safe to call likewise. Error io.
+  Status replace_tile(std::size_t index, TileEntry entry, const std::filesystem::path& file);
+  // `columns`: what they are. REQUIRES: if there are any, add_columns() was called for each tile. Tiles of which
+  // nothing was said stay as they are. Errors: io; with it either version may stand.
   Status commit(std::vector<ResultColumn> columns);
 
  private:

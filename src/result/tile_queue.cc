@@ -6,7 +6,7 @@ namespace tessera {
 
 std::uint64_t TileQueue::tile_bytes(double tile_factor) const {
   std::uint64_t most = 0;
-  for (const std::size_t i : tiles_) most = std::max(most, source_.entry(i).bytes);
+  for (const std::size_t i : tiles_) most = std::max(most, source_.work_bytes(i));
   return (std::uint64_t{1} << 20) + static_cast<std::uint64_t>(static_cast<double>(most) * tile_factor);
 }
 

@@ -2,13 +2,18 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "src/files/there.h"
+#include "src/kernel/kernel.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/result/check_sum.h"
 #include "src/result/held_manifest.h"
+#include "src/store/points_file.h"
+#include "src/tile/rebuild.h"
 
 namespace tessera {
 
@@ -60,9 +65,74 @@ Status TileSource::check(std::size_t i) const {
   return check_sum(file(i), entry(i).xxh3, data_sum_of(manifest().format_version));
 }
 
-Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts) const {
+// A kernel has a row of 32 bytes for each cell, and the mesh is made from these rows.
+std::uint64_t TileSource::work_bytes(std::size_t i) const {
+  const TileEntry& tile = entry(i);
+  if (tile.kind == TileKind::cells) return tile.bytes;
+  const std::uint64_t corners = static_cast<std::uint64_t>(manifest().dimension) + 1;
+  const std::uint64_t cells = tile.cells + tile.cells / 8;  // and those of foreign vertices alone
+  return cells * (sizeof(CellRow) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema));
+}
+
+namespace {
+
+// A permutation of rows of `width` bytes: row i comes from `from[i]`.
+std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t width,
+                                const std::vector<std::uint32_t>& from) {
+  std::vector<std::byte> out(rows.size());
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    std::memcpy(out.data() + k * width, rows.data() + from[k] * width, width);
+  }
+  return out;
+}
+
+}  // namespace
+
+Result<PointsTile> TileSource::read_as_points(std::size_t i, bool rows) const {
+  return read_points_file(file(i), entry(i).tile, rows);
+}
+
+// Foreign vertices stand in the file as a kernel takes them best, and in the mesh by id.
+Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts, const std::stop_token& stop) const {
   const auto path = file(i);
-  BOOST_OUTCOME_TRY(tile, store::read_tile(path, entry(i).tile, parts));
+  BOOST_OUTCOME_TRY(tile, read_as_points(i, parts.rows));
+  const std::size_t n = tile.points.size(), own = tile.own;
+  std::vector<std::uint32_t> from(n);
+  std::iota(from.begin(), from.end(), 0u);
+  const auto foreign = from.begin() + static_cast<std::ptrdiff_t>(own);
+  std::sort(foreign, from.end(), [&](auto a, auto b) { return tile.ids[a] < tile.ids[b]; });
+  StoredTile stored;
+  stored.schema = std::move(tile.schema);
+  if (parts.rows) stored.rows = permuted(tile.rows, row_bytes(stored.schema), from);
+  TileMesh& mesh = stored.mesh;
+  if (parts.cells) {
+    auto rebuilt = rebuild({.dimension = tile.dimension,
+                            .self = tile.tile,
+                            .own = own,
+                            .points = std::move(tile.points),
+                            .ids = std::move(tile.ids),
+                            .owners = std::move(tile.owners),
+                            .stop = stop});
+    if (!rebuilt) return error(rebuilt.error().code, path.string() + ": " + rebuilt.error().where);
+    mesh = std::move(rebuilt).value();
+    if (!manifest().neighbors) mesh.neighbors = {};
+    return stored;
+  }
+  mesh.dimension = tile.dimension;
+  mesh.point_ghost.assign(n, 1);
+  std::fill_n(mesh.point_ghost.begin(), own, std::uint8_t{0});
+  for (const std::uint32_t k : from) {
+    mesh.points.push_back(tile.points[k]);
+    mesh.ids.push_back(tile.ids[k]);
+    mesh.owners.push_back(tile.owners[k]);
+  }
+  return stored;
+}
+
+Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts, const std::stop_token& stop) const {
+  const auto path = file(i);
+  const bool of_points = entry(i).kind == TileKind::points;
+  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, parts, stop) : store::read_tile(path, entry(i).tile, parts));
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   if (bytes != entry(i).bytes)
     return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, the manifest says " +
@@ -73,7 +143,8 @@ Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts) const
 }
 
 Result<std::vector<PointId>> TileSource::read_own_ids(std::size_t i) const {
-  BOOST_OUTCOME_TRY(ids, store::read_own_ids(file(i), entry(i).tile));
+  BOOST_OUTCOME_TRY(ids, entry(i).kind == TileKind::points ? read_own_point_ids(file(i), entry(i).tile)
+                                                           : store::read_own_ids(file(i), entry(i).tile));
   if (ids.size() != entry(i).own_points)
     return error(Errc::corrupt, file(i).string() + ": holds other numbers of vertices than the manifest says");
   return std::move(ids);

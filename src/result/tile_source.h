@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
+#include "src/store/points_tile.h"
 #include "src/store/tile_reader.h"
 #include "src/store/tile_store.h"
 
@@ -32,15 +34,22 @@ class TileSource {
   std::filesystem::path file(std::size_t i) const { return tile_file(folder(), entry(i)); }
   std::filesystem::path file(TileId tile) const;
 
+  // What read() takes of memory at most, in bytes, when it gives cells.
+  std::uint64_t work_bytes(std::size_t i) const;
+
   // The tile's file has the checksum that the manifest says. Errors: corrupt, io.
   Status check(std::size_t i) const;
-  // Every array is checked, and all is compared with what the manifest says of the tile. Errors: corrupt, which names
-  // file and place; io.
-  Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
+  // Every array is checked, and all is compared with what the manifest says of the tile. Cells of a tile that is kept
+  // as points are made again (src/tile/rebuild.h). Errors: corrupt, which names file and place; io; memory when a
+  // kernel cannot number the tile's points. Throws Stopped soon after `stop` is requested.
+  Result<StoredTile> read(std::size_t i, const TileParts& parts, const std::stop_token& stop = {}) const;
+  // What the file of a tile that is kept as points holds. Errors as above. REQUIRES: it is.
+  Result<PointsTile> read_as_points(std::size_t i, bool rows = true) const;
   // Only the source indices of the tile's own vertices, in the file's order. Errors as above.
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
 
  private:
+  Result<StoredTile> read_points(std::size_t i, const TileParts& parts, const std::stop_token& stop) const;
   struct Inside {
     std::filesystem::path folder;
     Manifest manifest;

@@ -22,16 +22,13 @@
 #include "src/files/free_space.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/run/early.h"
 #include "src/run/run_options.h"
 #include "src/run/touching.h"
 #include "src/store/early_cells.h"
 
 namespace tessera {
 namespace {
-
-// Tiles of fewer, and all tiles of smaller clouds, are stored in one go: to write them twice costs more time than they
-// take memory.
-constexpr std::uint64_t early_points_min = std::uint64_t{1} << 15, early_cloud_min = std::uint64_t{1} << 22;
 
 // A node with less is done without from the start: it would fail with its first tiles.
 constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
@@ -45,7 +42,7 @@ struct DiskParts::DiskPart final : Part {
       : run(routed),
         storage({routed->folder, scratch_folder.empty() ? routed->folder : scratch_folder, routed->seal,
                  options.lock_file, options.node}),
-        store(routed, out, with(options, stopping.get_token()), writers, storage),
+        store(routed_points(routed), out, with(options, stopping.get_token()), writers, storage),
         pool(pool_bytes) {
     scratch = std::move(scratch_folder);
   }
@@ -148,9 +145,11 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   for (std::uint32_t t = 0; t < points.size(); ++t) {
     if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
   }
+  const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
+  const TileKind kind = kind_of_tiles(how.store, cloud);
   const bool reduce = how.keep == Keep::reduced ||
                       (how.keep == Keep::by_budget &&
-                       !budget::fits_whole(points, run->dimension, how.kernel, spec.threads, spec.memory_bytes));
+                       !budget::fits_whole(points, run->dimension, how.kernel, kind, spec.threads, spec.memory_bytes));
   const bool many_nodes = spec.shares > 0;
   std::filesystem::path scratch;
   if (many_nodes) {
@@ -177,7 +176,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
                                                       .node = self,
                                                       .sync = many_nodes},
                                          spec.threads + 1, pool_bytes);  // one waits for the disk, mostly
-  const budget::Needs needs = budget::needs(run->dimension, how.kernel);
+  const budget::Needs needs = budget::needs(run->dimension, how.kernel, kind);
   PartStage only;
   ScheduleOptions& schedule = only.schedule;
   schedule.threads = spec.threads;
@@ -204,8 +203,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   stage->dimension = run->dimension;
   stage->kernel = how.kernel;
   stage->reduce = reduce;
-  const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
-  stage->early_points = cloud < early_cloud_min ? 0 : early_points_min;
+  stage->kind = kind;
+  stage->early_points = early_points_of(cloud);
   stage->early_unit = early_unit(run->dimension);
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   stage->boxes = final_boxes(shared(run, run->partition));

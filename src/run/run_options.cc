@@ -10,6 +10,7 @@ std::string to_bytes(const DelaunayOptions& options) {
   proto::DelaunayOptions message;
   message.set_kernel(static_cast<proto::DelaunayOptions::Kernel>(options.kernel));
   message.set_keep(static_cast<proto::DelaunayOptions::Keep>(options.keep));
+  message.set_store(static_cast<proto::DelaunayOptions::Store>(options.store));
   message.set_neighbors(options.neighbors);
   return message.SerializeAsString();
 }
@@ -17,11 +18,12 @@ std::string to_bytes(const DelaunayOptions& options) {
 Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes) {
   proto::DelaunayOptions message;
   if (!message.ParseFromString(bytes) || !proto::DelaunayOptions::Kernel_IsValid(message.kernel()) ||
-      !proto::DelaunayOptions::Keep_IsValid(message.keep())) {
+      !proto::DelaunayOptions::Keep_IsValid(message.keep()) ||
+      !proto::DelaunayOptions::Store_IsValid(message.store())) {
     return error(Errc::internal, "what a job's programs must know cannot be read");
   }
   return DelaunayOptions{static_cast<KernelKind>(message.kernel()), static_cast<Keep>(message.keep()),
-                         message.neighbors()};
+                         static_cast<StoreAs>(message.store()), message.neighbors()};
 }
 
 PartSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder) {
@@ -33,7 +35,7 @@ PartSpec spec_of(const RunOptions& options, std::string run_folder, std::string 
   spec.lock_file = options.lock_file;
   spec.run_folder = std::move(run_folder);
   spec.out_folder = std::move(out_folder);
-  spec.programs = to_bytes(DelaunayOptions{options.kernel, options.keep, options.neighbors});
+  spec.programs = to_bytes(DelaunayOptions{options.kernel, options.keep, options.store, options.neighbors});
   return spec;
 }
 

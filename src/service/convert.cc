@@ -46,6 +46,11 @@ Status read_tiles(const proto::TriangulateInputs& inputs, const Share& share, Jo
       return refuse("kernel", "'" + inputs.kernel() + "' is no kernel; there are flat and cgal");
     options.kernel = inputs.kernel() == "flat" ? KernelKind::flat : KernelKind::cgal;
   }
+  if (inputs.has_store()) {
+    const auto store = parse_store_as(inputs.store());
+    if (!store) return refuse("store", store.error().where);
+    options.store = store.value();
+  }
   if (inputs.has_neighbors()) options.neighbors = inputs.neighbors();
   return success();
 }

@@ -50,9 +50,9 @@ std::optional<proto::Problem> check_costs(const Cloud& cloud, const JobOptions& 
   }
   const auto limit = tile_limit(options, cloud, nodes);
   if (!limit) return problem_of(limit.error());
-  auto cost =
-      tessera::estimate(options.cloud.dimension, options.kernel, points, limit.value(), options.neighbors,
-                        row_bytes(cloud.schema()), {.memory_bytes = options.memory_bytes, .threads = options.threads});
+  auto cost = tessera::estimate(options.cloud.dimension, options.kernel, kind_of_tiles(options.store, points), points,
+                                limit.value(), options.neighbors, row_bytes(cloud.schema()),
+                                {.memory_bytes = options.memory_bytes, .threads = options.threads});
   for (const auto& file : cloud.files())
     if (!file.packing.empty()) cost.temporary_bytes += file.content_bytes;
   estimate.set_cells(cost.cells);

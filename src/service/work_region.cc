@@ -127,8 +127,9 @@ Result<proto::Estimate> region_estimate(const Workshop& shop, const proto::Regio
     ++units;
   }
   const auto row = row_bytes(regions.schema);
-  const auto cost = tessera::estimate(regions.dimension, KernelKind::flat, points, std::max<std::uint64_t>(points, 1),
-                                      options.neighbors, row, {.memory_bytes = shop.share.memory_bytes, .threads = 1});
+  const auto cost = tessera::estimate(regions.dimension, KernelKind::flat, TileKind::cells, points,
+                                      std::max<std::uint64_t>(points, 1), options.neighbors, row,
+                                      {.memory_bytes = shop.share.memory_bytes, .threads = 1});
   estimate.set_points(points);
   estimate.set_cells(cost.cells);
   estimate.set_tiles(units > 0 ? 1 : 0);

@@ -67,12 +67,25 @@ Digest CellDigest::of(std::span<const std::int32_t> cells, const std::uint8_t* g
   return ghost ? sum<3, true>(cells, ghost) : sum<3, false>(cells, ghost);
 }
 
+namespace {
+
+Digest of_vertex(int dimension, const LocalPoint& vertex) {
+  return dimension == 2 ? hash<vertex_seed(2)>(vertex) : hash<vertex_seed(3)>(vertex);
+}
+
+}  // namespace
+
+Digest digest_of(int dimension, std::span<const Point> points, std::span<const PointId> ids) {
+  Digest sum;
+  for (std::size_t i = 0; i < points.size(); ++i) sum += of_vertex(dimension, {points[i], ids[i]});
+  return sum;
+}
+
 TileDigest::TileDigest(const TileMesh& mesh, std::size_t known, const Digest& sum)
     : mesh_(mesh), cells_(mesh.dimension, mesh.ids), next_(known), sum_(sum) {
   for (std::size_t i = 0; i < mesh.ids.size(); ++i) {
     if (mesh.point_ghost[i] != 0) continue;
-    const LocalPoint vertex{mesh.points[i], mesh.ids[i]};
-    sum_ += mesh.dimension == 2 ? hash<vertex_seed(2)>(vertex) : hash<vertex_seed(3)>(vertex);
+    sum_ += of_vertex(mesh.dimension, {mesh.points[i], mesh.ids[i]});
   }
 }
 

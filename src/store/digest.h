@@ -58,6 +58,9 @@ class CellDigest {
   BigVector<Words> of_vertex_;
 };
 
+// Of vertices.
+Digest digest_of(int dimension, std::span<const Point> points, std::span<const PointId> ids);
+
 // Of a tile's main cells and own vertices, as the cells come. REQUIRES: cells are indices into points.
 class TileDigest {
  public:

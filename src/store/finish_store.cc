@@ -48,7 +48,7 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   static_assert(std::endian::native == std::endian::little);
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(out)));
   std::vector<fs::path> files;
-  for (const TileEntry& entry : manifest.tiles) files.push_back(tile_file(out, entry.tile));
+  for (const TileEntry& entry : manifest.tiles) files.push_back(tile_file(out, entry));
   BOOST_OUTCOME_TRYV(sync_files(files));
   BOOST_OUTCOME_TRYV(sync_folder(tiles_folder(out)));
   std::sort(manifest.tiles.begin(), manifest.tiles.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
@@ -56,7 +56,10 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   manifest.schema = schema;
   manifest.digest = sum_of_digests(manifest.tiles);
 
-  manifest.format_version = unchanged_format;
+  manifest.format_version = std::any_of(manifest.tiles.begin(), manifest.tiles.end(),
+                                        [](const TileEntry& entry) { return entry.kind == TileKind::points; })
+                                ? changed_format
+                                : unchanged_format;
 
   const std::string master = store::master_text(manifest);
   manifest.master_xxh3 = checksum(std::as_bytes(std::span(master)));

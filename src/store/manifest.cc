@@ -65,6 +65,7 @@ ordered_json entry_to_json(const TileEntry& entry) {
                      {"own_points", entry.own_points},   {"cells", entry.cells},
                      {"main_cells", entry.main_cells},   {"bytes", entry.bytes},
                      {"xxh3", checksum_text(entry.xxh3)}};
+  if (entry.kind == TileKind::points) value["kind"] = "points";
   if (entry.version > 1) value["file"] = tile_file("", entry).generic_string();
   if (entry.digest) value[digest_key] = digest_text(*entry.digest);
   if (entry.heights) value["heights"] = {number(entry.heights->lo), number(entry.heights->hi)};
@@ -84,6 +85,11 @@ TileEntry to_entry(const json& value) {
   entry.bytes = to_count(value.at("bytes"));
   entry.xxh3 = to_sum(value.at("xxh3"));
   entry.digest = to_digest(value);
+  if (value.contains("kind")) {
+    if (value.at("kind") != "points")
+      throw json::other_error::create(501, value.at("kind").dump() + " is no kind of tile", &value);
+    entry.kind = TileKind::points;
+  }
   if (value.contains("file")) {
     const auto file = value.at("file").get<std::string>();
     const auto version = version_of_tile_file(file);

@@ -5,12 +5,16 @@
 #include <string>
 
 #include "src/base/result.h"
+#include "src/files/temporary.h"
 #include "src/store/tile_store.h"
 
 namespace tessera::store {
 
 // The side file of a stored tile. Not synced: one that a power cut damaged means that the tile is made again.
 Status write_done(const std::filesystem::path& out, NodeId node, const TileEntry& entry);
+// Gives a tile's file its name, and the tile a line in the side file.
+Status publish_tile(const std::filesystem::path& out, TemporaryFile& temporary, const TileEntry& entry,
+                    const StoreOptions& options);
 std::string manifest_to_text(const Manifest& manifest);
 
 }  // namespace tessera::store

@@ -135,7 +135,7 @@ void write_versions(const Manifest& manifest, ordered_json& value) {
 }
 
 void read_versions(const json& value, Manifest& manifest) {
-  if (manifest.format_version < changed_format) return;
+  if (manifest.format_version < changed_format || !value.contains("version")) return;
   manifest.version = to_version(value.at("version"));
   for (const auto& column : value.at("columns")) manifest.columns.push_back(to_column(column));
   if (value.contains("previous_master")) manifest.previous_master_xxh3 = to_sum(value.at("previous_master"));

@@ -26,6 +26,7 @@ namespace {
 
 constexpr const char* no_digest = "-";
 constexpr const char* no_heights = "-";
+constexpr const char* of_points = "points ";  // before all else of a tile kept as points
 
 // Takes the next word off `rest`.
 std::string_view take_word(std::string_view& rest) {
@@ -60,6 +61,10 @@ std::optional<TileEntry> read_line(std::string_view line) {
   auto text = line.substr(0, line.size() - sum_bytes);
   if (line.substr(text.size()) != " " + checksum_text(checksum(std::as_bytes(std::span(text))))) return std::nullopt;
   TileEntry entry;
+  if (text.starts_with(of_points)) {
+    entry.kind = TileKind::points;
+    text.remove_prefix(std::string_view(of_points).size());
+  }
   const bool read = take_number(text, entry.tile.value) && take_number(text, entry.points) &&
                     take_number(text, entry.own_points) && take_number(text, entry.cells) &&
                     take_number(text, entry.main_cells) && take_number(text, entry.bytes) &&
@@ -77,18 +82,22 @@ std::optional<TileEntry> read_line(std::string_view line) {
   return entry;
 }
 
-// Which of the entries, all of one tile, tells of the file that is there. A file that is missing, unreadable or damaged
+// Which of the entries, all of one tile, tells of a file that is there. A file that is missing, unreadable or damaged
 // is made again.
-const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entries) {
-  const auto bytes = bytes_if_there(tile);
-  if (!bytes || !bytes.value()) return nullptr;
-  const auto tells = [&](const TileEntry& entry) { return entry.bytes == *bytes.value(); };
-  if (std::none_of(entries.begin(), entries.end(), tells)) return nullptr;
-  const auto sum = checksum_file(tile, SumOf::pieces);
-  const auto found = std::find_if(entries.begin(), entries.end(), [&](const TileEntry& entry) {
-    return sum && tells(entry) && entry.xxh3 == sum.value();
-  });
-  return found == entries.end() ? nullptr : &*found;
+const TileEntry* sound_of(const fs::path& out, std::span<const TileEntry> entries) {
+  std::optional<std::pair<TileKind, std::uint64_t>> summed;  // the last file that was read
+  for (const TileEntry& entry : entries) {
+    const auto file = tile_file(out, entry);
+    const auto bytes = bytes_if_there(file);
+    if (!bytes || bytes.value() != entry.bytes) continue;
+    if (!summed || summed->first != entry.kind) {
+      const auto sum = checksum_file(file, SumOf::pieces);
+      if (!sum) continue;
+      summed = {entry.kind, sum.value()};
+    }
+    if (summed->second == entry.xxh3) return &entry;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -96,7 +105,7 @@ const TileEntry* sound_of(const fs::path& tile, std::span<const TileEntry> entri
 namespace {
 
 std::string line_of(const TileEntry& entry) {
-  std::string text;
+  std::string text = entry.kind == TileKind::points ? of_points : "";
   for (const std::uint64_t number :
        {std::uint64_t{entry.tile.value}, entry.points, entry.own_points, entry.cells, entry.main_cells, entry.bytes}) {
     text += std::to_string(number) + " ";
@@ -151,7 +160,7 @@ Result<std::vector<TileEntry>> stored_tiles(const fs::path& out, const std::func
   for (std::size_t i = 0, end = 0; i < entries.size(); i = end) {
     while (end < entries.size() && entries[end].tile == entries[i].tile) ++end;
     const auto of_tile = std::span(entries).subspan(i, end - i);  // more than one when it was stored again
-    if (const auto* entry = sound_of(tile_file(out, of_tile[0].tile), of_tile)) stored.push_back(*entry);
+    if (const auto* entry = sound_of(out, of_tile)) stored.push_back(*entry);
   }
   return stored;
 }

@@ -163,6 +163,19 @@ std::optional<HeightRange> heights_of(const TileMesh& mesh, const std::vector<At
 
 }  // namespace
 
+// finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
+Status store::publish_tile(const fs::path& out, TemporaryFile& temporary, const TileEntry& entry,
+                           const StoreOptions& options) {
+  const fs::path final_name = tile_file(out, entry);
+  BOOST_OUTCOME_TRYV(check_held(options.lock_file));
+  BOOST_OUTCOME_TRYV(options.sync ? publish(temporary.path(), final_name) : rename_file(temporary.path(), final_name));
+  temporary.keep();
+  if (options.sync) {
+    BOOST_OUTCOME_TRYV(sync_folder(final_name.parent_path()));
+  }
+  return write_done(out, options.node, entry);
+}
+
 Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& mesh, std::span<const std::byte> rows,
                              const StoreOptions& options) {
   const std::size_t numbers = mesh.cell_ghost.size() * (static_cast<std::size_t>(mesh.dimension) + 1);
@@ -214,14 +227,7 @@ Result<TileEntry> write_tile(const fs::path& out, TileId tile, const TileMesh& m
   entry.heights = heights_of(mesh, header.schema, columns);
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
-  // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
-  BOOST_OUTCOME_TRYV(check_held(options.lock_file));
-  BOOST_OUTCOME_TRYV(options.sync ? publish(temporary.path(), final_name) : rename_file(temporary.path(), final_name));
-  temporary.keep();
-  if (options.sync) {
-    BOOST_OUTCOME_TRYV(sync_folder(final_name.parent_path()));
-  }
-  BOOST_OUTCOME_TRYV(write_done(out, options.node, entry));
+  BOOST_OUTCOME_TRYV(publish_tile(out, temporary, entry, options));
   return entry;
 }
 

@@ -34,9 +34,10 @@ struct HeightRange {
 // What the manifest says of one tile file.
 struct TileEntry {
   TileId tile;
-  std::uint64_t points = 0;  // vertices in the file, foreign ones included
+  TileKind kind = TileKind::cells;  // of the file
+  std::uint64_t points = 0;         // vertices in the file, foreign ones included
   std::uint64_t own_points = 0;
-  std::uint64_t cells = 0;  // cells in the file
+  std::uint64_t cells = 0;  // cells in the file, or that follow from it
   std::uint64_t main_cells = 0;
   std::uint64_t bytes = 0;
   std::uint32_t version = 1;     // of the result, that wrote the file
@@ -49,13 +50,14 @@ struct TileEntry {
 
 // The tile's file in a result folder.
 inline std::filesystem::path tile_file(const std::filesystem::path& out, const TileEntry& entry) {
-  return tile_file(out, entry.tile, entry.version);
+  return tile_file(out, entry.tile, entry.version, entry.kind);
 }
 
 // What the checksums of tile files and of duplicates.bin are made of, in a folder of this format.
 constexpr SumOf data_sum_of(int format) { return format < 3 ? SumOf::bytes : SumOf::pieces; }
 
 struct EarlyCells;  // early_cells.h
+struct PointsTileView;  // points_tile.h
 
 struct StoreOptions {
   bool neighbors = true;
@@ -74,7 +76,15 @@ Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, cons
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              const CellStream& cells, std::span<const std::byte> rows, const StoreOptions& options,
                              const EarlyCells* early = nullptr);
-// write_tile() also adds a line to the node's OUT/tiles/node-NNNNNN.done, the entry and its XXH3-64, by which a resumed
+// The same for OUT/tiles/NNNNNN.pts: the tile's own points in Hilbert order, and the foreign vertices of its cells, from
+// which these follow. `counted`: of the cells, which nobody keeps.
+struct CountedCells {
+  std::uint64_t cells = 0, main_cells = 0;
+  Digest digest;  // of the main ones
+};
+Result<TileEntry> write_points_tile(const std::filesystem::path& out, const PointsTileView& tile,
+                                    const CountedCells& counted, const StoreOptions& options);
+// Both also add a line to the node's OUT/tiles/node-NNNNNN.done, the entry and its XXH3-64, by which a resumed
 // run knows that the tile is stored; finish_store() removes it. One file for all: to make a file takes longer than to
 // fill it. Of the tiles that are `wanted`, all by default, each file is read once: one that is not what was stored, or
 // whose line is damaged, is not listed, so that the tile is made again.

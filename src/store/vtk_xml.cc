@@ -182,7 +182,7 @@ std::string master_text(const Manifest& manifest) {
     text += "</" + element + ">\n";
   }
   for (const auto& entry : manifest.tiles)
-    text += "<Piece Source=\"" + tile_file("", entry).generic_string() + "\"/>\n";
+    if (entry.kind == TileKind::cells) text += "<Piece Source=\"" + tile_file("", entry).generic_string() + "\"/>\n";
   return text + "</PUnstructuredGrid>\n</VTKFile>\n";
 }
 

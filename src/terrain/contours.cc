@@ -81,7 +81,7 @@ Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions&
     for (std::size_t i = 0; i < source.tiles(); ++i) {
       const TileEntry& entry = source.entry(i);
       if (seen >= cells_max) break;
-      if (entry.bytes > options.memory_bytes / 8) continue;
+      if (source.work_bytes(i) > options.memory_bytes / 8) continue;
       BOOST_OUTCOME_TRY(tile, query::QueryTile::load(source, i, true));
       const terrain::ContourCells cells(*tile, column, levels, options.max_edge, options.box, stop);
       BOOST_OUTCOME_TRYV(terrain::LineMaker::check_levels(cells));

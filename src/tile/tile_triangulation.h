@@ -38,6 +38,12 @@ enum class ExchangeRule : std::uint8_t {
   published,  // simplify, then splay, as published: loses cells. Tests only
 };
 
+// What a tile has beside its own points and the cells that were discarded.
+struct RestOfTile {
+  std::uint64_t cells = 0, main_cells = 0;  // those with a vertex of the tile's own
+  std::vector<SharedPoint> foreign;         // their foreign vertices, by id
+};
+
 struct TileOptions {
   TileId self;
   int dimension = 3;
@@ -67,6 +73,12 @@ class TileTriangulation {
   // Vertices of final cells alone are forgotten, too, and no points are borrowed any more, unless `quick`, which spares
   // the time that takes.
   FinalCells reduce(std::span<const Point> points, const Box& box, bool quick = false);
+
+  // The same for a caller who keeps nothing of the final cells: `told` sees their vertices, numbered as ids() were
+  // before this call. Returns how many cells they are. collect_rest() then tells of the others.
+  std::uint64_t discard(std::span<const Point> points, const Box& box, bool quick, const Kernel::TakeVertices& told);
+  // By vertex, the infinite one first. Valid until the next call that changes the tile.
+  std::span<const PointId> ids() const { return ids_; }
 
   // Directed first exchange: each neighbour hears of the vertices of open cells whose circumsphere reaches into its
   // bounds, but for cells whose sphere is large beside them. Only speeds things up. `points` as in triangulate().
@@ -100,6 +112,10 @@ class TileTriangulation {
   // All cells with a vertex of this tile. `points`, `ids` as in triangulate(), best moved; `finals`: what reduce()
   // gave, or what is left of it. Right only once all tiles are quiet. The triangulation is gone afterwards.
   CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, KeptFinals finals);
+
+  // For a caller who keeps no cells: `told` sees the vertices of the main cells, numbered as ids() are, but for cells
+  // that discard() has told of. Right only once all tiles are quiet. The triangulation is gone afterwards.
+  RestOfTile collect_rest(const Kernel::TakeVertices& told);
 
   const ExchangeCounts& counts() const { return counts_; }
   std::size_t memory() const;

@@ -200,13 +200,18 @@ Status check_result(const fs::path& out, const Manifest& manifest) {
 }
 
 // A tile as it is stored, and as surface, parts of it and what joining and simplifying take.
-std::uint64_t tile_memory(const TileEntry& tile) { return tile.bytes * 5 / 4 + tile.points * 120 + tile.cells * 40; }
+std::uint64_t tile_memory(const TileSource& source, std::size_t i) {
+  const TileEntry& tile = source.entry(i);
+  return source.work_bytes(i) * 5 / 4 + tile.points * 120 + tile.cells * 40;
+}
 
-Status check_room(const fs::path& out, const Manifest& manifest, const fs::path& folder, std::uint64_t memory_bytes) {
-  for (const TileEntry& tile : manifest.tiles)
-    if (tile_memory(tile) > memory_bytes)
-      return error(Errc::memory, out.string() + ": tile " + to_string(tile.tile) + " needs " +
-                                     std::to_string((tile_memory(tile) >> 20) + 1) + " MiB of memory: give more " +
+Status check_room(const TileSource& source, const fs::path& folder, std::uint64_t memory_bytes) {
+  const fs::path& out = source.folder();
+  const Manifest& manifest = source.manifest();
+  for (std::size_t i = 0; i < source.tiles(); ++i)
+    if (const std::uint64_t memory = tile_memory(source, i); memory > memory_bytes)
+      return error(Errc::memory, out.string() + ": tile " + to_string(source.entry(i).tile) + " needs " +
+                                     std::to_string((memory >> 20) + 1) + " MiB of memory: give more " +
                                      option("memory") + ", or triangulate with less " + option("max-points-per-tile"));
   const std::uint64_t needed = tileset_bytes(manifest);
   std::error_code failed;
@@ -245,7 +250,7 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
                                   option("partition", "random"));
   const fs::path beside = path.has_parent_path() ? path.parent_path() : fs::path(".");
   BOOST_OUTCOME_TRYV(make_directories(beside));
-  BOOST_OUTCOME_TRYV(tileset::check_room(out, manifest, beside, options.memory_bytes));
+  BOOST_OUTCOME_TRYV(tileset::check_room(source, beside, options.memory_bytes));
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(path)));
   BOOST_OUTCOME_TRY(files, tileset::NodeFiles::create(folder.path(), manifest.bounds));
   tileset::Making making(source, partition, options, stop, files);

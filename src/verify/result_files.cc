@@ -79,7 +79,7 @@ Status check_listed(const TileSource& source) {
   while (const char* entry = reader.next()) {
     const fs::path name(entry);
     const bool unfinished = version_of_tile_file(name).value_or(0) > manifest.version;
-    if (name.extension() == tile_file("", TileId{0}).extension() && !names.contains(name) && !unfinished)
+    if (kind_of_tile_file(name) && !names.contains(name) && !unfinished)
       return corrupt(folder / name, "is no tile of the manifest");
   }
   // A result without tiles may be without the folder.

@@ -60,9 +60,9 @@ Status check_contents(const Contents& contents, const TileSource& source) {
   return success();
 }
 
-std::uint64_t largest_tile(const Manifest& manifest) {
+std::uint64_t largest_tile(const TileSource& source) {
   std::uint64_t bytes = 0;
-  for (const auto& entry : manifest.tiles) bytes = std::max(bytes, entry.bytes);
+  for (std::size_t i = 0; i < source.tiles(); ++i) bytes = std::max(bytes, source.work_bytes(i));
   return bytes;
 }
 
@@ -84,7 +84,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   }
   BOOST_OUTCOME_TRYV(check_files(source));
   // A tile is in memory once, and its facets when neighbours must be found; the four sorters share the rest.
-  const std::uint64_t tile_bytes = largest_tile(manifest) * (manifest.neighbors ? 1 : 3);
+  const std::uint64_t tile_bytes = largest_tile(source) * (manifest.neighbors ? 1 : 3);
   const std::uint64_t rest = options.memory_bytes > tile_bytes ? options.memory_bytes - tile_bytes : 0;
   const std::uint64_t share = std::max<std::uint64_t>(rest / 5, std::uint64_t{1} << 20);
   ExternalSort<CellCopy> copies(scratch, share, stop);

@@ -46,6 +46,7 @@ class NoPoints final : public PartSource, public TileStorage, public DelaunaySto
   std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
   Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
   void store(TileId, CollectedTile, Finished::Stored) override {}
+  void store_points(TileId, PointsOfTile, Finished::Stored) override {}
 
   std::promise<void> may_look;
 

@@ -86,7 +86,7 @@ TEST(Budget, EveryPartIsLessThanTheMemoryHoweverSmall) {
       EXPECT_LE(route_buffer_bytes(memory) + refine_bytes(memory), memory);
       EXPECT_LE(reading_threads(memory, threads), threads);
       EXPECT_GE(reading_threads(memory, threads), 1u);
-      const Phases all = phases(3, flat, 100'000'000, 100'000, threads, memory);
+      const Phases all = phases(3, flat, TileKind::cells, 100'000'000, 100'000, threads, memory);
       EXPECT_EQ(all.bytes.size(), 4u);
       for (const auto& [phase, bytes] : all.bytes) EXPECT_LE(bytes, memory) << name_of(phase);
     }
@@ -95,10 +95,10 @@ TEST(Budget, EveryPartIsLessThanTheMemoryHoweverSmall) {
 
 TEST(Budget, TilesStayWholeWhenThereIsRoomForThemAndTheThreadsAtWork) {
   const std::vector<std::uint64_t> tiles(10, 100'000);
-  EXPECT_TRUE(fits_whole(tiles, 3, flat, 2, gib));
-  EXPECT_FALSE(fits_whole(tiles, 3, flat, 2, 300 * mib));
-  EXPECT_EQ(phases(3, flat, 1'000'000, 100'000, 2, gib).whole, true);
-  EXPECT_EQ(phases(3, flat, 1'000'000, 100'000, 2, 300 * mib).whole, false);
+  EXPECT_TRUE(fits_whole(tiles, 3, flat, TileKind::cells, 2, gib));
+  EXPECT_FALSE(fits_whole(tiles, 3, flat, TileKind::cells, 2, 300 * mib));
+  EXPECT_EQ(phases(3, flat, TileKind::cells, 1'000'000, 100'000, 2, gib).whole, true);
+  EXPECT_EQ(phases(3, flat, TileKind::cells, 1'000'000, 100'000, 2, 300 * mib).whole, false);
 }
 
 TEST(Budget, MailOfAllTilesTogetherStaysASmallPart) {

@@ -18,12 +18,12 @@ TEST(Estimate, PointsOfTextFilesAreGuessedFromTheirSize) {
 
 TEST(Estimate, GrowsWithThePointsAndStaysInTheBudget) {
   const Machine machine{.memory_bytes = gib, .threads = 2};
-  const auto small = estimate(3, KernelKind::flat, 1'000'000, 200'000, true, 0, machine);
-  const auto large = estimate(3, KernelKind::flat, 100'000'000, 200'000, true, 0, machine);
+  const auto small = estimate(3, KernelKind::flat, TileKind::cells, 1'000'000, 200'000, true, 0, machine);
+  const auto large = estimate(3, KernelKind::flat, TileKind::cells, 100'000'000, 200'000, true, 0, machine);
   EXPECT_LE(large.memory_bytes, gib);
   EXPECT_NEAR(static_cast<double>(large.result_bytes) / static_cast<double>(small.result_bytes), 100, 1);
-  EXPECT_GT(estimate(3, KernelKind::flat, 1'000'000, 200'000, true, 0, machine).result_bytes,
-            estimate(3, KernelKind::flat, 1'000'000, 200'000, false, 0, machine).result_bytes);
+  EXPECT_GT(estimate(3, KernelKind::flat, TileKind::cells, 1'000'000, 200'000, true, 0, machine).result_bytes,
+            estimate(3, KernelKind::flat, TileKind::cells, 1'000'000, 200'000, false, 0, machine).result_bytes);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ class Scratch final : public TileScratch, public DelaunayStore {
   std::future<StoredEarly> store_early(TileId, std::shared_ptr<const EarlyFinals>) override { return {}; }
   Status take_early(TileId, BigVector<std::byte>&) override { return success(); }
   void store(TileId, CollectedTile tile, Finished::Stored) override { stored_ = std::move(tile); }
+  void store_points(TileId, PointsOfTile, Finished::Stored) override {}
   // What a tile that has come to its end gives to the store.
   TileMesh mesh_of(Finished& finished) {
     finished.store({});

@@ -8,6 +8,7 @@
 #include "src/kernel/kernel.h"
 #include "src/predicates/independent/predicates.h"
 #include "src/tile/early_finals.h"
+#include "src/tile/rebuild.h"
 
 namespace tessera::testing {
 namespace {
@@ -19,6 +20,59 @@ struct Update {
 
 }  // namespace
 
+namespace {
+
+using CellIds = std::vector<std::array<PointId, 4>>;
+
+std::array<PointId, 4> by_id(int corners, const auto& id_of) {
+  std::array<PointId, 4> ids{};
+  for (int i = 0; i < corners; ++i) ids[static_cast<std::size_t>(i)] = id_of(i);
+  std::sort(ids.begin(), ids.begin() + corners);
+  return ids;
+}
+
+Kernel::TakeVertices tell(CellIds& told, std::span<const PointId> ids, int dimension) {
+  return [&told, dimension, ids = std::vector(ids.begin(), ids.end())](std::span<const Vertex> cells) {
+    const int corners = dimension + 1;
+    for (std::size_t c = 0; c < cells.size(); c += static_cast<std::size_t>(corners)) {
+      told.push_back(by_id(corners, [&](int i) { return ids[cells[c + static_cast<std::size_t>(i)]]; }));
+    }
+  };
+}
+
+CellIds main_cells_of(const TileMesh& mesh) {
+  const auto corners = static_cast<std::size_t>(mesh.dimension) + 1;
+  CellIds cells;
+  for (std::size_t c = 0; c < mesh.cell_ghost.size(); ++c) {
+    if (mesh.cell_ghost[c] != 0) continue;
+    const std::int32_t* v = &mesh.cells[c * corners];
+    cells.push_back(by_id(mesh.dimension + 1, [&](int i) { return mesh.ids[static_cast<std::size_t>(v[i])]; }));
+  }
+  std::sort(cells.begin(), cells.end());
+  return cells;
+}
+
+TileMesh rebuilt(int dimension, TileId self, std::vector<Point> points, std::vector<PointId> ids,
+                 const std::vector<SharedPoint>& foreign) {
+  const std::uint64_t own = points.size();
+  std::vector<TileId> owners(own, self);
+  for (const SharedPoint& p : foreign) {
+    points.push_back(p.at);
+    ids.push_back(p.id);
+    owners.push_back(p.tile);
+  }
+  auto mesh = rebuild({.dimension = dimension,
+                       .self = self,
+                       .own = own,
+                       .points = std::move(points),
+                       .ids = std::move(ids),
+                       .owners = std::move(owners)});
+  check(mesh.has_value(), "what a tile has left can be rebuilt");
+  return std::move(mesh).value();
+}
+
+}  // namespace
+
 std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::vector<std::uint32_t>& tile_of,
                             const std::vector<Box>& boxes, const SplayOptions& options) {
   std::mt19937_64 rng(options.seed);
@@ -27,6 +81,8 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     std::vector<Point> points;
     std::vector<PointId> ids;
     KeptFinals finals;
+    CellIds told;  // by ids, of cells that were counted
+    std::uint64_t counted = 0;
     std::vector<std::int32_t> early_vertices, early_neighbors;
     std::unique_ptr<TileTriangulation> t;
     Bounds bounds;
@@ -74,7 +130,12 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
     const Box nowhere{{1, 1, 1}, {-1, -1, -1}};
     const Box box = boxes.empty() ? nowhere : boxes[i];
     self.t->triangulate(self.points, self.ids);
-    if (options.reduce) self.finals.cells = self.t->reduce(self.points, box);
+    if (options.reduce && options.counted) {
+      self.counted =
+          self.t->discard(self.points, box, rng() % 2 == 0, tell(self.told, self.t->ids(), options.dimension));
+    } else if (options.reduce) {
+      self.finals.cells = self.t->reduce(self.points, box);
+    }
     if (options.early_unit > 0) {
       const EarlyFinals early(options.dimension, self.ids, std::move(self.finals.cells), options.early_unit, {});
       const auto into = [](std::vector<std::int32_t>& list) {
@@ -128,8 +189,19 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   }
   std::vector<TileMesh> meshes;
   for (Tile& t : tile) {
-    if (!t.points.empty())
+    if (t.points.empty()) continue;
+    if (options.counted) {
+      const RestOfTile rest = t.t->collect_rest(tell(t.told, t.t->ids(), options.dimension));
+      check(t.counted + rest.main_cells == t.told.size(), "cells are told as often as they are counted");
+      meshes.push_back(rebuilt(options.dimension, TileId{static_cast<std::uint32_t>(&t - tile.data())}, t.points, t.ids,
+                               rest.foreign));
+      const TileMesh& mesh = meshes.back();
+      check(mesh.cell_ghost.size() == t.counted + rest.cells, "as many cells as were counted");
+      std::sort(t.told.begin(), t.told.end());
+      check(t.told == main_cells_of(mesh), "the cells that were told");
+    } else {
       meshes.push_back(t.t->collect(t.points, t.ids, std::move(t.finals)).whole(t.early_vertices, t.early_neighbors));
+    }
   }
   return meshes;
 }

@@ -18,6 +18,7 @@ struct SplayOptions {
   std::uint64_t seed = 0;
   Announced announced = Announced::spanning;
   bool reduce = false;           // hand out final cells first
+  bool counted = false;          // nothing is kept of cells: meshes are rebuilt, and must be what was counted
   std::uint64_t early_unit = 0;  // and as many units of them as there are are not given back
   bool announce = true;
   bool sleep = false;  // save and load tiles between deliveries

@@ -37,6 +37,7 @@ TEST_P(Splay, MainCellsEqualTheGlobalDelaunayTriangulationWhateverTheDeliveryOrd
     options.announce = seed % 3 != 0;
     options.reduce = seed % 2 == 0;
     options.sleep = seed % 5 == 0;
+    options.counted = seed % 4 >= 2;
     options.single_points = seed % 4 == 1;
     options.announced = seed % 7 == 3 ? Announced::minimum : seed % 7 == 4 ? Announced::extremes : Announced::spanning;
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -62,6 +63,7 @@ TEST(SplayTiny, IsRightForAnyPointsAnyTilesAnySeedsAndAnyOrder) {
     options.kernel = rng() % 4 == 0 ? KernelKind::cgal : KernelKind::flat;
     options.announce = rng() % 2 == 0;
     options.reduce = rng() % 2 == 0;
+    options.counted = rng() % 2 == 0;
     options.sleep = rng() % 4 == 0;
     options.single_points = rng() % 3 == 0;
     options.announced = rng() % 4 == 0 ? Announced::minimum : Announced::spanning;
@@ -118,6 +120,8 @@ TEST(SplayLarge, ReducingChangesNoMesh) {
   options.seed = 77;
   const auto reduced = splay(points, a.tile_of, a.boxes, options);
   expect_same(whole, reduced);
+  options.counted = true;
+  expect_same(whole, splay(points, a.tile_of, a.boxes, options));
 }
 
 // Early cells come first, those that bordered others next; so the mesh depends on the unit, but on nothing else.

@@ -187,6 +187,10 @@ class CgalKernel final : public Kernel {
     check(false, "this kernel cannot freeze cells");
     return {};
   }
+  std::uint64_t discard(const std::function<bool(const Vertex*)>&, const TakeVertices&) override {
+    check(false, "this kernel cannot discard cells");
+    return 0;
+  }
 
   KernelImage save() const override {
     KernelImage image;

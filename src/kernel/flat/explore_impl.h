@@ -205,4 +205,53 @@ FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is
   return {old.template take_as<CellRow>(), open.all()};
 }
 
+// Final cells are read once, in the order of the slots, and nothing of them is written: no slot is filled or renumbered
+// but those of the cells that stay.
+template <class Mesh>
+std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) {
+  check(full() && mesh_.frozen() == 0, "a kernel is frozen once");
+  mesh_.release_scratch();
+  const std::vector<Word> seen = mark_open(is_final);
+  const auto gone = static_cast<Word>(mesh_.live_cells());
+  Array<Cell> old = mesh_.take_cells();
+  const Word n = static_cast<Word>(old.size());
+  Ranks open(n);
+  for (const Word slot : seen) {
+    if (old[slot].open()) open.set(slot);
+    old[slot].unmark();
+  }
+  open.count();
+  Array<Cell> rest;
+  rest.reserve(2 * std::size_t{open.all()} + 64);
+  rest.resize(open.all());
+  constexpr std::size_t batch = 4096 * corners;
+  std::vector<Vertex> vertices(batch);
+  std::size_t filled = 0;
+  counting_fast([&]() __attribute__((always_inline)) {
+    Cell* other = rest.data();
+    for (Word slot = 0; slot < n; ++slot) {
+      const Cell& c = old[slot];
+      if (open[slot]) {
+        *other = c;
+        for (Word& across : other->n) {
+          const Word to = across >> 2;
+          across = open[to] ? 4 * open.before(to) + (across & 3) : frozen_bit;
+        }
+        ++other;
+      } else if (!c.dead()) {
+        std::copy_n(c.v, corners, vertices.begin() + static_cast<std::ptrdiff_t>(filled));
+        filled += corners;
+        if (filled == batch) {
+          told(vertices);
+          filled = 0;
+        }
+      }
+    }
+  });
+  if (filled > 0) told(std::span(vertices).first(filled));
+  const Word frozen = gone - open.all();
+  mesh_.adopt(std::move(rest), frozen);
+  return frozen;
+}
+
 }  // namespace tessera::flat

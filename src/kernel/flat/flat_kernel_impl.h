@@ -39,6 +39,7 @@ class FlatKernel final : public Kernel {
                               std::vector<std::uint8_t>* open) override;
   bool can_freeze() const override { return true; }
   FinalCells freeze(const std::function<bool(const Vertex*)>& is_final) override;
+  std::uint64_t discard(const std::function<bool(const Vertex*)>& is_final, const TakeVertices& told) override;
   KernelImage save() const override;
   bool load(const KernelImage& image) override;
   std::size_t memory() const override { return mesh_.memory() + labels_.capacity() + sizeof(*this); }

@@ -1,0 +1,78 @@
+// A tile of which points are kept: cells are counted, hashed and dropped.
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "src/delaunay/delaunay_program.h"
+#include "src/store/digest.h"
+#include "src/tiling/hilbert.h"
+
+namespace tessera {
+namespace {
+
+class FinishedPoints final : public Finished {
+ public:
+  FinishedPoints(TileId self, PointsOfTile tile, DelaunayStore& store)
+      : self_(self), tile_(std::move(tile)), store_(store) {}
+  std::uint64_t bytes() const override { return tile_.bytes(); }
+  void store(Stored done) override { store_.store_points(self_, std::move(tile_), std::move(done)); }
+
+ private:
+  TileId self_;
+  PointsOfTile tile_;
+  DelaunayStore& store_;
+};
+
+// A digest's words are made of indices, as tile files have them.
+Digest digest_of_cells(const CellDigest& digest, std::span<const Vertex> cells) {
+  return digest.of({reinterpret_cast<const std::int32_t*>(cells.data()), cells.size()});
+}
+
+// Neighbours in space stand near each other, as the tile's own points do: that makes small differences, and who
+// triangulates them again inserts each where the last one was. A function of the points alone.
+void put_in_order(std::vector<SharedPoint>& foreign, int dimension) {
+  Bounds bounds;
+  for (const SharedPoint& p : foreign) bounds.add(p.at);
+  const HilbertKey key(bounds, dimension);
+  std::vector<std::pair<std::uint64_t, SharedPoint>> keyed;
+  keyed.reserve(foreign.size());
+  for (const SharedPoint& p : foreign) keyed.emplace_back(key(p.at), p);
+  std::sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second.id < b.second.id;
+  });
+  for (std::size_t i = 0; i < keyed.size(); ++i) foreign[i] = keyed[i].second;
+}
+
+}  // namespace
+
+void DelaunayProgram::discard(const LoadedTile& loaded, const Box& box) {
+  const CellDigest digest(stage_.dimension, triangulation_->ids());
+  gone_.cells = gone_.main_cells =
+      triangulation_->discard(loaded.points, box, !stage_.reduce,
+                              [&](std::span<const Vertex> cells) { gone_.digest += digest_of_cells(digest, cells); });
+}
+
+Result<std::unique_ptr<Finished>> DelaunayProgram::finish_points() {
+  if (!points_) {
+    BOOST_OUTCOME_TRYV(load_own_points());
+  }
+  PointsOfTile tile;
+  tile.counted = gone_;
+  {
+    const CellDigest digest(stage_.dimension, triangulation_->ids());
+    RestOfTile rest = triangulation_->collect_rest(
+        [&](std::span<const Vertex> cells) { tile.counted.digest += digest_of_cells(digest, cells); });
+    tile.counted.cells += rest.cells;
+    tile.counted.main_cells += rest.main_cells;
+    tile.foreign = std::move(rest.foreign);
+  }
+  counts_ = triangulation_->counts();
+  tile.points = std::move(points_->points);
+  tile.ids = std::move(points_->ids);
+  put_in_order(tile.foreign, stage_.dimension);
+  return std::unique_ptr<Finished>(std::make_unique<FinishedPoints>(self_, std::move(tile), *stage_.store));
+}
+
+}  // namespace tessera
