@@ -1,0 +1,44 @@
+// A tile kept as its points: its cells are those of the Delaunay triangulation of all of them that have a vertex of its
+// own, and can be made again.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/point.h"
+
+namespace tessera {
+
+// n points, the tile's own ones first, in the order of the mesh's vertices.
+struct PointsTile {
+  int dimension = 3;
+  TileId tile;
+  std::uint64_t own = 0;
+  std::vector<Point> points;
+  std::vector<PointId> ids;
+  std::vector<TileId> owners;  // of the own ones, `tile`
+  std::vector<Attribute> schema;
+  std::vector<std::byte> rows;  // n of the schema; or none, when they were not asked for
+};
+
+// The same, of whoever has it. REQUIRES: as of a PointsTile with rows; the schema is a stored_schema(); coordinates are
+// finite and not -0, and in 2D z is 0; owners of the own points, which nobody looks at, are the tile, and of no others.
+struct PointsTileView {
+  int dimension = 3;
+  TileId tile;
+  std::uint64_t own = 0;
+  std::span<const Point> points;
+  std::span<const PointId> ids;
+  std::span<const TileId> owners;
+  const std::vector<Attribute>& schema;
+  std::span<const std::byte> rows;
+};
+
+inline PointsTileView view_of(const PointsTile& tile) {
+  return {tile.dimension, tile.tile, tile.own, tile.points, tile.ids, tile.owners, tile.schema, tile.rows};
+}
+
+}  // namespace tessera
