@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/store/digest.h"
+#include "src/tile/rebuild.h"
 
 namespace tessera {
 
