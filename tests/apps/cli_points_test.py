@@ -29,7 +29,7 @@ class Points(CliTest):
 
     def test_they_make_the_same_files_of_cells(self):
         copies = self.xyz(n=700).read_text()
-        cloud = self.write("copies.xyz", copies + copies[:2000])
+        cloud = self.write("copies.xyz", copies + copies[:copies.index("\n", 2000) + 1])
         lattice = self.write("lattice.xyz", "".join(f"{x} {y} {z}\n" for x in range(12) for y in range(11) for z in range(10)))
         for args in ([cloud, "--tiles", "5"], [cloud, "--tiles", "9", "--dim", "2"],
                      [cloud, "--partition", "random", "--tiles", "4"], [cloud, "--tiles", "40"],
