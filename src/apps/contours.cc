@@ -11,6 +11,7 @@
 #include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/one_step.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
@@ -22,9 +23,9 @@
 namespace tessera {
 namespace {
 
-Status run_contours(Settings& settings, const std::string& folder) {
+Status run_contours(Settings& settings, const OneStep& made_of) {
   const std::string target = settings.text("output").value_or("");
-  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera contours --help'");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera contours --help'");
   if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.gpkg");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
@@ -56,16 +57,17 @@ Status run_contours(Settings& settings, const std::string& folder) {
       threads,
       settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
   options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
-  if (names_server(settings)) return draw_remotely(settings, "contours", folder, target, output);
-  BOOST_OUTCOME_TRYV(refuse_detach(settings));
   options.progress = share_line("tracing", output);
-
-  const Interrupt interrupt;
-  auto result = write_contours(folder, target, options, interrupt.token());
-  clear_line(output);
-  BOOST_OUTCOME_TRY(contours, std::move(result));
-  print_drawn(contours, output);
-  return success();
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) return draw_remotely(settings, "contours", folder, target, output);
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
+    const Interrupt interrupt;
+    auto result = write_contours(folder, target, options, interrupt.token());
+    clear_line(output);
+    BOOST_OUTCOME_TRY(contours, std::move(result));
+    print_drawn(contours, output);
+    return success();
+  });
 }
 
 }  // namespace
@@ -94,11 +96,12 @@ Command add_contours(CLI::App& root) {
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_remote_options(command);
   add_output_switches(command);
-  auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder; with --server, the name of the result")
-      ->type_name("FOLDER");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
-    return run_contours(*settings, *folder);
+  auto sources = add_sources(command, 2);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_contours(*settings, {.sources = *sources,
+                                    .dimension = 2,
+                                    .beside = settings->text("output").value_or(""),
+                                    .command_line = command_line});
   };
   return command;
 }

@@ -15,6 +15,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/one_step.h"
 #include "src/apps/outcome.h"
 #include "src/apps/remote_result.h"
 #include "src/apps/server_options.h"
@@ -36,9 +37,9 @@ std::function<void(double)> progress_line(const OutputOptions& output) {
   };
 }
 
-Status run_export(Settings& settings, const std::string& folder) {
+Status run_export(Settings& settings, const OneStep& made_of) {
   const std::filesystem::path target = settings.text("output").value_or("");
-  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera export --help'");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera export --help'");
   if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   BOOST_OUTCOME_TRY(output, output_options(settings));
@@ -56,14 +57,16 @@ Status run_export(Settings& settings, const std::string& folder) {
                               .overwrite = overwrite,
                               .progress = progress_line(output)};
 
-  if (names_server(settings)) return export_remotely(settings, folder, target, options, output);
-  BOOST_OUTCOME_TRYV(refuse_detach(settings));
-  const Interrupt interrupt;
-  auto result = export_result(folder, target, options, interrupt.token());
-  if (options.progress) std::fprintf(stderr, "\r\x1b[K");
-  BOOST_OUTCOME_TRY(exported, std::move(result));
-  print_exported(exported, settings.text("max-edge"), output);
-  return success();
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) return export_remotely(settings, folder, target, options, output);
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
+    const Interrupt interrupt;
+    auto result = export_result(folder, target, options, interrupt.token());
+    if (options.progress) std::fprintf(stderr, "\r\x1b[K");
+    BOOST_OUTCOME_TRY(exported, std::move(result));
+    print_exported(exported, settings.text("max-edge"), output);
+    return success();
+  });
 }
 
 }  // namespace
@@ -95,11 +98,15 @@ Command add_export(CLI::App& root) {
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_remote_options(command);
   add_output_switches(command);
-  auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder; with --server, the name of the result")
-      ->type_name("FOLDER");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
-    return run_export(*settings, *folder);
+  add_value(command, "threads", "N", "of point files: worker threads; default: all processors this process may use");
+  add_value(command, "memory", "SIZE",
+            "of point files: memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  auto sources = add_sources(command, 0);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_export(*settings, {.sources = *sources,
+                                  .dimension = 0,
+                                  .beside = settings->text("output").value_or(""),
+                                  .command_line = command_line});
   };
   return command;
 }

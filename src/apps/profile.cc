@@ -14,6 +14,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/one_step.h"
 #include "src/apps/say.h"
 #include "src/apps/terrain_commands.h"
 #include "src/files/there.h"
@@ -68,8 +69,8 @@ void tell(std::span<const ProfilePoint> points, std::span<const Point> line, con
   if (const std::string note = gaps_note(gaps); !note.empty()) say_beside("note: %s\n", note.c_str());
 }
 
-Status run_profile(Settings& settings, const std::string& folder) {
-  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera profile --help'");
+Status run_profile(Settings& settings, const OneStep& made_of) {
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera profile --help'");
   const auto text = settings.text("line");
   if (!text) return error(Errc::usage, "no line is given; add --line '0,0 50,20' or --line FILE.geojson");
   BOOST_OUTCOME_TRY(output, output_options(settings));
@@ -87,17 +88,19 @@ Status run_profile(Settings& settings, const std::string& folder) {
   // Half for tiles, half for what is found in them.
   options.memory_bytes = (memory.value_or(0) > 0 ? *memory : default_memory()) / 2;
 
-  const Interrupt interrupt;
-  options.stop = interrupt.token();
-  BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(folder, {.memory_bytes = options.memory_bytes}));
-  if (!given.place.name.empty()) {
-    BOOST_OUTCOME_TRYV(given.place.check_in(result.manifest().crs, result.manifest().bounds));
-  }
-  BOOST_OUTCOME_TRY(points, profile(result, folder, given.lists[0], options));
-  const std::string target = settings.text("output").value_or("");
-  BOOST_OUTCOME_TRYV(write(to_csv(points, options), target, overwrite));
-  tell(points, given.lists[0], target, output);
-  return success();
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    const Interrupt interrupt;
+    options.stop = interrupt.token();
+    BOOST_OUTCOME_TRY(result, query::StoredTriangulation::open(folder, {.memory_bytes = options.memory_bytes}));
+    if (!given.place.name.empty()) {
+      BOOST_OUTCOME_TRYV(given.place.check_in(result.manifest().crs, result.manifest().bounds));
+    }
+    BOOST_OUTCOME_TRY(points, profile(result, folder, given.lists[0], options));
+    const std::string target = settings.text("output").value_or("");
+    BOOST_OUTCOME_TRYV(write(to_csv(points, options), target, overwrite));
+    tell(points, given.lists[0], target, output);
+    return success();
+  });
 }
 
 }  // namespace
@@ -120,13 +123,16 @@ Command add_profile(CLI::App& root) {
   add_value(command, "digits", "N",
             "decimals of all numbers, 0 to 17, or all: those of the doubles themselves; default: as the data carry");
   add_value(command, "output", "PATH", "the file to write, as CSV; without it, standard output", 'o', true);
+  add_value(command, "threads", "N", "of point files: worker threads; default: all processors this process may use");
   add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_output_switches(command);
-  auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
-    return run_profile(*settings, *folder);
+  auto sources = add_sources(command, 2);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_profile(*settings, {.sources = *sources,
+                                   .dimension = 2,
+                                   .beside = settings->text("output").value_or(""),
+                                   .command_line = command_line});
   };
   return command;
 }

@@ -12,6 +12,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/one_step.h"
 #include "src/apps/percent_line.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
@@ -30,9 +31,9 @@ void print(const Tileset& made, const OutputOptions& output) {
   }
 }
 
-Status run_tileset(Settings& settings, const std::string& folder) {
+Status run_tileset(Settings& settings, const OneStep& made_of) {
   const std::string target = settings.text("output").value_or("");
-  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera tileset --help'");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera tileset --help'");
   if (target.empty()) return error(Errc::usage, "no folder to write is given; add -o FOLDER");
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
@@ -46,12 +47,14 @@ Status run_tileset(Settings& settings, const std::string& folder) {
   options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
   options.progress = share_line("making the tileset", output);
 
-  const Interrupt interrupt;
-  auto result = write_tileset(folder, target, options, interrupt.token());
-  clear_line(output);
-  BOOST_OUTCOME_TRY(made, std::move(result));
-  print(made, output);
-  return success();
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    const Interrupt interrupt;
+    auto result = write_tileset(folder, target, options, interrupt.token());
+    clear_line(output);
+    BOOST_OUTCOME_TRY(made, std::move(result));
+    print(made, output);
+    return success();
+  });
 }
 
 }  // namespace
@@ -63,12 +66,15 @@ Command add_tileset(CLI::App& root) {
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: none");
   add_value(command, "output", "FOLDER", "the folder to write", 'o', true);
   add_value(command, "memory", "SIZE", "memory for a tile, as 800M or 4G; default: 70 % of what is available");
+  add_value(command, "threads", "N", "of point files: worker threads; default: all processors this process may use");
   add_switch(command, "overwrite", "replace a tileset that exists", 0, true);
   add_output_switches(command);
-  auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
-  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
-    return run_tileset(*settings, *folder);
+  auto sources = add_sources(command, 2);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_tileset(*settings, {.sources = *sources,
+                                   .dimension = 2,
+                                   .beside = settings->text("output").value_or(""),
+                                   .command_line = command_line});
   };
   return command;
 }

@@ -24,16 +24,8 @@ Result<KernelKind> parse_kernel(const std::string& text) {
 
 }  // namespace
 
-void add_point_options(Command& command) {
-  add_value(
-      command, "input-list", "FILE",
-      "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
-      true);
+void add_source_options(Command& command) {
   add_switch(command, "recursive", "take the files in subfolders of input folders, too");
-  add_value(command, "dim", "2|3",
-            "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
-  add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
@@ -47,12 +39,28 @@ void add_point_options(Command& command) {
   add_value(command, "crs", "CRS",
             "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
   add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
-  add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_value(command, "keep", "WHICH",
             "2D: of points with equal x and y keep the first (default), last, lowest or highest; heights that are no "
             "numbers count last");
   add_choices(command, "keep", "first, last, lowest, highest");
   add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
+}
+
+void add_dimension(Command& command) {
+  add_value(command, "dim", "2|3",
+            "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
+}
+
+void add_point_options(Command& command) {
+  add_value(
+      command, "input-list", "FILE",
+      "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
+      true);
+  add_source_options(command);
+  add_dimension(command);
+  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
 }
 

@@ -20,7 +20,10 @@ struct TriangulateOptions {
   OutputOptions output;
 };
 
-// Options that say what the cloud is; and also what the tiles are: `info` has them too.
+// Options that say which points of which files; the dimension; what else the cloud is; and also what the tiles are:
+// `info` has them too.
+void add_source_options(Command& command);
+void add_dimension(Command& command);
 void add_point_options(Command& command);
 void add_cloud_options(Command& command);
 // Of those options that the command has.

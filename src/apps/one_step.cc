@@ -1,0 +1,103 @@
+#include "src/apps/one_step.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/server_options.h"
+#include "src/apps/triangulate_options.h"
+#include "src/apps/watching.h"
+#include "src/files/names.h"
+#include "src/files/temporary.h"
+#include "src/files/there.h"
+#include "src/job/job.h"
+#include "src/job/open_cloud.h"
+#include "src/report/progress_display.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kept = "keep-result";
+
+// What is not there, and an unfinished run, is told of as of a result.
+Result<bool> is_result(const std::vector<std::string>& sources) {
+  if (sources.empty()) return true;
+  if (sources.size() > 1) return false;
+  const bool names_files = sources[0] == "-" || sources[0].find_first_of("*?[") != std::string::npos;
+  BOOST_OUTCOME_TRY(there, is_there(sources[0]));
+  if (!there) return !names_files;
+  BOOST_OUTCOME_TRY(folder, is_folder(sources[0]));
+  if (!folder) return false;
+  for (const fs::path& mark : {manifest_file(sources[0]), tiles_folder(sources[0]), run_folder(sources[0])}) {
+    BOOST_OUTCOME_TRY(marked, is_there(mark));
+    if (marked) return true;
+  }
+  return false;
+}
+
+Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
+  JobOptions job;
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
+  if (what.dimension != 0) job.cloud.dimension = what.dimension;
+  job.store = StoreAs::points;
+  job.resumable = false;
+  job.command = what.command_line;
+  job.log = log_debug;
+  const Interrupt interrupt;
+  Progress progress;
+  BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
+  ProgressDisplay display(progress, progress_style(output), output.json ? stdout : stderr);
+  const auto open = [&](JobOptions& options, const std::stop_token& stop) {
+    return open_cloud(what.sources, options, stop);
+  };
+  Engine engine(job.threads, job.memory_bytes);
+  const auto summary = run_job(engine, job, open, folder, progress, interrupt.token());
+  display.stop();
+  if (summary) return success();
+  folder.abandon();
+  return summary.error();
+}
+
+}  // namespace
+
+std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dimension) {
+  add_value(command, kept, "FOLDER", "of point files: keep the result that is made of them first, in this folder", 0,
+            true);
+  add_source_options(command);
+  if (dimension == 0) add_dimension(command);
+  auto sources = std::make_shared<std::vector<std::string>>();
+  command.app
+      ->add_option("result", *sources,
+                   "result folder; with --server, the name of the result; or point files, as of tessera triangulate")
+      ->type_name("FOLDER");
+  return sources;
+}
+
+Status on_result(Settings& settings, const OneStep& what, const OutputOptions& output,
+                 const std::function<Status(const std::string& folder)>& use) {
+  const auto keep = settings.text(kept);
+  BOOST_OUTCOME_TRY(there, is_result(what.sources));
+  if (names_server(settings) || there) {
+    if (what.sources.size() > 1) return error(Errc::usage, "one result is asked for, not several");
+    if (keep)
+      return error(Errc::usage, "--keep-result belongs to point files, and " + what.sources[0] + " is a result");
+    return use(what.sources.empty() ? std::string() : what.sources[0]);
+  }
+  if (keep) {
+    BOOST_OUTCOME_TRYV(make_result(settings, what, *keep, output));
+    return use(*keep);
+  }
+  const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
+  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(beside)));
+  BOOST_OUTCOME_TRYV(make_result(settings, what, folder.path() / "result", output));
+  return use((folder.path() / "result").string());
+}
+
+}  // namespace tessera
