@@ -15,6 +15,7 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/one_step.h"
 #include "src/apps/outcome.h"
 #include "src/apps/remote_result.h"
@@ -98,9 +99,8 @@ Command add_export(CLI::App& root) {
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_remote_options(command);
   add_output_switches(command);
-  add_value(command, "threads", "N", "of point files: worker threads; default: all processors this process may use");
-  add_value(command, "memory", "SIZE",
-            "of point files: memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  add_threads_option(command);
+  add_memory_option(command, "making a result of point files");
   auto sources = add_sources(command, 0);
   command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
     return run_export(*settings, {.sources = *sources,

@@ -12,11 +12,10 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/say.h"
 #include "src/job/arguments.h"
-#include "src/job/job_options.h"
-#include "src/job/machine.h"
 #include "src/store/tile_store.h"
 
 namespace tessera {
@@ -56,13 +55,10 @@ Status run_materialise(Settings& settings, const std::string& folder) {
         box, settings.get("bbox", [&](const std::string& text) { return parse_crop(text, manifest.dimension); }));
     options.box = box;
   }
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   options.progress = share_line("making cells", output);
 
   const Interrupt interrupt;
@@ -85,8 +81,8 @@ Command add_materialise(CLI::App& root) {
   add_value(command, "output", "FOLDER", "make a result of its own there, and leave this one as it is", 'o', true);
   add_value(command, "bbox", "BOX",
             "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: only tiles whose part of space meets it", 0, true);
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
-  add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
+  add_threads_option(command);
+  add_memory_option(command, "tiles");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
   command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");

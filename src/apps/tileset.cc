@@ -12,10 +12,10 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/one_step.h"
 #include "src/apps/percent_line.h"
 #include "src/job/arguments.h"
-#include "src/job/machine.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -42,9 +42,8 @@ Status run_tileset(Settings& settings, const OneStep& made_of) {
   options.max_edge = max_edge;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
   options.progress = share_line("making the tileset", output);
 
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
@@ -65,8 +64,8 @@ Command add_tileset(CLI::App& root) {
                              "  tessera tileset ground/ --max-edge 5 -o tiles/     (without what bridges gaps)");
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: none");
   add_value(command, "output", "FOLDER", "the folder to write", 'o', true);
-  add_value(command, "memory", "SIZE", "memory for a tile, as 800M or 4G; default: 70 % of what is available");
-  add_value(command, "threads", "N", "of point files: worker threads; default: all processors this process may use");
+  add_threads_option(command);
+  add_memory_option(command, "a tile");
   add_switch(command, "overwrite", "replace a tileset that exists", 0, true);
   add_output_switches(command);
   auto sources = add_sources(command, 2);

@@ -58,7 +58,7 @@ void add_point_options(Command& command) {
       true);
   add_source_options(command);
   add_dimension(command);
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_threads_option(command);
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
   add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
   add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
@@ -92,10 +92,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   BOOST_OUTCOME_TRY(partition,
                     settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
   options.partition = partition.value_or(PartitionKind::kdtree);
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<std::uint32_t>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   BOOST_OUTCOME_TRY(memory,
                     settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
   options.memory_bytes = given("memory") ? *memory : default_memory();
