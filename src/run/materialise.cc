@@ -19,6 +19,7 @@
 #include "src/delaunay/disk_store.h"
 #include "src/exchange/disk_scratch.h"
 #include "src/files/folder.h"
+#include "src/files/free_space.h"
 #include "src/files/temporary.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
@@ -160,10 +161,24 @@ std::vector<std::size_t> wanted_tiles(const TileSource& source, const std::optio
   return wanted;
 }
 
+// Of their files, about.
+std::uint64_t file_bytes(const TileSource& source, const std::vector<std::size_t>& tiles) {
+  const Manifest& manifest = source.manifest();
+  const std::uint64_t cell =
+      4 * (static_cast<std::uint64_t>(manifest.dimension) + 1) * (manifest.neighbors ? 2 : 1) + 1;
+  std::uint64_t bytes = 0;
+  for (const std::size_t i : tiles) {
+    const TileEntry& entry = source.entry(i);
+    bytes += entry.cells * cell + entry.points * (33 + row_bytes(manifest.schema)) + (16 << 10);
+  }
+  return bytes;
+}
+
 // `take`: called by several threads, for each of them once.
 Status make_tiles(const TileSource& source, const std::vector<std::size_t>& wanted, const fs::path& out,
                   const MaterialiseOptions& options, const std::stop_token& stop,
                   const std::function<Status(std::size_t, const TileEntry&)>& take) {
+  BOOST_OUTCOME_TRYV(check_room(out, "files of cells", file_bytes(source, wanted), known_free_bytes(out)));
   Maker maker(source, out, stop);
   BOOST_OUTCOME_TRYV(maker.begin());
   TileQueue queue(source, wanted, stop, options.progress);
