@@ -17,7 +17,8 @@ KILLS = int(os.environ.get("KILLS", "12"))
 SEED = int(os.environ.get("SEED", "1"))
 # Plenty of memory, and so little that tiles sleep and their mail goes to disk.
 CIRCUMSTANCES = (["--tiles", "20", "--threads", "2", "--memory", "2G"],
-                 ["--tiles", "24", "--threads", "2", "--memory", "150M"])
+                 ["--tiles", "24", "--threads", "2", "--memory", "150M"],
+                 ["--tiles", "24", "--threads", "2", "--memory", "120M", "--store", "points"])
 
 
 class Kill(CliTest):

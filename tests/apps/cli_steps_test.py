@@ -12,10 +12,11 @@ class Steps(CliTest):
     def setUp(self):
         super().setUp()
         points = self.xyz(n=60).read_text()
+        self.store = "cells"
         self.cloud = self.write("cloud.xyz", points + points[:points.index("\n") + 1])  # with a duplicate
 
     def command(self, *more, tiles=2):
-        return ["triangulate", self.cloud, "-o", self.out, "--tiles", tiles, "--threads", "1", "--quiet", *more]
+        return ["triangulate", self.cloud, "-o", self.out, "--tiles", tiles, "--threads", "1", "--quiet", "--store", self.store, *more]
 
     def contents(self):
         """What must be the same for equal results; of what differs from run to run, that it is there."""
@@ -60,6 +61,10 @@ class Steps(CliTest):
     def test_of_a_new_run(self):
         self.check_each_step(lambda: None, least=50)
 
+    def test_of_a_new_run_that_keeps_points(self):
+        self.store = "points"
+        self.check_each_step(lambda: None, least=50)
+
     def test_of_a_run_that_replaces_a_result(self):
         self.ok(*self.command(tiles=3))
         result = shutil.copytree(self.out, self.folder / "result")
@@ -80,6 +85,45 @@ class Steps(CliTest):
             shutil.rmtree(self.out)
             self.check_each_step(lambda: shutil.copytree(run, self.out), option, least=30)
             shutil.copytree(run, self.out, dirs_exist_ok=True)
+
+
+class Materialise(CliTest):
+    """Cells of a result that is kept as points: killed before any step, it is the old version or the new one."""
+
+    def materialise(self, **more):
+        return self.run_tessera("materialise", "out", "--threads", "1", "--quiet", **more)
+
+    def begin(self):
+        shutil.rmtree(self.out, ignore_errors=True)
+        shutil.copytree(self.folder / "base", self.out)
+
+    def contents(self):
+        return {str(p.relative_to(self.out)): p.is_dir() or hashlib.sha256(p.read_bytes()).hexdigest() for p in self.out.rglob("*")}
+
+    def test_of_each_write_rename_and_sync(self):
+        self.ok("triangulate", self.xyz(n=60), "-o", "base", "--tiles", "2", "--threads", "1", "--store", "points", "--quiet")
+        self.begin()
+        for _ in range(2):  # the second time removes what only the first version needs
+            self.assertEqual(self.materialise().returncode, 0)
+        expected = self.contents()
+        self.assertEqual({name for name in expected if name.startswith("tiles/")}, {"tiles/000000-2.vtu", "tiles/000001-2.vtu"})
+        kinds, step = set(), 0
+        while True:
+            step += 1
+            self.begin()
+            done = self.materialise(env={"LD_PRELOAD": os.environ["KILL_AT_CALL"], "KILL_AT": str(step), "KILL_AT_WRITES": "1"})
+            if done.returncode == 0:
+                break
+            self.assertEqual(done.returncode, -signal.SIGKILL, done.stderr)
+            with self.subTest(step=step):
+                self.ok("verify", "out", "--quiet")
+                kinds.add("points" in (self.out / "manifest.json").read_text())
+                for _ in range(2):
+                    self.assertEqual(self.materialise().returncode, 0)
+                self.ok("verify", "out", "--quiet")
+                self.assertEqual(self.contents(), expected)
+        self.assertEqual(kinds, {True, False})
+        self.assertGreater(step, 40)
 
 
 if __name__ == "__main__":
