@@ -117,7 +117,7 @@ class Materialise(CliTest):
             self.assertEqual(done.returncode, -signal.SIGKILL, done.stderr)
             with self.subTest(step=step):
                 self.ok("verify", "out", "--quiet")
-                kinds.add("points" in (self.out / "manifest.json").read_text())
+                kinds.add('"kind":"points"' in (self.out / "manifest.json").read_text())
                 for _ in range(2):
                     self.assertEqual(self.materialise().returncode, 0)
                 self.ok("verify", "out", "--quiet")
