@@ -71,6 +71,10 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish_points() {
   counts_ = triangulation_->counts();
   tile.points = std::move(points_->points);
   tile.ids = std::move(points_->ids);
+  if (tile.ids.empty()) {  // a whole triangulation numbers its own points first, from 1 on
+    const auto own = triangulation_->ids().subspan(1, tile.points.size());
+    tile.ids.assign(own.begin(), own.end());
+  }
   put_in_order(tile.foreign, stage_.dimension);
   return std::unique_ptr<Finished>(std::make_unique<FinishedPoints>(self_, std::move(tile), *stage_.store));
 }

@@ -59,6 +59,7 @@ Status DelaunayProgram::build(bool announce) {
     }
   }
   if (announce && box.lo.x < box.hi.x) triangulation_->announce(loaded.points, box);
+  if (!keeps_cells() && !triangulation_->reduced()) std::vector<PointId>().swap(loaded.ids);  // it has them, too
   if (!triangulation_->reduced() || !announce) points_ = std::make_unique<LoadedTile>(std::move(loaded));
   counts_ = triangulation_->counts();
   return success();
