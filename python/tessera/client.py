@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import pathlib
+import re
 import typing
 import uuid
 import warnings
@@ -183,7 +184,7 @@ class Client:
             manifest = json.loads(text)
             sums = dict(manifest["checksums"])
             pieces = manifest["format_version"] > 2
-            wanted = [(f"tiles/{int(tile['tile']):06}.vtu", tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
+            wanted = [(_tile_file(tile), tile["xxh3"], int(tile["bytes"]), pieces) for tile in manifest["tiles"]]
             wanted += [(file, sums[file], None, pieces and file == "duplicates.bin") for file in sums if file == os.path.basename(file)]
         except (ValueError, KeyError, TypeError):
             raise CorruptError(f"{self._http.url}: the manifest of {name} is damaged, or is none") from None
@@ -209,6 +210,14 @@ class Client:
 
     def __repr__(self) -> str:
         return f"<tessera.Client of {self._http.url}>"
+
+
+def _tile_file(tile: dict[str, typing.Any]) -> str:
+    """The name of a tile's file, from the result folder on. ValueError for a name that no tile has."""
+    name = tile.get("file") or f"tiles/{int(tile['tile']):06}.{'pts' if tile.get('kind') == 'points' else 'vtu'}"
+    if not re.fullmatch(r"tiles/[0-9]{6,10}(-[0-9]{1,10})?[.](vtu|pts)", name):
+        raise ValueError(name)
+    return name
 
 
 def _names(inputs: Path | typing.Iterable[Path]) -> list[str]:

@@ -29,7 +29,7 @@ class Triangulate(ServerTest):
         self.ok("triangulate", "a.laz", "-o", "block/", "--detach", "--dim", 2, "--max-points-per-tile", "1.5M", "--partition", "grid",
                 "--threads", 3, "--memory", "4G", "--kernel", "cgal", "--no-neighbors", "--crop", "-1,0.5,2e3,4", "--class", "2,9",
                 "--attributes", "red,intensity", "--resolution", "0.25", "--returns", "first", "--without", "withheld,overlap",
-                "--recursive", "--overwrite", "--no-z", "--skip-invalid", "--columns", "p,y,x", "--keep", "last", env={"TESSERA_CRS": "EPSG:2154"})
+                "--recursive", "--overwrite", "--no-z", "--skip-invalid", "--columns", "p,y,x", "--keep", "last", "--store", "points", env={"TESSERA_CRS": "EPSG:2154"})
         inputs = self.server.jobs["j1"].inputs
         crs = inputs.pop("crs")
         self.assertIn("2154", crs)
@@ -37,7 +37,7 @@ class Triangulate(ServerTest):
             "inputs": ["a.laz"], "output": "block", "dim": 2, "tile_points": 1500000, "partition": "grid", "threads": 3,
             "memory": "4G", "kernel": "cgal", "neighbors": False, "crop": [-1, 0.5, 2000, 4], "class": [2, 9],
             "attributes": ["red", "intensity"], "resolution": 0.25, "returns": "first", "without": ["withheld", "overlap"],
-            "recursive": True, "overwrite": True, "heights": False, "skip_invalid": True, "columns": ["p", "y", "x"], "keep": "last"})
+            "recursive": True, "overwrite": True, "heights": False, "skip_invalid": True, "columns": ["p", "y", "x"], "keep": "last", "store": "points"})
         self.ok("triangulate", "a.laz", "-o", "b", "--detach", "--tiles", 7, "--threads", "auto")
         self.assertEqual(self.server.jobs["j2"].inputs, {"inputs": ["a.laz"], "output": "b", "tiles": 7})
 

@@ -87,6 +87,21 @@ class Command(ClientsTest):
         self.assertIn("already", self.ask("export", "block", "-o", "mesh.ply", status=USAGE))
         self.ask("export", "block", "-o", "mesh.ply", "--overwrite")
 
+    def test_a_result_that_is_kept_as_points_answers_like_any_other(self):
+        self.both()
+        self.ask("triangulate", "*.las", "-o", "kept", "--tiles", "5", "--dim", "2", "--class", "2,9", "--store", "points")
+        self.assertTrue(list((self.folder / "data/results/kept/tiles").glob("*.pts")))
+        self.assertIn("kept is the Delaunay triangulation", self.ask("verify", "kept"))
+        for name in ("block", "kept"):
+            self.ask("export", name, "-o", f"{name}.ply")
+            self.ask("dem", name, "--res", "2", "-o", f"{name}.tif")
+        for ending in ("ply", "tif"):
+            self.assertEqual((self.folder / f"block.{ending}").read_bytes(), (self.folder / f"kept.{ending}").read_bytes())
+        bounds = json.loads(self.ask("info", "kept", "--json"))["bounds"]
+        x, y = ((bounds["min"][i] + bounds["max"][i]) / 2 for i in (0, 1))
+        self.ask("fetch", "kept", "-o", "copy")
+        self.assertEqual(self.tessera("query", "copy", "locate", f"{x},{y}"), self.tessera("query", "here", "locate", f"{x},{y}"))
+
     def test_a_daemon_that_is_killed_is_waited_for(self):
         port = self.daemon.port
         watching = subprocess.Popen(

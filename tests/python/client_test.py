@@ -26,8 +26,8 @@ class ClientTest(unittest.TestCase):
         self.addCleanup(lambda: self.server.stop())
         self.client = tessera.connect(self.server.url, "secret-token")
 
-    def make_result(self, name="block"):
-        t = tessera.triangulate(clouds.random(1000, 3), max_points_per_tile=300, folder=self.folder / f"made-{name}")
+    def make_result(self, name="block", **options):
+        t = tessera.triangulate(clouds.random(1000, 3), max_points_per_tile=300, folder=self.folder / f"made-{name}", **options)
         self.server.results[name] = t.folder
         return t
 
@@ -162,6 +162,18 @@ class Fetch(ClientTest):
         count = len(self.server.requests)
         self.assertEqual(self.client.fetch("block", out).digest, made.digest)
         self.assertEqual(len(self.server.requests), count + 1, "the manifest alone")
+
+    def test_results_of_other_tiles_are_fetched(self):
+        made = self.make_result(store="points")
+        t = self.client.fetch("block", self.folder / "out")
+        self.assertEqual(self.content(self.folder / "out"), self.content(made.folder))
+        t.verify()
+        manifest = pathlib.Path(made.folder) / "manifest.json"
+        good = manifest.read_text()
+        for name in ("../x", "/etc/passwd", "tiles/../../x", "tiles/000000.txt", "tiles/000000-2.vtu/x"):
+            manifest.write_text(good.replace('"kind":"points"', f'"kind":"points","file":"{name}"', 1))
+            with self.assertRaisesRegex(tessera.CorruptError, "manifest of block"):
+                self.client.fetch("block", self.folder / "other")
 
     def test_connections_that_end_are_made_again_where_they_were(self):
         made = self.make_result()

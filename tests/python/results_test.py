@@ -42,6 +42,23 @@ class Slices(unittest.TestCase):
                 self.t[index]
 
 
+class Kept(unittest.TestCase):
+    def test_tiles_that_are_kept_as_points_have_the_same_arrays(self):
+        points = clouds.random(2000, 3)
+        mass = np.arange(len(points))
+        with (tessera.triangulate(points, max_points_per_tile=300, attributes={"mass": mass}, store="cells") as cells,
+              tessera.triangulate(points, max_points_per_tile=300, attributes={"mass": mass}, store="points") as kept):
+            self.assertEqual((kept.digest, kept.n_cells, len(kept)), (cells.digest, cells.n_cells, len(cells)))
+            self.assertEqual({path.suffix for path in (kept.folder / "tiles").iterdir()}, {".pts"})
+            for one, other in zip(cells, kept):
+                for name in ("points", "ids", "foreign", "cells", "ghost", "neighbors"):
+                    np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
+                np.testing.assert_array_equal(one.attributes["mass"], other.attributes["mass"])
+            kept.verify()
+            with self.assertRaisesRegex(tessera.UsageError, "^store: 'half' is none of auto, cells and points"):
+                tessera.triangulate(points, store="half")
+
+
 class Contexts(unittest.TestCase):
     def test_the_end_of_the_context_removes_a_temporary_result(self):
         with tessera.triangulate(clouds.random(500, 2)) as t:
