@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/apps/machine_options.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 #include "src/job/parse_crs.h"
