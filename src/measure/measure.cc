@@ -14,6 +14,7 @@
 
 #include "src/base/option.h"
 #include "src/crs/survey_system.h"
+#include "src/files/free_space.h"
 #include "src/measure/exact_volume.h"
 #include "src/mesh/tile_mesh.h"
 #include "src/result/new_version.h"
@@ -146,6 +147,20 @@ Result<bool> is_measured(const fs::path& out, const Manifest& manifest, Measured
   return false;
 }
 
+std::vector<ResultColumn> columns_of(const Measured& measured, const MeasureOptions& options) {
+  ResultColumn column{.name = measured.of_cells,
+                      .of_cells = true,
+                      .type = AttributeType::f64,
+                      .unit = measured.unit,
+                      .command = options.command,
+                      .software_version = options.software_version};
+  std::vector<ResultColumn> columns{column};
+  column.name = measured.of_vertices;
+  column.of_cells = false;
+  columns.push_back(std::move(column));
+  return columns;
+}
+
 }  // namespace
 
 Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std::stop_token stop) {
@@ -158,38 +173,32 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   BOOST_OUTCOME_TRY(there, is_measured(out, source.manifest(), measured));
   if (there) return measured;
 
-  const PassColumn columns[] = {{true, {measured.of_cells, AttributeType::f64}},
-                                {false, {measured.of_vertices, AttributeType::f64}}};
+  auto columns = columns_of(measured, options);
+  std::vector<PassColumn> passed;
+  for (const auto& column : columns) passed.push_back({column.of_cells, {column.name, column.type}});
   Volumes volumes(source, stop);
   // As a mesh, and the cells around vertices.
-  Pass pass(source, {std::begin(columns), std::end(columns)}, next->scratch(),
+  Pass pass(source, passed, next->scratch(),
             {.threads = options.threads,
              .memory_bytes = options.memory_bytes,
              .tile_factor = 2.25,
              .stop = stop,
              .progress = options.progress});
-  BOOST_OUTCOME_TRYV(pass.run(
-      [&](std::size_t index, const StoredTile& tile) { return volumes.of(index, tile); },
-      [&](std::size_t index, const PassValues& values) {
-        const store::ColumnValues made[] = {{true, columns[0].as, values[0]}, {false, columns[1].as, values[1]}};
-        return next->add_columns(index, made, stop);
-      }));
+  BOOST_OUTCOME_TRYV(next->check_room(columns, pass.scratch_bytes(), known_free_bytes(out)));
+  BOOST_OUTCOME_TRYV(
+      pass.run([&](std::size_t index, const StoredTile& tile) { return volumes.of(index, tile); },
+               [&](std::size_t index, const PassValues& values) {
+                 const store::ColumnValues made[] = {{true, passed[0].as, values[0]}, {false, passed[1].as, values[1]}};
+                 return next->add_columns(index, made, stop);
+               }));
   measured.total = volumes.total();
   measured.infinite = volumes.infinite();
   measured.version = next->number();
   if (measured.infinite > 0)
     measured.note += std::string(measured.note.empty() ? "" : "; ") + std::to_string(measured.infinite) +
                      " values of cells and vertices are beyond what a double holds, and stored as infinite";
-  std::vector<ResultColumn> described;
-  for (const PassColumn& column : columns)
-    described.push_back({.name = column.as.name,
-                         .of_cells = column.of_cells,
-                         .type = column.as.type,
-                         .unit = measured.unit,
-                         .command = options.command,
-                         .software_version = options.software_version});
-  described.front().total = measured.total;
-  BOOST_OUTCOME_TRYV(next->commit(std::move(described)));
+  columns.front().total = measured.total;
+  BOOST_OUTCOME_TRYV(next->commit(std::move(columns)));
   return measured;
 }
 

@@ -36,7 +36,7 @@ struct Measured {
 };
 
 // Errors: usage when nothing is to be measured, for a name that an attribute has, and when another process works in the
-// folder; corrupt, io, memory, interrupted.
+// folder; io, also when the disk has too little room for a new version; corrupt, memory, interrupted.
 Result<Measured> measure(const std::filesystem::path& out, const MeasureOptions& options, std::stop_token stop);
 
 // One line.

@@ -14,11 +14,13 @@
 #include "src/files/checksum.h"
 #include "src/files/descriptor.h"
 #include "src/files/folder.h"
+#include "src/files/free_space.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/result/old_versions.h"
 #include "src/store/manifest.h"
+#include "src/store/packed_array.h"
 #include "src/store/vtk_xml.h"
 
 namespace tessera {
@@ -134,6 +136,22 @@ Status NewVersion::remove_unneeded() const {
     BOOST_OUTCOME_TRYV(remove_file(versions / name));
   }
   return success();
+}
+
+Status NewVersion::check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
+                              std::optional<std::uint64_t> free) const {
+  // For each tile its part of the manifest and the master file, a longer header, and the rest of the last block of its
+  // file and of what is put down of it.
+  constexpr std::uint64_t of_a_tile = 16 << 10;
+  std::uint64_t needed = beside + of_a_tile;
+  for (const TileEntry& entry : source_.manifest().tiles) {
+    needed += entry.bytes + of_a_tile;
+    for (const auto& column : columns) {
+      const std::uint64_t bytes = (column.of_cells ? entry.cells : entry.points) * size_of(column.type);
+      needed += store::table_bytes(store::block_count(bytes)) + store::plain_bytes(bytes);
+    }
+  }
+  return tessera::check_room(source_.folder(), "a new version, beside the one that stands,", needed, free);
 }
 
 Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnValues> columns,

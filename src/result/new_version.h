@@ -3,6 +3,7 @@
 //
 //   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
 //          | what writers that were ended have left, and files that only versions without a reader need
+//   room   | is looked for, so that a disk that is too small is told before hours of work
 //   tiles  | are new files, tiles/NNNNNN-V.vtu, which no manifest knows yet
 //   commit | syncs the new files; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
 //          | manifest.json, and from then on the result is the new version; then replaces the master file, which
@@ -47,6 +48,11 @@ class NewVersion {
   std::uint32_t number() const { return source_.manifest().version + 1; }
   // A folder for whatever must be put down meanwhile.
   const std::filesystem::path& scratch() const { return scratch_->path(); }
+  // To be asked before anything is written: error io, with both figures, when there is no room for all tiles with these
+  // columns and for `beside` bytes more. `free`: what known_free_bytes() tells of the folder. The old files stay, so
+  // what the result takes now is needed once more.
+  Status check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
+                    std::optional<std::uint64_t> free) const;
 
   // The tile with these columns more, which are the same in each. Safe to call from several threads for different
   // tiles. Errors: corrupt when the file is not the one that was stored; io, interrupted.

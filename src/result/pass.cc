@@ -69,6 +69,17 @@ std::size_t Pass::row_bytes() const {
   return bytes;
 }
 
+std::uint64_t Pass::scratch_bytes() const {
+  std::uint64_t of_a_cell = 0, bytes = 0;
+  for (const auto& column : columns_) of_a_cell += column.of_cells ? size_of(column.as.type) : 0;
+  for (const auto& entry : source_.manifest().tiles) {
+    bytes += entry.cells * of_a_cell + entry.points * row_bytes();
+    if (row_bytes() > 0)
+      bytes += (entry.points - std::min(entry.points, entry.own_points)) * (sizeof(PointId) + row_bytes());
+  }
+  return bytes;
+}
+
 Status Pass::run(const Compute& compute, const Take& take) {
   constexpr double computing_part = 0.6;
   BOOST_OUTCOME_TRYV(make_directories(pass_values_file(scratch_, {}).parent_path()));

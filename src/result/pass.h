@@ -54,6 +54,8 @@ class Pass {
   using Compute = std::function<Result<PassValues>(std::size_t index, const StoredTile& tile)>;
   // The same, with all values in their places.
   using Take = std::function<Status(std::size_t index, const PassValues& values)>;
+  // That run() puts down in the scratch folder, at most.
+  std::uint64_t scratch_bytes() const;
   // Errors: of reading, of the functions; corrupt when tiles contradict each other; io; interrupted.
   Status run(const Compute& compute, const Take& take);
 

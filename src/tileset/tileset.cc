@@ -5,13 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "src/base/option.h"
 #include "src/export/cell_filter.h"
 #include "src/files/folder.h"
+#include "src/files/free_space.h"
 #include "src/files/names.h"
 #include "src/files/temporary.h"
 #include "src/files/there.h"
@@ -208,13 +208,7 @@ Status check_room(const fs::path& out, const Manifest& manifest, const fs::path&
       return error(Errc::memory, out.string() + ": tile " + to_string(tile.tile) + " needs " +
                                      std::to_string((tile_memory(tile) >> 20) + 1) + " MiB of memory: give more " +
                                      option("memory") + ", or triangulate with less " + option("max-points-per-tile"));
-  const std::uint64_t needed = tileset_bytes(manifest);
-  std::error_code failed;
-  const auto room = fs::space(folder, failed);
-  if (!failed && room.available < needed)
-    return error(Errc::io, folder.string() + ": the tileset needs up to " + std::to_string((needed >> 20) + 1) +
-                               " MiB, and the disk has " + std::to_string(room.available >> 20) + " MiB left");
-  return success();
+  return tessera::check_room(folder, "the tileset", tileset_bytes(manifest), known_free_bytes(folder));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -153,6 +154,38 @@ TEST_F(Versions, WhatIsNotCommittedLeavesNothing) {
   }
   EXPECT_EQ(files(), before);
   EXPECT_EQ(verified(), "");
+}
+
+TEST_F(Versions, WithoutRoomForOneAllIsAsItWas) {
+  const auto before = files();
+  const ResultColumn columns[] = {column("a", true), column("a_v", false)};
+  const auto bytes_of_tiles = [](const Manifest& manifest) {
+    std::uint64_t bytes = 0;
+    for (const auto& entry : manifest.tiles) bytes += entry.bytes;
+    return bytes;
+  };
+  const auto of_new_version = [&](std::uint64_t beside, std::optional<std::uint64_t> free) -> Status {
+    BOOST_OUTCOME_TRY(next, NewVersion::begin(out_));
+    return next->check_room(columns, beside, free);
+  };
+  const auto first = TileSource::open(out_).value().manifest();
+  const auto refused = of_new_version(0, bytes_of_tiles(first));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::io);
+  EXPECT_EQ(refused.error().where, out_.string() + ": a new version, beside the one that stands, needs up to 1 MiB, " +
+                                       "and the disk has 0 MiB left");
+  EXPECT_EQ(files(), before);
+  // With half as much again, and some for each tile, there is room; not when that is needed for something else.
+  const std::uint64_t enough = bytes_of_tiles(first) * 3 / 2 + (64 << 10);
+  EXPECT_TRUE(of_new_version(0, enough));
+  EXPECT_TRUE(of_new_version(enough, std::nullopt)) << "nobody can tell";
+  EXPECT_FALSE(of_new_version(enough, enough));
+  add("a", 100);
+  // What it took was not too little.
+  const auto second = TileSource::open(out_).value().manifest();
+  fs::remove_all(out_);
+  store_sample(out_, meshes_, {.schema = first.schema});
+  EXPECT_FALSE(of_new_version(0, bytes_of_tiles(second) + fs::file_size(manifest_file(out_))));
 }
 
 TEST_F(Versions, TwoWritersAreOneTooMany) {

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <set>
@@ -87,6 +88,10 @@ TEST_P(Passes, ForeignVerticesHaveTheValuesOfTheirOwners) {
                              });
   ASSERT_TRUE(done) << done.error().where;
   EXPECT_EQ(seen.size(), source.tiles());
+  std::uint64_t put_down = 0;
+  for (const auto& file : std::filesystem::recursive_directory_iterator(scratch.path()))
+    put_down += file.is_regular_file() ? file.file_size() : 0;
+  EXPECT_EQ(put_down, pass.scratch_bytes());
 }
 
 TEST_P(Passes, TheFirstErrorEndsIt) {
