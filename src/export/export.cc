@@ -190,9 +190,12 @@ Result<std::uint64_t> estimate_export(const Manifest& manifest, const fs::path& 
   constexpr std::uint64_t coordinates = 54, number = 10;
   const std::uint64_t corners = static_cast<std::uint64_t>(manifest.dimension) + 1;
   const std::uint64_t vertex = coordinates + 3 * row_bytes(manifest.schema);
+  const std::uint64_t columns = format->cell_columns ? 3 * row_bytes(cell_schema_of(manifest)) : 0;
   if (format->corners)
-    return manifest.cells * (corners + 1) * coordinates + (format->vertex_layer ? manifest.vertices * vertex : 0);
-  return manifest.vertices * vertex + manifest.cells * (corners * number * (format->neighbors ? 2 : 1) + number);
+    return manifest.cells * ((corners + 1) * coordinates + columns) +
+           (format->vertex_layer ? manifest.vertices * vertex : 0);
+  return manifest.vertices * vertex +
+         manifest.cells * (corners * number * (format->neighbors ? 2 : 1) + number + columns);
 }
 
 Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, StoredTile& cells,

@@ -26,7 +26,7 @@ class PutAside {
   // `visit(number)` for each, in order.
   template <class Visit>
   Status for_each(Visit visit) {
-    BOOST_OUTCOME_TRYV(stream_.flush());
+    BOOST_OUTCOME_TRYV(flush());
     constexpr std::uint64_t at_once = 1 << 15;
     std::vector<double> numbers(at_once);
     const std::uint64_t end = stream_.offset();
@@ -39,6 +39,17 @@ class PutAside {
       at += read;
     }
     return success();
+  }
+
+  // Numbers that were added until now can be read.
+  Status flush() { return stream_.flush(); }
+  // The `index`-th number. REQUIRES: flush() was called since it was added.
+  Result<double> at(std::uint64_t index) const {
+    double number = 0;
+    const auto bytes = std::as_writable_bytes(std::span(&number, 1));
+    BOOST_OUTCOME_TRY(read, read_up_to(file_.get(), bytes, index * sizeof number, target_));
+    if (read != bytes.size()) return io_error(target_, "cannot read back what was put aside", EIO);
+    return number;
   }
 
  private:

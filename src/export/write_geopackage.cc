@@ -3,7 +3,6 @@
 // value is there once then and can be styled as it is; v0, v1 and v2 of a triangle are ids of vertices, which have an
 // index.
 #include <array>
-#include <cctype>
 #include <cstring>
 #include <memory>
 #include <set>
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "src/base/attribute_value.h"
+#include "src/export/field_name.h"
 #include "src/export/formats.h"
 #include "src/export/geopackage.h"
 
@@ -21,16 +21,6 @@ namespace tessera::exports {
 namespace fs = std::filesystem;
 
 namespace {
-
-// What SQLite takes for the same is not.
-std::string column_name(std::string name, std::set<std::string>& taken) {
-  const auto lower = [](std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-  };
-  while (!taken.insert(lower(name)).second) name += '_';
-  return name;
-}
 
 // A point as GDAL takes it: little endian, the numbers of ISO.
 class WkbPoint {
@@ -136,7 +126,7 @@ class GeoPackageWriter : public MeshWriter {
         {"tile", OFTInteger64}, {"v0", OFTInteger64}, {"v1", OFTInteger64}, {"v2", OFTInteger64}};
     std::set<std::string> of_triangles{"fid", "geom", "tile", "v0", "v1", "v2"};
     for (const auto& column : head_.cell_columns)
-      fields.push_back({column_name(column.name, of_triangles), field_type(column.type)});
+      fields.push_back({field_name(column.name, of_triangles), field_type(column.type)});
     BOOST_OUTCOME_TRY(triangles, file_->add_layer("triangulation", head_.heights ? wkbPolygon25D : wkbPolygon, fields,
                                                   head_.spatial_index));
     triangles_ = triangles;
@@ -144,7 +134,7 @@ class GeoPackageWriter : public MeshWriter {
       fields = {{"id", OFTInteger64}};
       std::set<std::string> taken{"fid", "geom", "id"};
       for (const auto& column : head_.columns) {
-        fields.push_back({column_name(column.name, taken), field_type(column.type)});
+        fields.push_back({field_name(column.name, taken), field_type(column.type)});
       }
       BOOST_OUTCOME_TRY(
           vertices, file_->add_layer("vertices", head_.heights ? wkbPoint25D : wkbPoint, fields, head_.spatial_index));

@@ -1,15 +1,17 @@
 // Gmsh's MSH 4.1, in text or in binary. A tile is an entity and a physical group "tile N" with the tag N + 1; the
 // facets of one cell alone are those of the group "boundary", turned outwards. Vertices belong to the tile that owns
 // them, cells to theirs, as parts of MeshHead. The boundary, the box and the number of elements are known at the end:
-// the places of the latter are filled then. Elements of the boundary have data, too: meshio wants some of every
-// element.
+// the places of the latter are filled then. Elements of the boundary have data, too, of columns that of their cell:
+// meshio wants some of every element.
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <set>
 #include <string>
 
 #include "src/base/attribute_value.h"
 #include "src/export/boundary.h"
+#include "src/export/field_name.h"
 #include "src/export/formats.h"
 #include "src/export/put_aside.h"
 
@@ -68,7 +70,7 @@ class GmshWriter : public MeshWriter {
   static OpenedWriter open(const fs::path& path, const MeshHead& head, bool binary) {
     BOOST_OUTCOME_TRY(file, OutputFile::create(path));
     auto writer = std::unique_ptr<GmshWriter>(new GmshWriter(std::move(file), head, binary));
-    for (std::size_t i = 0; i <= head.columns.size(); ++i) {  // the last is the longest edge
+    for (std::size_t i = 0; i <= head.columns.size() + head.cell_columns.size(); ++i) {
       BOOST_OUTCOME_TRY(numbers, PutAside::create(path));
       writer->aside_.push_back(std::move(numbers));
     }
@@ -90,8 +92,10 @@ class GmshWriter : public MeshWriter {
     Line line(stream_, binary_);
     line.count(++cells_);
     for (std::size_t k = 0; k < head_.corners(); ++k) line.count(cell.numbers[k] + 1);
-    aside_.back().add(cell.longest_edge);
-    if (status_) status_ = boundary_.add(cell);
+    longest_edges().add(cell.longest_edge);
+    for (std::size_t c = 0; c < head_.cell_columns.size(); ++c)
+      cell_column(c).add(as_double(head_.cell_columns[c].type, cell.values[c]));
+    if (status_) status_ = boundary_.add(cell, cells_ - 1);
   }
   Status check() override {
     BOOST_OUTCOME_TRYV(stream_.status());
@@ -107,17 +111,28 @@ class GmshWriter : public MeshWriter {
     const std::uint64_t boundary_head = stream_.offset();
     std::uint64_t facets = 0;
     if (head_.cells > 0) begin_boundary(stream_, facets);
-    BOOST_OUTCOME_TRYV(boundary_.for_each([&](std::span<const std::uint32_t> vertices, double longest_edge) {
-      Line line(stream_, binary_);
-      line.count(cells_ + ++facets);
-      for (const auto number : vertices) line.count(number + std::uint64_t{1});
-      aside_.back().add(longest_edge);
-    }));
+    for (std::size_t c = 0; c < head_.cell_columns.size(); ++c) {
+      BOOST_OUTCOME_TRYV(cell_column(c).flush());
+    }
+    BOOST_OUTCOME_TRYV(
+        boundary_.for_each([&](std::span<const std::uint32_t> vertices, double longest_edge, std::uint64_t cell) {
+          Line line(stream_, binary_);
+          line.count(cells_ + ++facets);
+          for (const auto number : vertices) line.count(number + std::uint64_t{1});
+          longest_edges().add(longest_edge);
+          for (std::size_t c = 0; c < head_.cell_columns.size(); ++c) repeat(cell_column(c), cell);
+        }));
+    BOOST_OUTCOME_TRYV(status_);
     end_section("Elements");
     for (std::size_t i = 0; i < head_.columns.size(); ++i) {
       BOOST_OUTCOME_TRYV(data("NodeData", head_.columns[i].name, head_.vertices, aside_[i]));
     }
-    BOOST_OUTCOME_TRYV(data("ElementData", "longest_edge", cells_ + facets, aside_.back()));
+    BOOST_OUTCOME_TRYV(data("ElementData", "longest_edge", cells_ + facets, longest_edges()));
+    std::set<std::string> taken{"longest_edge"};
+    for (std::size_t c = 0; c < head_.cell_columns.size(); ++c) {
+      const std::string name = field_name(head_.cell_columns[c].name, taken);
+      BOOST_OUTCOME_TRYV(data("ElementData", name, cells_ + facets, cell_column(c)));
+    }
     BOOST_OUTCOME_TRYV(stream_.flush());
 
     BOOST_OUTCOME_TRYV(fill(entities_, [&](Stream& to) { entities(to); }));
@@ -156,6 +171,18 @@ class GmshWriter : public MeshWriter {
         .count(head_.vertices)
         .count(std::min<std::uint64_t>(1, head_.vertices))
         .count(head_.vertices);
+  }
+
+  PutAside& longest_edges() { return aside_[head_.columns.size()]; }
+  PutAside& cell_column(std::size_t c) { return aside_[head_.columns.size() + 1 + c]; }
+  // A facet has the value of its cell.
+  void repeat(PutAside& numbers, std::uint64_t cell) {
+    if (!status_) return;
+    if (const auto number = numbers.at(cell)) {
+      numbers.add(number.value());
+    } else {
+      status_ = number.error();
+    }
   }
 
   static std::int32_t tag_of(const Part& part) { return static_cast<std::int32_t>(part.tile.value) + 1; }
@@ -233,7 +260,7 @@ class GmshWriter : public MeshWriter {
   MeshHead head_;
   bool binary_;
   Boundary boundary_;
-  std::deque<PutAside> aside_;
+  std::deque<PutAside> aside_;  // attributes of vertices, the longest edges, columns of cells
   Bounds box_;
   std::size_t part_ = 0;            // the one that comes next
   std::uint64_t left_in_part_ = 0;  // vertices, then cells

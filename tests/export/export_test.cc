@@ -4,13 +4,21 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "src/base/attribute.h"
 #include "src/base/option.h"
+#include "src/files/whole_file.h"
+#include "src/result/new_version.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {
@@ -146,6 +154,64 @@ TEST(Export, ATableAndItsLayerAreWrittenBothOrNeither) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, Errc::usage);
   EXPECT_EQ(std::distance(fs::directory_iterator(target.path()), fs::directory_iterator()), 1);
+}
+
+// A column of cells has one value everywhere.
+void add_cell_columns(const fs::path& out, const std::vector<std::pair<Attribute, std::vector<std::byte>>>& columns) {
+  const auto next = NewVersion::begin(out).value();
+  for (std::size_t i = 0; i < next->source().tiles(); ++i) {
+    std::vector<std::vector<std::byte>> values;
+    std::vector<store::ColumnValues> made;
+    for (const auto& [as, value] : columns) {
+      auto& all = values.emplace_back();
+      for (std::uint64_t cell = 0; cell < next->source().entry(i).cells; ++cell)
+        all.insert(all.end(), value.begin(), value.end());
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c) made.push_back({true, columns[c].first, values[c]});
+    ASSERT_TRUE(next->add_columns(i, made, {}));
+  }
+  std::vector<ResultColumn> described;
+  for (const auto& column : columns)
+    described.push_back({.name = column.first.name,
+                         .of_cells = true,
+                         .type = column.first.type,
+                         .unit = "",
+                         .command = {},
+                         .software_version = ""});
+  ASSERT_TRUE(next->commit(described));
+}
+
+template <class Value>
+std::vector<std::byte> bytes_of(Value value) {
+  const auto bytes = std::as_bytes(std::span(&value, 1));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string text_of(const fs::path& path) { return std::string(as_text(read_whole(path).value())); }
+
+TEST(Export, TablesHoldColumnsOfCellsOfAnyNameAndType) {
+  const TemporaryFolder folder, target;
+  store_flat(folder.path());
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  add_cell_columns(folder.path(), {{{"a \"b\", <c>", AttributeType::u64}, bytes_of(~std::uint64_t{0})},
+                                   {{"V0", AttributeType::i8}, bytes_of(std::int8_t{-5})},
+                                   {{"v0", AttributeType::f32}, bytes_of(0.1F)},
+                                   {{"none", AttributeType::f64}, bytes_of(nan)},
+                                   {{"longest_edge", AttributeType::f64}, bytes_of(-infinity)}});
+  ASSERT_TRUE(export_result(folder.path(), target.path() / "a.csv", {}, {}));
+  const std::string table = text_of(target.path() / "a.csv");
+  EXPECT_TRUE(table.starts_with("geom,tid,local,main,v0,v1,v2,\"a \"\"b\"\", <c>\",V0_,v0__,none,longest_edge\n"))
+      << table.substr(0, 200);
+  EXPECT_TRUE(table.ends_with(",18446744073709551615,-5,0.10000000149011612,,-inf\n"))
+      << table.substr(table.size() - 99);
+  const std::string index = text_of(target.path() / "a.vrt");
+  for (const std::string field : {"<Field name=\"a &quot;b&quot;, &lt;c&gt;\" type=\"Real\"/>",
+                                  "<Field name=\"V0_\" type=\"Integer64\"/>", "<Field name=\"v0__\" type=\"Real\"/>"})
+    EXPECT_NE(index.find(field), std::string::npos) << field << " in " << index;
+  ASSERT_TRUE(export_result(folder.path(), target.path() / "a.msh", {}, {}));
+  const std::string mesh = text_of(target.path() / "a.msh");
+  for (const std::string name : {"longest_edge", "longest_edge_", "a 'b', <c>", "V0", "v0_", "none"})
+    EXPECT_NE(mesh.find("$ElementData\n1\n\"" + name + "\"\n"), std::string::npos) << name;
 }
 
 TEST(Export, FilesOfAnotherExportDoNotStayAmongNewOnes) {
