@@ -88,8 +88,7 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   FolderReader reader(scratch);
   while (const char* name = reader.next()) {
     if (!is_part_scratch_name(name)) continue;
-    const auto folder = scratch / name;
-    if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
+    BOOST_OUTCOME_TRYV(remove_whole(scratch / name));
   }
   if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());
   return lock;

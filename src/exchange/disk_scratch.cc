@@ -1,26 +1,15 @@
 #include "src/exchange/disk_scratch.h"
 
-#include <system_error>
 #include <utility>
 
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
 #include "src/files/handed_file.h"
 #include "src/files/there.h"
+#include "src/files/whole_file.h"
 
 namespace tessera {
 namespace {
-
-Error refused(const std::filesystem::path& path, const char* what, const std::error_code& reason) {
-  return error(Errc::io, path.string() + ": cannot " + what + ": " + reason.message());
-}
-
-Status make_folder_of(const std::filesystem::path& file) {
-  std::error_code failed;
-  std::filesystem::create_directories(file.parent_path(), failed);
-  if (failed) return refused(file.parent_path(), "make the folder", failed);
-  return success();
-}
 
 Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, ScratchKind kind, const FrameOwner& owner) {
   TileStorage::Pieces pieces;
@@ -31,13 +20,6 @@ Result<TileStorage::Pieces> pieces_of(const std::filesystem::path& file, Scratch
     return success();
   }));
   return pieces;
-}
-
-Status remove_file(const std::filesystem::path& file) {
-  std::error_code failed;
-  std::filesystem::remove(file, failed);
-  if (failed) return refused(file, "remove it", failed);
-  return success();
 }
 
 }  // namespace
@@ -59,14 +41,14 @@ Status DiskScratch::write(TileId tile, ScratchKind what, std::span<const std::by
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.append(tile, bytes);
   const auto path = scratch_file(folder_of(what), what, tile);
-  BOOST_OUTCOME_TRYV(on(what, make_folder_of(path)));
+  BOOST_OUTCOME_TRYV(on(what, make_directories(path.parent_path())));
   return on(what, write_frame(path, what, owner_of(tile), bytes));
 }
 
 Status DiskScratch::hand_over(TileId tile, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = handed_file(options_.shared, tile);
-  BOOST_OUTCOME_TRYV(make_folder_of(path));
+  BOOST_OUTCOME_TRYV(make_directories(path.parent_path()));
   return write_frame(path, ScratchKind::state, owner_of(tile), bytes);
 }
 
@@ -79,7 +61,7 @@ Status DiskScratch::forget_handed(TileId tile) { return remove_file(handed_file(
 Status DiskScratch::append(TileId tile, ScratchKind what, std::span<const std::byte> bytes) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   const auto path = scratch_file(folder_of(what), what, tile);
-  BOOST_OUTCOME_TRYV(on(what, make_folder_of(path)));
+  BOOST_OUTCOME_TRYV(on(what, make_directories(path.parent_path())));
   return on(what, append_frame(path, what, owner_of(tile), bytes));
 }
 
@@ -106,9 +88,7 @@ Status DiskScratch::remove(TileId tile, ScratchKind what) {
 Status DiskScratch::clear(ScratchKind what) {
   BOOST_OUTCOME_TRYV(check_held(options_.lock_file));
   if (what == ScratchKind::settled) return settled_.clear();
-  const auto folder = scratch_folder(folder_of(what), what);
-  if (const auto failed = remove_tree(folder)) return on(what, Status(refused(folder, "remove it", failed)));
-  return success();
+  return on(what, remove_whole(scratch_folder(folder_of(what), what)));
 }
 
 }  // namespace tessera

@@ -102,8 +102,7 @@ Result<std::optional<BigVector<std::byte>>> SettledFiles::read(TileId tile) {
 Status SettledFiles::clear() {
   const std::lock_guard lock(mutex_);
   index_.reset();
-  if (const auto failed = remove_tree(folder_)) return io_error(folder_, "cannot remove it", failed.value());
-  return success();
+  return remove_whole(folder_);
 }
 
 }  // namespace tessera

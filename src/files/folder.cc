@@ -81,4 +81,9 @@ std::error_code remove_tree(const std::filesystem::path& path) noexcept {
   return {remove_at(AT_FDCWD, path.c_str()), std::generic_category()};
 }
 
+Status remove_whole(const std::filesystem::path& path) {
+  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
+  return success();
+}
+
 }  // namespace tessera

@@ -36,5 +36,7 @@ Result<std::vector<std::string>> sorted_names(const std::filesystem::path& folde
 
 // Removes a file, or a folder with all that is in it; links are not followed. No error when there is nothing.
 std::error_code remove_tree(const std::filesystem::path& path) noexcept;
+// The same, with a sentence for what the system refuses. Errors: io, memory.
+Status remove_whole(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -44,11 +44,6 @@ Error refused_by_system(const fs::path& path, const std::string& reason) {
   return error(Errc::io, path.string() + ": " + reason);
 }
 
-Status remove_folder(const fs::path& folder) {
-  if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
-  return success();
-}
-
 }  // namespace
 
 Result<ResultFolder> ResultFolder::inspect(fs::path out, bool resume, bool overwrite) {
@@ -125,7 +120,7 @@ Status ResultFolder::discard_runs() {
   FolderReader reader(out_);
   while (const char* name = reader.next()) {
     if (!is_new_run_name(name)) continue;
-    BOOST_OUTCOME_TRYV(remove_folder(out_ / name));
+    BOOST_OUTCOME_TRYV(remove_whole(out_ / name));
   }
   if (reader.error()) return refused_by_system(out_, "cannot be read: " + reader.error().message());
   if (resuming_) return success();
@@ -139,7 +134,7 @@ Status ResultFolder::remove_run() const {
   if (!old_result_stands_ && !complete_) {
     BOOST_OUTCOME_TRYV(remove_result());
   }
-  return remove_folder(run());
+  return remove_whole(run());
 }
 
 Status ResultFolder::remove_result() const {
@@ -161,7 +156,7 @@ Status ResultFolder::remove_result() const {
     if (reader.error()) return refused_by_system(folder, "cannot be cleared: " + reader.error().message());
     return success();
   };
-  BOOST_OUTCOME_TRYV(remove_folder(versions_folder(out_)));
+  BOOST_OUTCOME_TRYV(remove_whole(versions_folder(out_)));
   BOOST_OUTCOME_TRYV(remove_from(out_, is_result_name));
   BOOST_OUTCOME_TRYV(remove_from(tiles_folder(out_), is_tile_name));
   fs::remove(tiles_folder(out_), ec);  // stays when somebody else's files are in it

@@ -29,11 +29,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Status remove_whole(const fs::path& path) {
-  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
-  return success();
-}
-
 // An old version that nobody reads stays locked until it is removed, so that nobody begins to read it.
 struct Unread {
   fs::path file;

@@ -1,8 +1,6 @@
 #include "src/run/next_stage.h"
 
-#include <string>
 #include <string_view>
-#include <system_error>
 
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
@@ -30,13 +28,8 @@ Status mark_settled(const std::filesystem::path& run, std::uint32_t stage, const
     BOOST_OUTCOME_TRYV(make_directories(folder));
     return write_whole(marker, std::string_view("settled\n"));
   }
-  std::error_code failed;
-  std::filesystem::remove(marker, failed);
-  if (failed) return error(Errc::io, marker.string() + ": cannot remove it: " + failed.message());
-  const auto files = scratch_folder(folder, ScratchKind::settled);
-  if (const auto left = remove_tree(files))
-    return error(Errc::io, files.string() + ": cannot remove it: " + left.message());
-  return success();
+  BOOST_OUTCOME_TRYV(remove_file(marker));
+  return remove_whole(scratch_folder(folder, ScratchKind::settled));
 }
 
 }  // namespace tessera

@@ -46,7 +46,7 @@ proto::Problem no_triangulation(std::string_view name) {
 
 Status Questions::open() {
   const auto folder = answers_folder(data_);
-  if (const auto failed = remove_tree(folder)) return io_error(folder, "cannot be removed", failed.value());
+  BOOST_OUTCOME_TRYV(remove_whole(folder));
   return make_directories(folder);
 }
 

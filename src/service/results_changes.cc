@@ -17,11 +17,6 @@ namespace tessera {
 namespace fs = std::filesystem;
 namespace {
 
-Status remove_whole(const fs::path& path) {
-  if (const auto failed = remove_tree(path)) return io_error(path, "cannot be removed", failed.value());
-  return success();
-}
-
 // What is ours in a result folder that nobody finds any more; the folder, too, when nothing else is in it.
 Status remove_result(const fs::path& folder) {
   BOOST_OUTCOME_TRYV(remove_file(manifest_file(folder)));

@@ -9,7 +9,6 @@
 
 #include "src/base/option.h"
 #include "src/budget/budget.h"
-#include "src/files/descriptor.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
@@ -40,7 +39,7 @@ class RunFolder {
 
   Status prepare(bool with_rows) {
     for (const auto& path : parts_) {
-      if (const auto failed = remove_tree(path)) return io_error(path, "cannot remove", failed.value());
+      BOOST_OUTCOME_TRYV(remove_whole(path));
     }
     BOOST_OUTCOME_TRYV(make_directories(points_folder(path_)));
     if (with_rows) return make_directories(attributes_folder(path_));
@@ -202,8 +201,7 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
       BOOST_OUTCOME_TRY(next, read_stretch(folder, attempt, run.partition));
       routed.append(next);
     }
-    if (const auto failed = remove_tree(stretches_folder(folder)))
-      return io_error(stretches_folder(folder), "cannot remove", failed.value());
+    BOOST_OUTCOME_TRYV(remove_whole(stretches_folder(folder)));
   } else {
     BOOST_OUTCOME_TRYV(write_stretch(cloud, stretches.front(), run.partition, writer, stop,
                                      [&](std::uint64_t points) { progress.points_routed += points; }));

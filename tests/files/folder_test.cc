@@ -56,7 +56,21 @@ TEST_F(Folders, AreRemovedWithAllThatIsInThemAndNothingThatALinkLeadsTo) {
   EXPECT_EQ(names(), std::set<std::string>{"kept"});
 }
 
-TEST_F(Folders, ThatCannotBeRemovedSayWhy) { EXPECT_TRUE(remove_tree("/proc/self/fd")); }
+TEST_F(Folders, ThatCannotBeRemovedSayWhy) {
+  EXPECT_TRUE(remove_tree("/proc/self/fd"));
+  const auto refused = remove_whole("/proc/self/fd");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, Errc::io);
+  EXPECT_TRUE(refused.error().where.starts_with("/proc/self/fd: cannot be removed: ")) << refused.error().where;
+}
+
+TEST_F(Folders, AreRemovedWhetherTheyAreThereOrNot) {
+  fs::create_directories(folder() / "tree" / "a");
+  write(folder() / "tree" / "a" / "file");
+  EXPECT_TRUE(remove_whole(folder() / "tree"));
+  EXPECT_EQ(names(), std::set<std::string>());
+  EXPECT_TRUE(remove_whole(folder() / "tree"));
+}
 
 }  // namespace
 }  // namespace tessera
