@@ -11,13 +11,12 @@
 #include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
 #include "src/apps/terrain_commands.h"
 #include "src/job/arguments.h"
-#include "src/job/job_options.h"
-#include "src/job/machine.h"
 
 namespace tessera {
 namespace {
@@ -49,13 +48,10 @@ Status run_contours(Settings& settings, const std::string& folder) {
   options.index_every = every.value_or(options.index_every);
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   if (names_server(settings)) return draw_remotely(settings, "contours", folder, target, output);
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
   options.progress = share_line("tracing", output);
@@ -89,8 +85,8 @@ Command add_contours(CLI::App& root) {
   add_value(command, "min-length", "LENGTH", "leave out lines that are shorter in the plane; default: none");
   add_value(command, "index-every", "N", "every N-th level, from --base on, is an index line; default: 5");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .gpkg or .geojson", 'o', true);
-  add_value(command, "memory", "SIZE", "memory for tiles and lines, as 800M or 4G; default: 70 % of what is available");
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_memory_option(command, "tiles and lines");
+  add_threads_option(command);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_remote_options(command);
   add_output_switches(command);

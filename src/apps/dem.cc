@@ -12,12 +12,11 @@
 #include "src/apps/drawn.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/remote_drawing.h"
 #include "src/apps/server_options.h"
 #include "src/job/arguments.h"
-#include "src/job/job_options.h"
-#include "src/job/machine.h"
 
 namespace tessera {
 namespace {
@@ -62,13 +61,10 @@ Status run_dem(Settings& settings, const std::string& folder) {
   options.light = light;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   if (names_server(settings)) return draw_remotely(settings, "dem", folder, target, output);
   BOOST_OUTCOME_TRYV(refuse_detach(settings));
   options.progress = share_line("drawing", output);
@@ -102,9 +98,8 @@ Command add_dem(CLI::App& root) {
   add_value(command, "azimuth", "DEGREES", "of the light, clockwise from north; default: 315");
   add_value(command, "altitude", "DEGREES", "of the light above the horizon; default: 45");
   add_value(command, "output", "PATH", "the file to write, whose name ends in .tif", 'o', true);
-  add_value(command, "memory", "SIZE",
-            "memory for tiles and pixels, as 800M or 4G; default: 70 % of what is available");
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_memory_option(command, "tiles and pixels");
+  add_threads_option(command);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_remote_options(command);
   add_output_switches(command);

@@ -11,11 +11,10 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/percent_line.h"
 #include "src/apps/say.h"
-#include "src/job/arguments.h"
 #include "src/job/describe.h"
-#include "src/job/machine.h"
 #include "src/job/version.h"
 
 namespace tessera {
@@ -47,13 +46,10 @@ Status run_measure(Settings& settings, const std::string& folder, const std::vec
   MeasureOptions options{.command = command_line, .software_version = version()};
   BOOST_OUTCOME_TRY(volume, settings.on("volume"));
   options.volume = volume;
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   options.progress = share_line("measuring", output);
 
   const Interrupt interrupt;
@@ -82,8 +78,8 @@ Command add_measure(CLI::App& root) {
       "  tessera columns out/                          (what there is)");
   add_switch(command, "volume",
              "the volume of each cell, and of each vertex that of the cells around it; of a 2D result areas", 0, true);
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
-  add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
+  add_threads_option(command);
+  add_memory_option(command, "tiles");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
   command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");

@@ -14,12 +14,12 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/say.h"
 #include "src/apps/terrain_commands.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/job/arguments.h"
-#include "src/job/machine.h"
 #include "src/query/geojson.h"
 #include "src/query/stored_triangulation.h"
 #include "src/report/human.h"
@@ -82,10 +82,9 @@ Status run_profile(Settings& settings, const std::string& folder) {
   BOOST_OUTCOME_TRY(digits, settings.get("digits", parse_digits));
   options.digits = digits.value_or(options.digits);
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& given) { return parse_memory(given); }, 0)));
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
   // Half for tiles, half for what is found in them.
-  options.memory_bytes = (memory.value_or(0) > 0 ? *memory : default_memory()) / 2;
+  options.memory_bytes = memory / 2;
 
   const Interrupt interrupt;
   options.stop = interrupt.token();
@@ -120,7 +119,7 @@ Command add_profile(CLI::App& root) {
   add_value(command, "digits", "N",
             "decimals of all numbers, 0 to 17, or all: those of the doubles themselves; default: as the data carry");
   add_value(command, "output", "PATH", "the file to write, as CSV; without it, standard output", 'o', true);
-  add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
+  add_memory_option(command, "tiles");
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();

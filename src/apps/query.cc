@@ -8,10 +8,9 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/query_run.h"
 #include "src/job/arguments.h"
-#include "src/job/job_options.h"
-#include "src/job/machine.h"
 
 namespace tessera {
 namespace {
@@ -70,13 +69,10 @@ Status run_query(Settings& settings, const Asked& asked) {
   request.value = {.value = settings.text("value").value_or(""),
                    .method = method.value_or(query::Method::linear),
                    .weights = weights};
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  request.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  request.ask.threads = threads.value_or(0) > 0 ? static_cast<unsigned>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  request.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  request.ask.threads = threads;
   const std::string format = settings.text("format").value_or("");
   const bool many = question == "interpolate" || (question == "locate" && !request.points.empty());
   if (many) {
@@ -131,8 +127,8 @@ Command add_query(CLI::App& root) {
       command, "format", "NAME",
       "of answers: csv, json (a line each) or npy; of one answer: json; of cells: those of tessera export; default: as "
       "the ending of --output says");
-  add_value(command, "memory", "SIZE", "memory for tiles, as 800M or 4G; default: 70 % of what is available");
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_memory_option(command, "tiles");
+  add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_output_switches(command);
   auto asked = std::make_shared<Asked>();

@@ -12,9 +12,9 @@
 #include "src/apps/command.h"
 #include "src/apps/interrupt.h"
 #include "src/apps/log.h"
+#include "src/apps/machine_options.h"
 #include "src/apps/percent_line.h"
 #include "src/job/arguments.h"
-#include "src/job/machine.h"
 #include "src/report/human.h"
 
 namespace tessera {
@@ -41,9 +41,8 @@ Status run_tileset(Settings& settings, const std::string& folder) {
   options.max_edge = max_edge;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.overwrite = overwrite;
-  BOOST_OUTCOME_TRY(memory,
-                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
-  options.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
   options.progress = share_line("making the tileset", output);
 
   const Interrupt interrupt;
@@ -62,7 +61,7 @@ Command add_tileset(CLI::App& root) {
                              "  tessera tileset ground/ --max-edge 5 -o tiles/     (without what bridges gaps)");
   add_value(command, "max-edge", "LENGTH", "leave out cells with a longer edge in the plane; default: none");
   add_value(command, "output", "FOLDER", "the folder to write", 'o', true);
-  add_value(command, "memory", "SIZE", "memory for a tile, as 800M or 4G; default: 70 % of what is available");
+  add_memory_option(command, "a tile");
   add_switch(command, "overwrite", "replace a tileset that exists", 0, true);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();

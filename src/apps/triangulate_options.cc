@@ -32,7 +32,7 @@ void add_point_options(Command& command) {
   add_switch(command, "recursive", "take the files in subfolders of input folders, too");
   add_value(command, "dim", "2|3",
             "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
-  add_value(command, "threads", "N", "worker threads; default: all processors this process may use");
+  add_threads_option(command);
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
   add_value(command, "resolution", "R",
             "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
@@ -84,10 +84,8 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   BOOST_OUTCOME_TRY(partition,
                     settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
   options.partition = partition.value_or(PartitionKind::kdtree);
-  BOOST_OUTCOME_TRY(
-      threads,
-      settings.get("threads", or_auto([](const std::string& text) { return parse_integer(text, 1, threads_max); }, 0)));
-  options.threads = threads.value_or(0) > 0 ? static_cast<std::uint32_t>(*threads) : usable_processors();
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
   BOOST_OUTCOME_TRY(memory,
                     settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
   options.memory_bytes = given("memory") ? *memory : default_memory();

@@ -6,7 +6,9 @@
 #include <fstream>
 #include <map>
 
+#include "src/apps/machine_options.h"
 #include "src/job/arguments.h"
+#include "src/job/machine.h"
 
 namespace tessera {
 namespace {
@@ -125,6 +127,24 @@ TEST_F(SettingsTest, TwoContradictingKeysOfOneSourceAreRefused) {
   const auto status = settings_.exclusive("tiles", "max-points-per-tile");
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().where, "--tiles and --max-points-per-tile contradict each other: give one of them");
+}
+
+TEST_F(SettingsTest, MemoryAndThreadsAreTheMachinesUnlessTheyAreGiven) {
+  const auto near = [](std::uint64_t memory) {  // others take and give back meanwhile
+    return memory > default_memory() / 4 && memory / 4 < default_memory();
+  };
+  EXPECT_TRUE(near(memory_option(settings_).value()));
+  EXPECT_EQ(threads_option(settings_).value(), usable_processors());
+  ASSERT_TRUE(load("[triangulate]\nmemory = 'auto'\nthreads = 'auto'\n"));
+  EXPECT_TRUE(near(memory_option(settings_).value()));
+  EXPECT_EQ(threads_option(settings_).value(), usable_processors());
+  environment({{"TESSERA_MEMORY", "3M"}, {"TESSERA_THREADS", "1024"}});
+  EXPECT_EQ(memory_option(settings_).value(), 3U << 20);
+  EXPECT_EQ(threads_option(settings_).value(), 1024U);
+  settings_.set_flag("memory", "much");
+  settings_.set_flag("threads", "0");
+  EXPECT_TRUE(memory_option(settings_).error().where.starts_with("--memory: 'much'"));
+  EXPECT_TRUE(threads_option(settings_).error().where.starts_with("--threads: '0'"));
 }
 
 }  // namespace
