@@ -227,7 +227,7 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   expect(id, becomes(integers(0, {Bytes(rows - 1)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {packed(rows - 1)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {packed(rows + 1)})), "has a plane that cannot be unpacked");
-  expect(id, becomes(integers(0, {packed(1 << 20)})), "has a plane of a size that it cannot have");
+  expect(id, becomes(integers(0, {packed(1 << 20)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(rows), packed(1))})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(100), packed(100))})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {Bytes(rows)})), "has a plane for nothing");
