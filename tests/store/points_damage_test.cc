@@ -173,7 +173,8 @@ TEST_P(DamagedPoints, AreCorruptWithValuesThatCannotBe) {
   expect([](PointsTile& t) { t.points[8].y = std::numeric_limits<double>::quiet_NaN(); },
          "points: point 8 is not finite");
   expect([](PointsTile& t) { t.points[299].y = -0.0; }, "points: point 299 is at -0");
-  expect([](PointsTile& t) { t.owners[250] = t.tile; }, "foreign points, owner: point 250 is the tile's own");
+  expect([](PointsTile& t) { t.owners[250] = t.tile; },
+         "points: point 250 is the tile's own, and stands among foreign ones");
 }
 
 TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
