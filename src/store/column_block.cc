@@ -84,25 +84,28 @@ constexpr std::uint64_t sign = std::uint64_t{1} << 63u;
 
 // What is to be added to what each integer predicts, folded. How many are more than rounding.
 constexpr std::uint64_t rounding = 16;
+template <bool multiplies>
 std::size_t predict(const GridScale& scale, std::span<const std::uint64_t> bits, std::uint64_t* multiples,
                     std::uint64_t* misses) {
   std::size_t far = 0;
-  for (std::size_t i = 0; i < bits.size(); ++i) {
-    const std::int64_t k = scale.multiple(std::bit_cast<double>(bits[i]));
-    multiples[i] = static_cast<std::uint64_t>(k) ^ sign;
-    misses[i] = folded(ordered(bits[i]) - ordered(std::bit_cast<std::uint64_t>(scale.prediction(k))));
-    far += misses[i] > rounding ? 1 : 0;
+  for (const std::uint64_t value : bits) {
+    const std::int64_t k = scale.multiple(std::bit_cast<double>(value));
+    const auto whole = static_cast<double>(k);
+    const auto predicted = std::bit_cast<std::uint64_t>(multiplies ? whole * scale.step() : whole / scale.scale());
+    const std::uint64_t miss = folded(ordered(value) - ordered(predicted));
+    *multiples++ = static_cast<std::uint64_t>(k) ^ sign;
+    *misses++ = miss;
+    far += miss > rounding ? 1 : 0;
   }
   return far;
 }
 
 template <bool multiplies>
 void restore(const GridScale& scale, std::span<std::uint64_t> numbers, const std::uint64_t* misses) {
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const auto k = static_cast<double>(static_cast<std::int64_t>(numbers[i] ^ sign));
-    const double predicted = multiplies ? k * scale.step() : k / scale.scale();
-    const auto bits = std::bit_cast<std::uint64_t>(predicted);
-    numbers[i] = misses == nullptr ? bits : unordered(ordered(bits) + unfolded(misses[i]));
+  for (std::uint64_t& number : numbers) {
+    const auto k = static_cast<double>(static_cast<std::int64_t>(number ^ sign));
+    const auto predicted = std::bit_cast<std::uint64_t>(multiplies ? k * scale.step() : k / scale.scale());
+    number = misses == nullptr ? predicted : unordered(ordered(predicted) + unfolded(*misses++));
   }
 }
 
@@ -121,7 +124,9 @@ std::optional<GridScale> ColumnBlocks::find_scale() {
   GridFinder finder;
   for (std::size_t learnt = 0; learnt <= learnt_at_most; ++learnt) {
     const auto scale = finder.next(sample_);
-    if (!scale || predict(*scale, numbers_, multiples_.data(), misses_.data()) <= rows / 32) return scale;
+    if (!scale) return {};
+    const auto predict_all = scale->multiplies() ? predict<true> : predict<false>;
+    if (predict_all(*scale, numbers_, multiples_.data(), misses_.data()) <= rows / 32) return scale;
     std::size_t i = 0;
     while (i < rows && (misses_[i] <= rounding || !GridFinder::counts(std::bit_cast<double>(numbers_[i])))) ++i;
     if (i == rows) return scale;

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <cstddef>
 
-#include "src/store/integer_block.h"
-
 namespace tessera::store {
 
 namespace {

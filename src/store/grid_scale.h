@@ -1,11 +1,13 @@
 // Doubles that are multiples of a step, as decimals, LAS coordinates and pixels are: which step, and the multiples.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "src/base/ieee_arithmetic.h"
+#include "src/store/integer_block.h"
 
 namespace tessera::store {
 
@@ -19,9 +21,8 @@ class GridScale {
   // The integer whose prediction is nearest; 0 for what is out of reach. |k| <= 2^53.
   std::int64_t multiple(double value) const {
     const double v = value * scale_;
-    if (!(v > -0x1p53 && v < 0x1p53)) return 0;
-    if (v >= 0x1p52 || v <= -0x1p52) return static_cast<std::int64_t>(v);
-    return static_cast<std::int64_t>(v + (v < 0 ? -0.5 : 0.5));
+    if (!(std::abs(v) < 0x1p53)) return 0;
+    return static_cast<std::int64_t>(std::abs(v) < 0x1p52 ? v + std::copysign(0.5, v) : v);
   }
   double prediction(std::int64_t k) const {
     return multiplies_ ? static_cast<double>(k) * step_ : static_cast<double>(k) / scale_;
@@ -52,7 +53,9 @@ class GridFinder {
 };
 
 // The bits of doubles as numbers that are ordered as the doubles are, -0 before +0, NaNs at both ends; and back.
-constexpr std::uint64_t ordered(std::uint64_t bits) { return bits ^ (bits >> 63u == 0 ? 1ull << 63u : ~0ull); }
-constexpr std::uint64_t unordered(std::uint64_t number) { return number ^ (number >> 63u == 0 ? ~0ull : 1ull << 63u); }
+constexpr std::uint64_t ordered(std::uint64_t bits) { return bits ^ (sign_of(bits) | std::uint64_t{1} << 63u); }
+constexpr std::uint64_t unordered(std::uint64_t number) {
+  return number ^ (~sign_of(number) | std::uint64_t{1} << 63u);
+}
 
 }  // namespace tessera::store

@@ -94,16 +94,23 @@ Choice better(std::span<const std::uint64_t> numbers, std::uint64_t least) {
   return choice;
 }
 
+bool all_equal(std::span<const std::uint64_t> numbers) {
+  std::uint64_t differing = 0;
+  const std::uint64_t first = numbers[0];
+  for (const std::uint64_t number : numbers) differing |= number ^ first;
+  return differing == 0;
+}
+
 // All their bits.
 std::uint64_t move(std::span<const std::uint64_t> numbers, const BlockHead& head, std::uint64_t* to) {
   std::uint64_t bits = 0;
   if (head.relative == Relative::to_least) {
-    for (std::size_t i = 0; i < numbers.size(); ++i) bits |= to[i] = numbers[i] - head.base;
+    for (const std::uint64_t number : numbers) bits |= * to++ = number - head.base;
   } else {
     std::uint64_t previous = head.base;
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      bits |= to[i] = folded(numbers[i] - previous);
-      previous = numbers[i];
+    for (const std::uint64_t number : numbers) {
+      bits |= * to++ = folded(number - previous);
+      previous = number;
     }
   }
   return bits;
@@ -129,14 +136,19 @@ const char* move_back(const BlockHead& head, std::span<std::uint64_t> numbers) {
 void IntegerBlocks::append(std::span<const std::uint64_t> numbers, BigVector<std::byte>& to) {
   const std::size_t rows = numbers.size();
   check(rows > 0 && rows <= block_rows, "a block has 1 to block_rows rows");
-  BlockHead head{Relative::to_least, 0, *std::min_element(numbers.begin(), numbers.end())};
-  const Choice choice = better(numbers, head.base);
-  head.relative = choice.relative;
-  if (head.relative == Relative::to_previous) head.base = numbers[0];
-  moved_.resize(std::max(moved_.size(), rows));
-  const std::uint64_t bits = move(numbers, head, moved_.data());
-  head.planes = static_cast<std::uint8_t>((std::bit_width(bits) + 7) / 8);
-  if (bits == 0) head.relative = Relative::to_least;
+  BlockHead head{Relative::to_least, 0, numbers[0]};
+  Choice choice;
+  if (!all_equal(numbers)) {
+    head.base = *std::min_element(numbers.begin(), numbers.end());
+    choice = better(numbers, head.base);
+    head.relative = choice.relative;
+    if (head.relative == Relative::to_previous) head.base = numbers[0];
+    moved_.resize(std::max(moved_.size(), rows));
+    const std::uint64_t bits = move(numbers, head, moved_.data());
+    head.planes = static_cast<std::uint8_t>((std::bit_width(bits) + 7) / 8);
+    planes_.resize(std::max(planes_.size(), planes_max * rows));
+    split_planes({moved_.data(), rows}, planes_.data(), rows);
+  }
 
   std::size_t at = to.size() + head_bytes;
   to.resize(at + std::size_t{4} * head.planes + rows * head.planes);
@@ -144,8 +156,6 @@ void IntegerBlocks::append(std::span<const std::uint64_t> numbers, BigVector<std
   to[at - head_bytes + 1] = static_cast<std::byte>(head.planes);
   std::memcpy(&to[at - 8], &head.base, 8);
   std::size_t end = at + std::size_t{4} * head.planes;
-  planes_.resize(std::max(planes_.size(), planes_max * rows));
-  split_planes({moved_.data(), rows}, planes_.data(), rows);
   for (std::size_t p = 0; p < head.planes; ++p, at += 4) {
     const std::span<const std::byte> plane(planes_.data() + p * rows, rows);
     auto size = static_cast<std::uint32_t>(choice.noise[p] ? 0 : pack_plane(plane, to.data() + end, rows - 1));

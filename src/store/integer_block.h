@@ -31,12 +31,12 @@ class IntegerBlocks {
   BigVector<std::byte> planes_;
 };
 
+// All bits those of the highest one.
+constexpr std::uint64_t sign_of(std::uint64_t bits) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(bits) >> 63);
+}
 // Signed differences as unsigned numbers, 0, -1, 1, -2, ...: small ones stay small.
-constexpr std::uint64_t folded(std::uint64_t difference) {
-  return difference << 1u ^ (difference >> 63u == 0 ? 0 : ~std::uint64_t{0});
-}
-constexpr std::uint64_t unfolded(std::uint64_t number) {
-  return number >> 1u ^ ((number & 1u) == 0 ? 0 : ~std::uint64_t{0});
-}
+constexpr std::uint64_t folded(std::uint64_t difference) { return difference << 1u ^ sign_of(difference); }
+constexpr std::uint64_t unfolded(std::uint64_t number) { return number >> 1u ^ (0 - (number & 1u)); }
 
 }  // namespace tessera::store

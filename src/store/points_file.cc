@@ -109,11 +109,17 @@ class PointsReader {
     tile.ids.resize(n);
     tile.owners.resize(n, head_.tile);
     if (attributes) tile.rows.resize(n * stride);
-    for (const PointsColumn& column : head_.columns()) {
-      if (column.what == What::attribute && !attributes) break;
-      BOOST_OUTCOME_TRYV(read_column(column, place_in<std::byte>(tile, stride, column)));
-    }
-    BOOST_OUTCOME_TRYV(check_values(tile));
+    auto columns = head_.columns();
+    if (!attributes) std::erase_if(columns, [](const PointsColumn& column) { return column.what == What::attribute; });
+    for (const bool own : {true, false})
+      for (std::uint64_t block = 0; block * block_rows < (own ? head_.own : head_.foreign); ++block) {
+        // A block of each column before the next ones, for their values stand side by side.
+        for (const PointsColumn& column : columns) {
+          if (column.own != own) continue;
+          BOOST_OUTCOME_TRYV(read_block(column, block, place_in<std::byte>(tile, stride, column)));
+        }
+        BOOST_OUTCOME_TRYV(check_values(tile, own, block));
+      }
     return tile;
   }
 
@@ -121,8 +127,10 @@ class PointsReader {
     std::vector<PointId> ids(head_.own);
     for (const PointsColumn& column : head_.columns()) {
       if (column.what != What::id || !column.own) continue;
-      BOOST_OUTCOME_TRYV(
-          read_column(column, {column.type, reinterpret_cast<std::byte*>(ids.data()), sizeof(PointId), ids.size()}));
+      const ColumnRoom room{column.type, reinterpret_cast<std::byte*>(ids.data()), sizeof(PointId), ids.size()};
+      for (std::uint64_t block = 0; block < column.blocks; ++block) {
+        BOOST_OUTCOME_TRYV(read_block(column, block, room));
+      }
     }
     return ids;
   }
@@ -153,52 +161,43 @@ class PointsReader {
       begins_.push_back(at);
       at += block.bytes;
     }
-    begins_.push_back(at);
     return success();
   }
 
-  Status read_column(const PointsColumn& column, const ColumnRoom& room) {
-    constexpr std::uint64_t bytes_at_once = 1 << 20;
-    const std::uint64_t end = column.first_block + column.blocks;
-    for (std::uint64_t first = column.first_block, behind = 0; first < end; first = behind) {
-      behind = first + 1;
-      while (behind < end && begins_[behind + 1] - begins_[first] <= bytes_at_once) ++behind;
-      BOOST_OUTCOME_TRY(bytes, file_.at(begins_[first], begins_[behind] - begins_[first]));
-      for (std::uint64_t block = first; block < behind; ++block) {
-        const std::uint64_t row = (block - column.first_block) * block_rows;
-        const auto part = room.part(row, std::min<std::uint64_t>(row + block_rows, column.rows));
-        const std::uint64_t begin = begins_[block] - begins_[first];
-        if (const char* wrong = bytes.size() < begin + head_.blocks[block].bytes
-                                    ? "is cut off by the end of the file"
-                                    : take(bytes.subspan(begin, head_.blocks[block].bytes), block, part))
-          return corrupt(head_.place(column) + ", block " + std::to_string(block - column.first_block), wrong);
-      }
-    }
+  static std::uint64_t end_of(std::uint64_t block, std::uint64_t rows) {
+    return std::min<std::uint64_t>((block + 1) * block_rows, rows);
+  }
+
+  // `room`: of the whole column.
+  Status read_block(const PointsColumn& column, std::uint64_t block, const ColumnRoom& room) {
+    const std::uint64_t number = column.first_block + block;
+    const PointsHead::Block& entry = head_.blocks[number];
+    BOOST_OUTCOME_TRY(bytes, file_.at(begins_[number], entry.bytes));
+    const char* wrong = bytes.size() < entry.bytes ? "is cut off by the end of the file"
+                        : checksum(bytes, number) != entry.xxh3
+                            ? "is damaged"
+                            : blocks_.take(bytes, room.part(block * block_rows, end_of(block, column.rows)));
+    if (wrong != nullptr) return corrupt(head_.place(column) + ", block " + std::to_string(block), wrong);
     return success();
   }
 
-  const char* take(std::span<const std::byte> bytes, std::uint64_t block, const ColumnRoom& part) {
-    if (checksum(bytes, block) != head_.blocks[block].xxh3) return "is damaged";
-    return blocks_.take(bytes, part);
-  }
-
-  Status check_values(const PointsTile& tile) const {
-    for (std::size_t i = 0; i < tile.points.size(); ++i) {
+  Status check_values(const PointsTile& tile, bool own, std::uint64_t block) const {
+    const std::uint64_t first = own ? 0 : tile.own;
+    const std::uint64_t end = first + end_of(block, own ? head_.own : head_.foreign);
+    for (std::uint64_t i = first + block * block_rows; i < end; ++i) {
       const Point& p = tile.points[i];
       const char* wrong = !is_finite(p)                                                             ? " is not finite"
                           : is_negative_zero(p.x) || is_negative_zero(p.y) || is_negative_zero(p.z) ? " is at -0"
-                                                                                                    : nullptr;
+                          : !own && tile.owners[i] == tile.tile ? " is the tile's own, and stands among foreign ones"
+                                                                : nullptr;
       if (wrong != nullptr) return corrupt("points", "point " + std::to_string(i) + wrong);
     }
-    for (std::size_t i = tile.own; i < tile.owners.size(); ++i)
-      if (tile.owners[i] == tile.tile)
-        return corrupt("foreign points, owner", "point " + std::to_string(i) + " is the tile's own");
     return success();
   }
 
   FileBytes file_;
   PointsHead head_;
-  std::vector<std::uint64_t> begins_;  // of the blocks, and the end of the last one
+  std::vector<std::uint64_t> begins_;  // of the blocks
   ColumnBlocks blocks_;
 };
 

@@ -153,6 +153,38 @@ def binary_stl():
     return b'solid, but binary'.ljust(80) + struct.pack('<I', 2) + 2 * triangle
 
 
+def integers(numbers, relative, pack):
+    """A block of src/store/FORMAT.md: relative to the least of the numbers (0), or to the one before (1)."""
+    base = numbers[0] if relative else min(numbers)
+    moved = [a - b for a, b in zip(numbers, [base] + numbers[:-1] if relative else [base] * len(numbers))]
+    if relative:
+        moved = [2 * m if m >= 0 else -2 * m - 1 for m in moved]
+    planes = [bytes(m >> 8 * p & 255 for m in moved) for p in range((max(moved).bit_length() + 7) // 8)]
+    packed = [min((plane, pack(plane)), key=len) for plane in planes]
+    return (struct.pack('<BBQ', relative if planes else 0, len(planes), base) +
+            b''.join(struct.pack('<I', len(p)) for p in packed) + b''.join(packed))
+
+
+def points_file(own, foreign, attributes, pack):
+    """A file of points in 2D without checksums: fuzz_points sets them. Points: (x, y, id, owner, attributes...)."""
+    sign = 1 << 63
+    cents = lambda values: b'\x0b' + integers([round(100 * v) + sign for v in values], 1, pack) + integers([0] * len(values), 0, pack)
+    bits = lambda values: b'\0' + integers([struct.unpack('<Q', struct.pack('<d', v))[0] ^ sign for v in values], 0, pack)
+    column = lambda points, i: [p[i] for p in points]
+    blocks = []
+    for points, columns in ((own, 3), (foreign, 4)):
+        for i in range(columns if points else 0):
+            blocks.append(cents(column(points, i)) if i < 2 else integers(column(points, i), i % 2, pack))
+    for points in (own, foreign):
+        for i in range(len(attributes) if points else 0):
+            values = column(points, 4 + i)
+            blocks.append(bits(values) if attributes[i][1] == 9 else integers(values, 0, pack))
+    schema = b''.join(struct.pack('<BQ', kind, len(name)) + name for name, kind in attributes)
+    head = 17 + 24 + len(schema) + 12 * len(blocks) + 8
+    return (b'Tessera points 1\n' + struct.pack('<6I', head, 2, 42, len(own), len(foreign), len(attributes)) + schema +
+            b''.join(struct.pack('<IQ', len(b), 0) for b in blocks) + bytes(8) + b''.join(blocks))
+
+
 def main():
     data, out = map(pathlib.Path, sys.argv[1:3])
 
@@ -194,6 +226,17 @@ def main():
     zstd = lambda data: subprocess.run(['zstd', '-q', '-c'], input=data, stdout=subprocess.PIPE, check=True).stdout
     write('packed', 'skipped_and_two_frames.xyz.zst', b'\x50\x2a\x4d\x18\x02\0\0\0ab' + zstd(text[:300]) + zstd(text[300:]))
     write('packed', 'small.las.zst', zstd(las))
+
+    many = [(i / 4, i % 40 / 100, 1000 - i, 42, i * i / 7, i % 3) for i in range(200)]
+    few = [(9.25, 0.5, 7, 3, float('nan'), 1), (9.0, -0.25, 8, 41, -0.0, 2)]
+    attributes = [(b'z', 9), (b'kind', 0)]
+    plain = lambda plane: plane
+    packed = lambda plane: subprocess.run(['zstd', '-q', '-1', '--no-check', f'--stream-size={len(plane)}', '-c'], input=plane,
+                                          stdout=subprocess.PIPE, check=True).stdout
+    write('points', 'plain.pts', points_file(many[:9], few, attributes, plain))
+    write('points', 'packed.pts', points_file(many, few, attributes, packed))
+    write('points', 'no_foreign.pts', points_file(many, [], [], packed))
+    write('points', 'block', b'\x06\0\xc7' + integers([i * i for i in range(200)], 1, packed))
 
 
 main()

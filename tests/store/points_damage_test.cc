@@ -173,7 +173,8 @@ TEST_P(DamagedPoints, AreCorruptWithValuesThatCannotBe) {
   expect([](PointsTile& t) { t.points[8].y = std::numeric_limits<double>::quiet_NaN(); },
          "points: point 8 is not finite");
   expect([](PointsTile& t) { t.points[299].y = -0.0; }, "points: point 299 is at -0");
-  expect([](PointsTile& t) { t.owners[250] = t.tile; }, "foreign points, owner: point 250 is the tile's own");
+  expect([](PointsTile& t) { t.owners[250] = t.tile; },
+         "points: point 250 is the tile's own, and stands among foreign ones");
 }
 
 TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
@@ -227,7 +228,7 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   expect(id, becomes(integers(0, {Bytes(rows - 1)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {packed(rows - 1)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {packed(rows + 1)})), "has a plane that cannot be unpacked");
-  expect(id, becomes(integers(0, {packed(1 << 20)})), "has a plane of a size that it cannot have");
+  expect(id, becomes(integers(0, {packed(1 << 20)})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(rows), packed(1))})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {joined(packed(100), packed(100))})), "has a plane that cannot be unpacked");
   expect(id, becomes(integers(0, {Bytes(rows)})), "has a plane for nothing");
