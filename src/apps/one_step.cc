@@ -95,7 +95,13 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
     return use(*keep);
   }
   const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
-  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(beside)));
+  if (const fs::path parent = beside.parent_path(); !parent.empty()) {
+    BOOST_OUTCOME_TRY(parent_there, is_folder(parent));
+    if (!parent_there)
+      return error(Errc::io, beside.string() + ": cannot be written: there is no folder " + parent.string());
+  }
+  // Not the name that the product has while it is written.
+  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(beside.string() + ".result")));
   BOOST_OUTCOME_TRYV(make_result(settings, what, folder.path() / "result", output));
   return use((folder.path() / "result").string());
 }

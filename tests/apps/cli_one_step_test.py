@@ -54,7 +54,8 @@ class OneStep(CliTest):
         self.refused(IO, "dem", "missing.las", "--res", "1", "-o", "dem.tif", says="missing.las")
         self.refused(IO, "dem", "*.laz", "--res", "1", "-o", "dem.tif", says="*.laz")
         self.refused(USAGE, "dem", says="no result folder")
-        self.refused(USAGE, "dem", cloud, "--res", "1", "-o", "none/dem.tif", "--value", "colour", says="colour")
+        self.refused(IO, "dem", cloud, "--res", "1", "-o", "none/dem.tif", says="there is no folder none")
+        self.refused(USAGE, "dem", cloud, "--res", "1", "-o", "dem.tif", "--value", "colour", says="colour")
         self.assertEqual(sorted(self.files(self.folder)), before)
 
 

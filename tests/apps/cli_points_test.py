@@ -78,14 +78,15 @@ class Points(CliTest):
         kinds = {name.rsplit(".")[-1] for name in self.tiles("mixed")}
         self.assertEqual(kinds, {"pts", "vtu"}, box)
         self.ok("verify", "mixed", "--quiet")
+        self.write("asked.xyz", f"{x} {y}\n{x + 1} {y + 2}\n")
         answers = {}
         for name in ("cells", "points", "mixed"):
-            self.ok("dem", name, "-o", f"{name}.tif", "--pixel", "2", "--quiet")
+            self.ok("dem", name, "-o", f"{name}.tif", "--res", "2", "--quiet")
             self.ok("contours", name, "-o", f"{name}.geojson", "--interval", "5", "--quiet")
             self.ok("export", name, "-o", f"{name}.ply", "--quiet")
             self.ok("tileset", name, "-o", f"{name}-tiles", "--quiet")
             found = [self.ok("query", name, what, *rest) for what, *rest in
-                     (("locate", f"{x},{y}"), ("interpolate", f"{x},{y}"), ("hull",), ("star", "1000"))]
+                     (("locate", f"{x},{y}"), ("interpolate", "asked.xyz", "--value", "z"), ("star", "1000"))]
             tileset = sorted((p.name, p.read_bytes()) for p in (self.folder / f"{name}-tiles" / "nodes").iterdir())
             files = [(self.folder / f"{name}{ending}").read_bytes() for ending in (".tif", ".geojson", ".ply")]
             answers[name] = (found, files, tileset)
