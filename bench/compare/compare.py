@@ -1,6 +1,6 @@
 """The program whole beside CGAL's and HXT's triangulation alone, in turns, on the same points.
 
-    compare.py BUILD [CLOUD...] [--hxt PROGRAM] [--rounds 3] [--threads 2] [--tiles N] [--folder DIR]
+    compare.py BUILD [CLOUD...] [--hxt PROGRAM] [--rounds 3] [--threads 2] [--tiles N] [--store cells|points] [--folder DIR]
 
 CLOUD is a file, or made up: uniform:10M, terrain:3M (default: these two). PROGRAM is hxt_points.c beside this file, built
 with HXT's sources as docs/benchmarks.md tells; without it HXT is left out. Ours reads, cuts, triangulates, splays and writes
@@ -52,11 +52,12 @@ class Cloud:
 def ours(args, cloud, folder, threads):
     out = folder / "out"
     tiles = ["--tiles", cloud.tiles] if cloud.tiles else []
-    told, seconds, work, peak = run([args.tessera, "triangulate", cloud.points, "-o", out, "--threads", threads, *tiles, "--json"],
+    told, seconds, work, peak = run([args.tessera, "triangulate", cloud.points, "-o", out, "--threads", threads, *tiles, "--store", args.store, "--json"],
                                     stderr=subprocess.DEVNULL)
     summary = json.loads(told.splitlines()[-1])
+    stored = sum(tile.stat().st_size for tile in (out / "tiles").iterdir())
     shutil.rmtree(out)
-    return {"seconds": seconds, "work": work, "peak": peak, "points": summary["vertices"], "cells": summary["cells"],
+    return {"stored": stored, "seconds": seconds, "work": work, "peak": peak, "points": summary["vertices"], "cells": summary["cells"],
             "phases": summary["seconds"], "tiles": summary["tiles"]}
 
 
@@ -88,7 +89,7 @@ def spread(values):
 def report(args, cloud, rounds):
     many = args.threads
     whole = rounds[0]["ours", many]
-    print(f"\n{cloud.name}, {whole['points']} points, {whole['cells']} cells, {whole['tiles']} tiles, seed {SEED}, {len(rounds)} rounds: least, median, most")
+    print(f"\n{cloud.name}, {whole['points']} points, {whole['cells']} cells, {whole['tiles']} tiles, seed {SEED}, tiles of {args.store}, {len(rounds)} rounds: least, median, most")
     rows = {"CGAL, 1 thread, s": lambda r: r["cgal"], "kernel and its order, 1 thread, s": lambda r: r["kernel"]}
     for threads in dict.fromkeys((1, many)):
         if args.hxt:
@@ -97,6 +98,7 @@ def report(args, cloud, rounds):
         rows[f"tessera, {threads} threads, s"] = lambda r, t=threads: r["ours", t]["seconds"]
         rows[f"tessera, {threads} threads, M points/s"] = lambda r, t=threads: r["ours", t]["points"] / r["ours", t]["seconds"] / 1e6
         rows[f"tessera, {threads} threads, bytes a point"] = lambda r, t=threads: r["ours", t]["peak"] / r["ours", t]["points"]
+    rows["the result's tiles, bytes a point"] = lambda r: r["ours", many]["stored"] / r["ours", many]["points"]
     for phase in whole["phases"]:
         rows[f"  {phase}, {many} threads, share of its phases"] = lambda r, p=phase: r["ours", many]["phases"][p] / sum(r["ours", many]["phases"].values())
     rows[f"CGAL / tessera with {many} threads"] = lambda r: r["cgal"] / r["ours", many]["seconds"]
@@ -117,6 +119,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--tiles")
+    parser.add_argument("--store", choices=("cells", "points"), default="cells")
     parser.add_argument("--folder", help="for clouds and results; default: a temporary one")
     args = parser.parse_args()
     args.tessera = args.build / "src/apps/tessera"
