@@ -106,7 +106,7 @@ class CellColumns(ExportTest):
     def test_before_they_are_computed_there_are_none(self):
         self.stored(self.xyz(n=50), "--dim", "2")
         self.assertEqual(self.export("mesh.csv").read_text().splitlines()[0], "geom,tid,local,main,v0,v1,v2")
-        self.assertEqual(set(Mesh(self.export("mesh.msh"), 2).data), {"longest_edge", "z"})
+        self.assertEqual(set(Mesh(self.export("mesh.msh"), 2).data), {"longest_edge"})
 
 
 if __name__ == "__main__":
