@@ -11,9 +11,9 @@
 
 namespace tessera::store {
 
-// Of a block, at most. Fewer make more tables, of blocks and of zstd, more take longer where one row is wanted:
-// bench/store/bench_points_file.cc measures both.
-inline constexpr std::size_t block_rows = 32768;
+// Of a block, at most. Of 4096 to 65536 rows, this many are the fewest with which bytes and times are the least, by
+// bench/store/bench_points_file.cc: fewer rows take more tables, more take longer where one row is wanted.
+inline constexpr std::size_t block_rows = 16384;
 
 // Has the memory that blocks need on their way, so that the next block takes no new one. Of one thread at a time.
 class IntegerBlocks {
