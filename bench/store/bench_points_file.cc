@@ -219,7 +219,9 @@ int main(int argc, char** argv) {
   app.add_option("--points", points, "to make up; 0 for none");
   app.add_option("--tiles", tiles, "of made-up clouds")->check(CLI::Range(1, 1'000'000));
   app.add_option("--seed", seed, "of clouds, and of the order of ids");
-  app.add_option("--attributes", attributes, "of files, to carry besides z; all for all")->delimiter(',');
+  app.add_option("--attributes", attributes, "of files, to carry besides z; all for all")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option("files", files, "to measure besides");
   CLI11_PARSE(app, argc, argv);
   const auto status = tessera::run(points, tiles, seed, files, attributes);
