@@ -38,6 +38,7 @@ TEST(PartSpec, OfARunHasItsOptions) {
   run.memory_bytes = 1ull << 40;
   run.kernel = KernelKind::cgal;
   run.keep = Keep::reduced;
+  run.store = StoreAs::points;
   run.neighbors = run.resumable = false;
   run.grace_s = 300;
   run.lock_file = "out/.lock/me";
@@ -51,9 +52,10 @@ TEST(PartSpec, OfARunHasItsOptions) {
   EXPECT_EQ(spec.out_folder, "out");
   const auto programs = delaunay_options_from_bytes(spec.programs);
   ASSERT_TRUE(programs);
-  EXPECT_EQ(programs.value(), (DelaunayOptions{KernelKind::cgal, Keep::reduced, false}));
+  EXPECT_EQ(programs.value(), (DelaunayOptions{KernelKind::cgal, Keep::reduced, StoreAs::points, false}));
   EXPECT_FALSE(delaunay_options_from_bytes("\xff\xff"));
   EXPECT_FALSE(delaunay_options_from_bytes("\x08\x07"));  // a kernel that there is not
+  EXPECT_FALSE(delaunay_options_from_bytes("\x20\x07"));  // a kind of tiles that there is not
 }
 
 }  // namespace
