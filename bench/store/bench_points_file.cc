@@ -17,6 +17,7 @@
 #include <variant>
 #include <vector>
 
+#include "src/base/option.h"
 #include "src/base/random.h"
 #include "src/generate/generate.h"
 #include "src/io/cloud/cloud.h"
@@ -225,6 +226,7 @@ int main(int argc, char** argv) {
   app.add_option("files", files, "to measure besides");
   CLI11_PARSE(app, argc, argv);
   const auto status = tessera::run(points, tiles, seed, files, attributes);
-  if (status.has_error()) std::fprintf(stderr, "bench_points_file: %s\n", status.error().where.c_str());
+  if (status.has_error())
+    std::fprintf(stderr, "bench_points_file: %s\n", tessera::in_plain_words(status.error().where).c_str());
   return status.has_error() ? 1 : 0;
 }

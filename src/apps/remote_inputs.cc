@@ -122,7 +122,10 @@ Result<Json> remote_inputs(const Settings& settings, const Descriptor& inputs, c
   for (const auto& key : settings.given()) {
     if (std::find(here.begin(), here.end(), key) != here.end() || settings.text(key) == "auto") continue;
     const auto* field = field_of(inputs, key);
-    if (field == nullptr) return error(Errc::usage, "--" + key + " is not for a job of a daemon");
+    if (field == nullptr) {
+      if (settings.source(key) == Settings::Source::environment) continue;  // which is there for many commands
+      return error(Errc::usage, "--" + key + " is not for a job of a daemon");
+    }
     BOOST_OUTCOME_TRY(value, settings.get(key, [&](const std::string& text) { return json_of(text, *field); }));
     json[field->name()] = *value;
   }

@@ -27,8 +27,6 @@ Result<KernelKind> parse_kernel(const std::string& text) {
 
 void add_source_options(Command& command) {
   add_switch(command, "recursive", "take the files in subfolders of input folders, too");
-  add_value(command, "resolution", "R",
-            "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
   add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
   add_value(command, "without", "FLAGS",
@@ -58,6 +56,8 @@ void add_point_options(Command& command) {
       "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
       true);
   add_source_options(command);
+  add_value(command, "resolution", "R",
+            "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
   add_dimension(command);
   add_threads_option(command);
   add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");

@@ -14,7 +14,9 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const std::string& folder, const Manifest& manifest) {
   Json tiles = Json::array(), inputs = Json::array(), names = Json::array();
+  std::uint64_t of_points = 0;
   for (const auto& tile : manifest.tiles) {
+    of_points += tile.kind == TileKind::points ? 1 : 0;
     tiles.push_back({{"tile", tile.tile.value},
                      {"points", tile.own_points},
                      {"foreign_points", tile.points - tile.own_points},
@@ -56,6 +58,7 @@ Json to_json(const std::string& folder, const Manifest& manifest) {
               {"digest", manifest.digest ? Json(digest_text(*manifest.digest)) : Json()},
               {"region", region},
               {"neighbors", manifest.neighbors},
+              {"tiles_of_points", of_points},
               {"attributes", names},
               {"version", manifest.version},
               {"columns", columns_to_json(manifest)},

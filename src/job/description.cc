@@ -23,6 +23,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Of tiles that are kept as points.
+std::string kept_text(std::uint64_t of_points, std::size_t tiles) {
+  if (of_points == 0) return "";
+  return of_points == tiles ? ", kept as points" : ", " + grouped(of_points) + " of them kept as points";
+}
+
 // Source: ASPRS, LAS Specification 1.4 - R15, table 17.
 const char* class_name(int number) {
   constexpr std::array names{"never classified",
@@ -282,7 +288,8 @@ std::string result_text(const Json& result, bool counters) {
   if (const std::string density = density_text(result); !density.empty()) lines.add("density", density);
   if (part) lines.add("a region", region_text(*region, dimension));
   lines.add("tiles", grouped(tiles.size()) + " (" + text_of(result, "partition") + ")" +
-                         (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each"));
+                         (tiles.empty() ? "" : ", " + grouped(least) + " to " + grouped(most) + " vertices each") +
+                         kept_text(result.value("tiles_of_points", std::uint64_t{0}), tiles.size()));
   lines.add("size", human_bytes(bytes) + (result.at("neighbors").get<bool>() ? "" : ", without neighbours"));
   if (!result.at("digest").is_null()) lines.add("digest", text_of(result, "digest"));
   lines.add("attributes", joined(result.at("attributes")));

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(Clouds, Accidents,
                                            Case{"lattice", 2, 30, 6, PartitionKind::kdtree, 300, 1001},
                                            Case{"uniform", 2, 60, 12, PartitionKind::kdtree, 200},
                                            Case{"planes", 2, 18, 7, PartitionKind::random, 300},
-                                           Case{"clusters", 3, 40, 6, PartitionKind::random, 100}),
+                                           Case{"clusters", 3, 40, 6, PartitionKind::random, 200}),
                          name_of_case);
 
 class Losses : public ::testing::TestWithParam<Case> {};

@@ -25,6 +25,8 @@ class Points(CliTest):
         self.assertEqual([{**tile, "bytes": 0, "xxh3": 0, "file": 0} for tile in cells["tiles"]],
                          [{**tile, "bytes": 0, "xxh3": 0, "file": 0} for tile in points["tiles"]])
         self.assertEqual({p.rsplit(".")[-1] for p in self.tiles("points")}, {"pts"})
+        self.assertEqual((cells["tiles_of_points"], points["tiles_of_points"]), (0, len(points["tiles"])))
+        self.assertIn("kept as points", self.ok("info", "points"))
         self.ok("verify", "points", "--quiet")
 
     def test_they_make_the_same_files_of_cells(self):
