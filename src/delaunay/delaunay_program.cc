@@ -166,7 +166,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
 
 Image DelaunayProgram::save() {
   Image bytes = triangulation_->save();
-  const ImageEnd end{own_points_, finals_sum_, stage_.kind, gone_};
+  const ImageEnd end{own_points_, keeps_cells() ? 0u : 1u, gone_, finals_sum_};
   const auto last = std::as_bytes(std::span(&end, 1));
   bytes.insert(bytes.end(), last.begin(), last.end());
   earlier_ = false;
@@ -178,7 +178,7 @@ std::unique_ptr<TileTriangulation> DelaunayProgram::decode(Image image, ImageEnd
   if (image.size() < sizeof end) return nullptr;
   std::memcpy(&end, image.data() + image.size() - sizeof end, sizeof end);
   image.resize(image.size() - sizeof end);
-  if (end.kind != stage_.kind) return nullptr;
+  if ((end.of_points == 0) != keeps_cells()) return nullptr;
   auto tile = std::make_unique<TileTriangulation>(options());
   if (!tile->load(std::move(image))) return nullptr;
   return tile;

@@ -62,9 +62,9 @@ class DelaunayProgram final : public TileProgram {
   // What stands behind the triangulation in an image.
   struct ImageEnd {
     std::uint64_t own_points = 0;
-    std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
-    TileKind kind = TileKind::cells;
+    std::uint64_t of_points = 0;  // 1: nothing is kept of final cells, which were these
     CountedCells gone;
+    std::uint64_t finals_sum = 0;  // of the list of final cells that it goes with; 0: of none
   };
   struct Heard {
     TileId from;

@@ -53,7 +53,7 @@ class Help(CliTest):
         self.refused(USAGE, "dem", "result", "--resolution", "0.5",
                      says="'--resolution' is no option of 'tessera dem'; perhaps '--res' is meant; see 'tessera dem --help'")
         self.refused(USAGE, "triangulate", "a.las", "--tilse=3", says="'--tilse' is no option of 'tessera triangulate'; perhaps '--tiles' is meant")
-        self.refused(USAGE, "dem", "a", "b", "c", says="'b' is one argument too many for 'tessera dem'")
+        self.refused(USAGE, "measure", "a", "b", "c", says="'b' is one argument too many for 'tessera measure'")
         self.refused(USAGE, "triangulate", "a.las", "--tiles", "3", "--tiles", "4", says="--tiles is given more than once; see")
         self.refused(USAGE, "triangulate", "a.las", "--class", "2", "--class", "9",
                      says="--class is given more than once: give all values at once, with commas between them")
