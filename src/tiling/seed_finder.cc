@@ -23,7 +23,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // The axes and what lies between them: 26 directions in space, the first 8 of which are those of the plane.
 constexpr int directions(int dimension) { return dimension == 3 ? 26 : 8; }
 
-std::array<int, 3> direction(int k) {
+constexpr std::array<int, 3> direction(int k) {
   const int at = k < 4 ? k : k < 8 ? k + 1 : k - 8;  // of the 9 in a layer; the middle one only in the other two layers
   const int layer = k < 8 ? 0 : at < 9 ? -1 : 1;
   return {at % 3 - 1, at / 3 % 3 - 1, layer};
@@ -37,9 +37,20 @@ bool endless(const Box& box, int k) {
   return true;
 }
 
+// As doubles, for they are asked of every point.
+constexpr auto direction_vectors = [] {
+  std::array<Point, directions(3)> vectors{};
+  for (int k = 0; k < directions(3); ++k) {
+    const auto d = direction(k);
+    vectors[static_cast<std::size_t>(k)] = {static_cast<double>(d[0]), static_cast<double>(d[1]),
+                                            static_cast<double>(d[2])};
+  }
+  return vectors;
+}();
+
 double along(const Point& p, int k) {
-  const auto d = direction(k);
-  return p.x * d[0] + p.y * d[1] + p.z * d[2];
+  const Point& d = direction_vectors[static_cast<std::size_t>(k)];
+  return p.x * d.x + p.y * d.y + p.z * d.z;
 }
 
 double lot(const Point& p) {
