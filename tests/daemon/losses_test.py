@@ -99,9 +99,11 @@ class Cluster(DaemonTest):
         self.wait_until(lambda: len(self.joined()) == count, lambda: f"{self.joined()} instead of {count} members")
 
     def submit(self, name):
+        self.submitted = getattr(self, "submitted", 0) + 1  # both kinds of tiles in turn
         status, _, job = self.coordinator.request(
             "POST", "/v1/processes/triangulate/execution",
-            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": name, "tiles": 16}})
+            {"inputs": {"inputs": [str(self.folder / "inputs/cloud.npy")], "output": name, "tiles": 16,
+                        "store": "points" if self.submitted % 2 == 1 else "cells"}})
         self.assertEqual(status, 201, job)
         return job["jobID"]
 
