@@ -81,8 +81,8 @@ struct HarnessReport {
 
 // The seed decides, each independently: cloud, schedule, delays, the number of grants under way, the memory budget
 // (some force every tile to sleep after each step, some a part of them), whether tiles are reduced, whether they keep
-// points alone, how much mail they keep in memory, whether they announce, nodes and who lives where, how late meshes are stored, faults and restarts. At
-// every step the counters of all tiles differ by the updates that are under way.
+// points alone, how much mail they keep in memory, whether they announce, nodes and who lives where, how late meshes
+// are stored, faults and restarts. At every step the counters of all tiles differ by the updates that are under way.
 HarnessReport run_harness(const HarnessOptions& options);
 
 }  // namespace tessera

@@ -150,12 +150,7 @@ class MemoryStorage::AtNode final : public TileStorage, public DelaunayStore {
     Digest digest = kept.counted.digest;
     digest += digest_of(dimension, kept.points, kept.ids);
     const std::uint64_t own = kept.points.size();
-    std::vector<TileId> owners(own, tile);
-    for (const SharedPoint& p : kept.foreign) {
-      kept.points.push_back(p.at);
-      kept.ids.push_back(p.id);
-      owners.push_back(p.tile);
-    }
+    auto owners = kept.append_foreign(tile);
     auto mesh = rebuild({.dimension = dimension,
                          .self = tile,
                          .own = own,

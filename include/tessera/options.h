@@ -57,8 +57,8 @@ class TESSERA_PUBLIC TriangulationOptions {
   // Keep the neighbours of cells (the default).
   TriangulationOptions& neighbors(bool neighbors);
 
-  // What is stored: "cells"; "points", a tenth of the bytes, from which cells are made again when they are asked for; or
-  // "auto", the default: points for clouds of more than 50 million.
+  // What is stored: "cells"; "points", a tenth of the bytes, from which cells are made again when they are asked for;
+  // or "auto", the default: points for clouds of more than 50 million.
   TriangulationOptions& store(const std::string& what);
 
   // Leave points with NaN or infinite coordinates out, do not fail.

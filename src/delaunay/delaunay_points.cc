@@ -47,6 +47,16 @@ void put_in_order(std::vector<SharedPoint>& foreign, int dimension) {
 
 }  // namespace
 
+std::vector<TileId> PointsOfTile::append_foreign(TileId self) {
+  std::vector<TileId> owners(points.size(), self);
+  for (const SharedPoint& p : foreign) {
+    points.push_back(p.at);
+    ids.push_back(p.id);
+    owners.push_back(p.tile);
+  }
+  return owners;
+}
+
 void DelaunayProgram::discard(const LoadedTile& loaded, const Box& box) {
   const CellDigest digest(stage_.dimension, triangulation_->ids());
   gone_.cells = gone_.main_cells =

@@ -25,6 +25,9 @@ struct PointsOfTile {
   std::vector<SharedPoint> foreign;  // vertices of its cells, in Hilbert order
   CountedCells counted;
 
+  // Foreign vertices follow the own points in `points` and `ids` from then on. Returns who owns each of all. `self`:
+  // the tile. To be called once.
+  std::vector<TileId> append_foreign(TileId self);
   std::uint64_t bytes() const {
     return points.size() * (sizeof(Point) + sizeof(PointId)) + foreign.size() * sizeof(SharedPoint);
   }

@@ -133,12 +133,7 @@ Result<Receipt> DiskStore::write_result(TileId tile, const CollectedTile& collec
 
 Result<Receipt> DiskStore::write_points(TileId tile, PointsOfTile& kept) {
   const std::uint64_t own = kept.points.size();
-  std::vector<TileId> owners(own, tile);
-  for (const SharedPoint& p : kept.foreign) {
-    kept.points.push_back(p.at);
-    kept.ids.push_back(p.id);
-    owners.push_back(p.tile);
-  }
+  const auto owners = kept.append_foreign(tile);
   BOOST_OUTCOME_TRY(rows, points_->rows(tile, kept.ids, owners));
   BOOST_OUTCOME_TRY(entry, write_points_tile(out_,
                                              {.dimension = points_->dimension(),

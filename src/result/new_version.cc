@@ -153,8 +153,7 @@ Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnV
                                const std::stop_token& stop) {
   TileEntry entry = source_.entry(index);
   if (entry.kind == TileKind::points)
-    return error(Errc::usage, source_.file(index).string() +
-                                  ": is kept as points, and columns are stored beside cells: make cells of it first");
+    return error(Errc::internal, source_.file(index).string() + ": has no cells that columns could stand beside");
   BOOST_OUTCOME_TRYV(source_.check(index));
   entry.version = number();
   const auto final_name = tile_file(source_.folder(), entry);

@@ -88,19 +88,26 @@ std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t 
 
 }  // namespace
 
+// Small blocks can tell of many points: the manifest says for how many memory is taken.
 Result<PointsTile> TileSource::read_as_points(std::size_t i, bool rows) const {
+  BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
+  if (head.own != entry(i).own_points || head.own + head.foreign != entry(i).points)
+    return error(Errc::corrupt, file(i).string() + ": holds other numbers of vertices than the manifest says");
   return read_points_file(file(i), entry(i).tile, rows);
 }
 
 // Foreign vertices stand in the file as a kernel takes them best, and in the mesh by id.
-Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts, const std::stop_token& stop) const {
+Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts) const {
   const auto path = file(i);
   BOOST_OUTCOME_TRY(tile, read_as_points(i, parts.rows));
   const std::size_t n = tile.points.size(), own = tile.own;
-  std::vector<std::uint32_t> from(n);
-  std::iota(from.begin(), from.end(), 0u);
-  const auto foreign = from.begin() + static_cast<std::ptrdiff_t>(own);
-  std::sort(foreign, from.end(), [&](auto a, auto b) { return tile.ids[a] < tile.ids[b]; });
+  std::vector<std::uint32_t> from;  // by place in the mesh
+  if (parts.rows || !parts.cells) {
+    from.resize(n);
+    std::iota(from.begin(), from.end(), 0u);
+    const auto foreign = from.begin() + static_cast<std::ptrdiff_t>(own);
+    std::sort(foreign, from.end(), [&](auto a, auto b) { return tile.ids[a] < tile.ids[b]; });
+  }
   StoredTile stored;
   stored.schema = std::move(tile.schema);
   if (parts.rows) stored.rows = permuted(tile.rows, row_bytes(stored.schema), from);
@@ -111,8 +118,7 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts
                             .own = own,
                             .points = std::move(tile.points),
                             .ids = std::move(tile.ids),
-                            .owners = std::move(tile.owners),
-                            .stop = stop});
+                            .owners = std::move(tile.owners)});
     if (!rebuilt) return error(rebuilt.error().code, path.string() + ": " + rebuilt.error().where);
     mesh = std::move(rebuilt).value();
     if (!manifest().neighbors) mesh.neighbors = {};
@@ -129,10 +135,10 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts
   return stored;
 }
 
-Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts, const std::stop_token& stop) const {
+Result<StoredTile> TileSource::read(std::size_t i, const TileParts& parts) const {
   const auto path = file(i);
   const bool of_points = entry(i).kind == TileKind::points;
-  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, parts, stop) : store::read_tile(path, entry(i).tile, parts));
+  BOOST_OUTCOME_TRY(tile, of_points ? read_points(i, parts) : store::read_tile(path, entry(i).tile, parts));
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   if (bytes != entry(i).bytes)
     return error(Errc::corrupt, path.string() + ": has " + std::to_string(bytes) + " bytes, the manifest says " +

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -41,15 +40,15 @@ class TileSource {
   Status check(std::size_t i) const;
   // Every array is checked, and all is compared with what the manifest says of the tile. Cells of a tile that is kept
   // as points are made again (src/tile/rebuild.h). Errors: corrupt, which names file and place; io; memory when a
-  // kernel cannot number the tile's points. Throws Stopped soon after `stop` is requested.
-  Result<StoredTile> read(std::size_t i, const TileParts& parts, const std::stop_token& stop = {}) const;
+  // kernel cannot number the tile's points.
+  Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
   // What the file of a tile that is kept as points holds. Errors as above. REQUIRES: it is.
   Result<PointsTile> read_as_points(std::size_t i, bool rows = true) const;
   // Only the source indices of the tile's own vertices, in the file's order. Errors as above.
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
 
  private:
-  Result<StoredTile> read_points(std::size_t i, const TileParts& parts, const std::stop_token& stop) const;
+  Result<StoredTile> read_points(std::size_t i, const TileParts& parts) const;
   struct Inside {
     std::filesystem::path folder;
     Manifest manifest;

@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-// n points, the tile's own ones first, in the order of the mesh's vertices.
+// n points: the tile's own ones in the order of the mesh, then foreign ones.
 struct PointsTile {
   int dimension = 3;
   TileId tile;

@@ -154,14 +154,18 @@ std::optional<HeightRange> heights_of(const TileMesh& mesh, const std::vector<At
   for (std::size_t i = 0; i < mesh.points.size(); ++i) {
     double height = 0;
     std::memcpy(&height, column.data() + i * sizeof height, sizeof height);
-    if (mesh.point_ghost[i] != 0 || !std::isfinite(height)) continue;
-    if (!range) range = HeightRange{height, height};
-    range = HeightRange{std::min(range->lo, height), std::max(range->hi, height)};
+    if (mesh.point_ghost[i] == 0) store::widen(range, height);
   }
   return range;
 }
 
 }  // namespace
+
+void store::widen(std::optional<HeightRange>& range, double height) {
+  if (!std::isfinite(height)) return;
+  if (!range) range = HeightRange{height, height};
+  range = HeightRange{std::min(range->lo, height), std::max(range->hi, height)};
+}
 
 // finish_store() syncs all tiles at once. A tile that a power cut has taken before is not what its side file tells.
 Status store::publish_tile(const fs::path& out, TemporaryFile& temporary, const TileEntry& entry,

@@ -56,7 +56,7 @@ inline std::filesystem::path tile_file(const std::filesystem::path& out, const T
 // What the checksums of tile files and of duplicates.bin are made of, in a folder of this format.
 constexpr SumOf data_sum_of(int format) { return format < 3 ? SumOf::bytes : SumOf::pieces; }
 
-struct EarlyCells;  // early_cells.h
+struct EarlyCells;      // early_cells.h
 struct PointsTileView;  // points_tile.h
 
 struct StoreOptions {
@@ -76,8 +76,8 @@ Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, cons
 Result<TileEntry> write_tile(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
                              const CellStream& cells, std::span<const std::byte> rows, const StoreOptions& options,
                              const EarlyCells* early = nullptr);
-// The same for OUT/tiles/NNNNNN.pts: the tile's own points in Hilbert order, and the foreign vertices of its cells, from
-// which these follow. `counted`: of the cells, which nobody keeps.
+// The same for OUT/tiles/NNNNNN.pts: the tile's own points in Hilbert order, and the foreign vertices of its cells,
+// from which these follow. `counted`: of the cells, which nobody keeps.
 struct CountedCells {
   std::uint64_t cells = 0, main_cells = 0;
   Digest digest;  // of the main ones

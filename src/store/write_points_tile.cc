@@ -1,6 +1,5 @@
 // Writes one tile that is kept as points.
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <span>
@@ -36,9 +35,7 @@ std::optional<HeightRange> heights_of(const PointsTileView& tile) {
   for (std::size_t i = 0; i < tile.own; ++i) {
     double height = 0;
     std::memcpy(&height, tile.rows.data() + i * stride + offset, sizeof height);
-    if (!std::isfinite(height)) continue;
-    if (!range) range = HeightRange{height, height};
-    range = HeightRange{std::min(range->lo, height), std::max(range->hi, height)};
+    widen(range, height);
   }
   return range;
 }

@@ -73,7 +73,6 @@ RestOfTile TileTriangulation::collect_rest(const Kernel::TakeVertices& told) {
   for (Vertex v = 1; v < ids_.size(); ++v) {
     if (used[v] && !is_local(v)) rest.foreign.push_back({at[v], ids_[v], owners_[v], 0});
   }
-  std::sort(rest.foreign.begin(), rest.foreign.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   counts_.kept = rest.foreign.size();
   return rest;
 }

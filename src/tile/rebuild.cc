@@ -17,7 +17,7 @@ Result<TileMesh> rebuild(RebuildInput input) {
   check(input.own <= all && input.ids.size() == all && input.owners.size() == all, "a tile's arrays fit together");
   try {
     const auto kernel = make_kernel(input.dimension);
-    kernel->build(input.points, KeepPoints::borrowed, input.stop);
+    kernel->build(input.points, KeepPoints::borrowed);
     if (kernel->dimension() < input.dimension) {
       return corrupt(input.dimension == 3 ? "all its points lie in a plane" : "all its points lie on a line");
     }
@@ -28,8 +28,7 @@ Result<TileMesh> rebuild(RebuildInput input) {
                          .cells = kernel->take_cells(),
                          .fill = {},
                          .foreign = {},
-                         .finals = {},
-                         .stop = input.stop};
+                         .finals = {}};
     collect.foreign.reserve(all - input.own);
     for (std::size_t i = input.own; i < all; ++i) {
       collect.foreign.push_back({input.points[i], input.ids[i], input.owners[i], 0});

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <stop_token>
 #include <vector>
 
 #include "src/base/ids.h"
@@ -20,7 +19,6 @@ struct RebuildInput {
   std::vector<Point> points;   // both best in Hilbert order
   std::vector<PointId> ids;    // theirs
   std::vector<TileId> owners;  // theirs
-  std::stop_token stop = {};   // Stopped is thrown soon after it is requested
 };
 
 // The tile's mesh, whatever order it was stored in: cells are sorted, foreign vertices stand by id. Error corrupt, with

@@ -41,7 +41,7 @@ enum class ExchangeRule : std::uint8_t {
 // What a tile has beside its own points and the cells that were discarded.
 struct RestOfTile {
   std::uint64_t cells = 0, main_cells = 0;  // those with a vertex of the tile's own
-  std::vector<SharedPoint> foreign;         // their foreign vertices, by id
+  std::vector<SharedPoint> foreign;         // their foreign vertices
 };
 
 struct TileOptions {

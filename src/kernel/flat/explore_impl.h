@@ -161,6 +161,27 @@ std::vector<Vertex> FlatKernel<Mesh>::explore(const std::function<bool(const Ver
   return found;
 }
 
+// Which of these cells were marked as open, of those `seen`: their marks go.
+template <class Cell>
+Ranks take_open(const std::vector<Word>& seen, Array<Cell>& cells) {
+  Ranks open(cells.size());
+  for (const Word slot : seen) {
+    if (cells[slot].open()) open.set(slot);
+    cells[slot].unmark();
+  }
+  open.count();
+  return open;
+}
+
+// Room for so many cells, and for as many more as foreign points bring.
+template <class Cell>
+Array<Cell> room_for(Word cells) {
+  Array<Cell> room;
+  room.reserve(2 * std::size_t{cells} + 64);
+  room.resize(cells);
+  return room;
+}
+
 // One pass in the order of the slots: a bit a cell and their ranks tell every cell's new number, so no cell needs to be
 // read twice, and final ones stay in the array that they are in.
 template <class Mesh>
@@ -170,16 +191,9 @@ FinalCells FlatKernel<Mesh>::freeze(const std::function<bool(const Vertex*)>& is
   const std::vector<Word> seen = mark_open(is_final);
   Array<Cell> old = mesh_.take_cells();
   const Word n = static_cast<Word>(old.size());
-  Ranks open(n);
-  for (const Word slot : seen) {
-    if (old[slot].open()) open.set(slot);
-    old[slot].unmark();
-  }
-  open.count();
+  const Ranks open = take_open(seen, old);
   const Word frozen = n - open.all();
-  Array<Cell> rest;
-  rest.reserve(2 * std::size_t{open.all()} + 64);
-  rest.resize(open.all());
+  Array<Cell> rest = room_for<Cell>(open.all());
   counting_fast([&]() __attribute__((always_inline)) {
     Cell *final = old.data(), *other = rest.data();
     for (Word slot = 0; slot < n; ++slot) {
@@ -215,15 +229,8 @@ std::uint64_t FlatKernel<Mesh>::discard(const std::function<bool(const Vertex*)>
   const auto gone = static_cast<Word>(mesh_.live_cells());
   Array<Cell> old = mesh_.take_cells();
   const Word n = static_cast<Word>(old.size());
-  Ranks open(n);
-  for (const Word slot : seen) {
-    if (old[slot].open()) open.set(slot);
-    old[slot].unmark();
-  }
-  open.count();
-  Array<Cell> rest;
-  rest.reserve(2 * std::size_t{open.all()} + 64);
-  rest.resize(open.all());
+  const Ranks open = take_open(seen, old);
+  Array<Cell> rest = room_for<Cell>(open.all());
   constexpr std::size_t batch = 4096 * corners;
   std::vector<Vertex> vertices(batch);
   std::size_t filled = 0;
