@@ -245,7 +245,8 @@ void PartActor::dispatch() {
     send(hosted_.at(grant->tile).handle, Grant{grant->work});
   }
   tell_progress(false);
-  if (!schedule_.idle() || rejoining_ > 0) {
+  // One that has failed waits for no tile to go by the table: that tile may be the one that has ended.
+  if (!schedule_.idle() || (rejoining_ > 0 && !failure_)) {
     const bool begun = opened() && schedule_.phase() == Schedule::Phase::exchanging && schedule_.all_begun();
     if (begun && said_.first(Word::begun)) tell(PartBegun{self_});
     return;

@@ -1,5 +1,6 @@
 // The memory model beside what resident memory does, phase by phase: one tile is made, put to sleep, woken, told of
-// foreign points, collected and stored as a run does it, once reduced and once whole.
+// foreign points, collected and stored as a run does it, once reduced and once whole; then twice more as a tile of
+// which points are kept.
 //
 //   bench_budget --folder /tmp/bench [--dim 2] [--cgal] [--kind terrain] [-n 100000]
 //
@@ -135,6 +136,7 @@ class Bench {
       : o_(o),
         table_(o),
         model_(budget::needs(o.dimension, kernel())),
+        model_of_points_(budget::needs(o.dimension, kernel(), TileKind::points)),
         folder_(o.folder),
         options_({TileId{0}, o.dimension, kernel(), ExchangeRule::introduce, &around_}) {
     std::filesystem::create_directories(folder_ / "tiles");
@@ -168,6 +170,8 @@ class Bench {
   bool run() {
     reduced();
     whole();
+    as_points(true);
+    as_points(false);
     return table_.good();
   }
 
@@ -250,9 +254,58 @@ class Bench {
     table_.row("mesh, and storing it", all, o_.points, static_cast<double>(model_.mesh));
   }
 
+  // Cells are counted and dropped; hashing them takes no memory.
+  void as_points(bool reduced) {
+    const budget::Needs& model = model_of_points_;
+    std::optional<TileTriangulation> t(options_);
+    LoadedTile tile;
+    const Growth made = growth([&] {
+      tile = load(folder_ / "points.bin", o_.dimension);
+      t->triangulate(tile.points, tile.ids, reduced ? KeepPoints::copied : KeepPoints::borrowed);
+      t->discard(tile.points, box_, !reduced, [](std::span<const Vertex>) {});
+      t->announce(tile.points, box_);
+      t->take_updates();
+      if (reduced) tile = {};
+    });
+    if (reduced) {
+      table_.row("of points: triangulate, reduced", made.peak, o_.points, static_cast<double>(model.triangulate));
+      table_.note("  kept", made.held, o_.points);
+    } else {
+      table_.note("of points: triangulate, whole", made.peak, o_.points);
+      table_.row("  kept", made.held, o_.points, static_cast<double>(model.whole));
+    }
+    RestOfTile rest;
+    const Growth collected = growth([&] {
+      if (reduced) tile = load(folder_ / "points.bin", o_.dimension);
+      rest = t->collect_rest([](std::span<const Vertex>) {});
+    });
+    table_.row(reduced ? "of points: collect, reduced" : "of points: collect, whole", collected.peak, o_.points,
+               static_cast<double>(reduced ? model.collect : model.collect_whole));
+    t.reset();
+    store(tile, rest);
+  }
+
+  void store(const LoadedTile& tile, const RestOfTile& rest) {
+    std::vector<Point> points = tile.points;
+    std::vector<PointId> ids = tile.ids;
+    std::vector<TileId> owners(points.size(), TileId{0});
+    for (const SharedPoint& p : rest.foreign) {
+      points.push_back(p.at);
+      ids.push_back(p.id);
+      owners.push_back(p.tile);
+    }
+    const std::vector<Attribute> none;
+    const PointsTileView view{o_.dimension, TileId{0}, tile.points.size(), points, ids, owners, none, {}};
+    const Growth stored = growth([&] {
+      if (!write_points_tile(folder_, view, {}, {})) std::puts("cannot be stored");
+    });
+    const auto held = static_cast<double>(points.size() * (sizeof(Point) + sizeof(PointId) + sizeof(TileId)));
+    table_.row("of points: storing them", held + stored.peak, o_.points, static_cast<double>(model_of_points_.mesh));
+  }
+
   const Options& o_;
   Table table_;
-  const budget::Needs model_;
+  const budget::Needs model_, model_of_points_;
   std::filesystem::path folder_;
   Surroundings around_;
   TileOptions options_;

@@ -43,6 +43,7 @@ Setting setting() {
   how.points = 60;
   how.tiles = tiles;
   how.nodes = 2;
+  how.mail_bytes_max = 0;
   std::mt19937_64 random(7);
   Setting made = make_setting(how, 7, random);
   made.late_stores = false;
@@ -199,6 +200,22 @@ TEST_F(OnePart, DoesNotWaitForATileThatItHasGivenUp) {
   ASSERT_EQ(heard.released.size(), 1u);
   EXPECT_EQ(heard.released[0].tiles, std::vector<TileId>{TileId{4}});
   EXPECT_EQ(heard.idle, 1);
+}
+
+// Its disk is full, say, at the moment at which another node is lost.
+TEST_F(OnePart, EndsWhenATileEndsThatWasToGoByTheTable) {
+  begin();
+  run();
+  storage_.fault = StorageFault{StorageFault::Call::append, StorageFault::How::exception, 0};
+  tell(Parcel{
+      there, std::uint64_t{1} << 20, {Update{{foreign, {}}, {TileId{0}, {}}, {{}, 0}, 1, BigVector<std::byte>(120)}}});
+  change_table(1);
+  run_part();  // so that the tile finds both in its mailbox
+  EXPECT_TRUE(listen().ended.empty());
+  run();
+  const auto ended = listen().ended;
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_NE(ended[0].find("the harness's storage throws"), std::string::npos) << ended[0];
 }
 
 // The one before it may not have heard, or not written down, that these are nobody's.
