@@ -163,7 +163,7 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
 
   RunCaller caller(progress);
   Prepared<Cancel> prepared_cancel;
-  source->offer(std::move(lent));
+  source->offer(std::move(lent), options.taker);
   RunEnded end;
   try {
     const auto coordinator = system.spawn<Coordinator>(std::move(job), caller, std::move(nodes));

@@ -67,16 +67,39 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
   options.threads = threads;
   options.progress = share_line("drawing", output);
-  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+  if (!names_server(settings)) {
+    BOOST_OUTCOME_TRYV(check_dem_target(target, overwrite));
+  }
+  std::unique_ptr<DemMaker> maker;
+  std::optional<Dem> made;
+  TileProduct product;
+  product.memory_bytes = memory / 4;
+  product.make = [&](const Manifest& manifest, const std::stop_token& stop) -> Result<TileTaker*> {
+    DemOptions drawing = options;
+    drawing.memory_bytes = product.memory_bytes;
+    drawing.threads = threads + 1;  // of a job's writers one waits for the disk, mostly
+    drawing.progress = {};
+    BOOST_OUTCOME_TRY(begun, DemMaker::begin(made_of.sources[0], manifest, target, drawing, stop));
+    maker = std::move(begun);
+    return maker.get();
+  };
+  product.finish = [&]() -> Status {
+    BOOST_OUTCOME_TRY(dem, maker->finish());
+    made = std::move(dem);
+    return success();
+  };
+  BOOST_OUTCOME_TRYV(on_tiles(settings, made_of, output, product, [&](const std::string& folder) -> Status {
     if (names_server(settings)) return draw_remotely(settings, "dem", folder, target, output);
     BOOST_OUTCOME_TRYV(refuse_detach(settings));
     const Interrupt interrupt;
     auto result = write_dem(folder, target, options, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(dem, std::move(result));
-    print_drawn(dem, output);
+    made = std::move(dem);
     return success();
-  });
+  }));
+  if (made) print_drawn(*made, output);
+  return success();
 }
 
 }  // namespace

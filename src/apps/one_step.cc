@@ -42,10 +42,14 @@ Result<bool> is_result(const std::vector<std::string>& sources) {
   return false;
 }
 
-Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
+// A job whose folder goes unless it has come to a good end. `work`: with its options, engine, way to its points.
+template <class Work>
+Status work_in(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output,
+               std::uint64_t beside_bytes, const Work& work) {
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
   if (what.dimension != 0) job.cloud.dimension = what.dimension;
+  job.memory_bytes -= beside_bytes;
   job.store = StoreAs::points;
   job.resumable = false;
   job.command = what.command_line;
@@ -58,11 +62,41 @@ Status make_result(Settings& settings, const OneStep& what, const fs::path& out,
     return open_cloud(what.sources, options, stop);
   };
   Engine engine(job.threads, job.memory_bytes);
-  const auto summary = run_job(engine, job, open, folder, progress, interrupt.token());
+  Status worked = work(engine, job, open, folder, progress, interrupt.token());
   display.stop();
-  if (summary) return success();
-  folder.abandon();
-  return summary.error();
+  if (!worked) folder.abandon();
+  return worked;
+}
+
+Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
+  return work_in(settings, what, out, output, 0,
+                 [](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
+                    Progress& progress, const std::stop_token& stop) -> Status {
+                   BOOST_OUTCOME_TRYV(run_job(engine, job, open, folder, progress, stop));
+                   return success();
+                 });
+}
+
+Status make_product(Settings& settings, const OneStep& what, const fs::path& scratch, const OutputOptions& output,
+                    const TileProduct& product) {
+  return work_in(settings, what, scratch, output, product.memory_bytes,
+                 [&](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
+                     Progress& progress, const std::stop_token& stop) -> Status {
+                   const auto make = [&](const Manifest& manifest) { return product.make(manifest, stop); };
+                   BOOST_OUTCOME_TRYV(run_tiles(engine, job, open, make, folder, progress, stop));
+                   return product.finish();
+                 });
+}
+
+// Not the name that the product has while it is written.
+Result<TemporaryFolder> folder_beside(const OneStep& what) {
+  const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
+  if (const fs::path parent = beside.parent_path(); !parent.empty()) {
+    BOOST_OUTCOME_TRY(parent_there, is_folder(parent));
+    if (!parent_there)
+      return error(Errc::io, beside.string() + ": cannot be written: there is no folder " + parent.string());
+  }
+  return TemporaryFolder::make(temporary_name_of_process(beside.string() + ".result"));
 }
 
 }  // namespace
@@ -94,16 +128,17 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
     BOOST_OUTCOME_TRYV(make_result(settings, what, *keep, output));
     return use(*keep);
   }
-  const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
-  if (const fs::path parent = beside.parent_path(); !parent.empty()) {
-    BOOST_OUTCOME_TRY(parent_there, is_folder(parent));
-    if (!parent_there)
-      return error(Errc::io, beside.string() + ": cannot be written: there is no folder " + parent.string());
-  }
-  // Not the name that the product has while it is written.
-  BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(beside.string() + ".result")));
+  BOOST_OUTCOME_TRY(folder, folder_beside(what));
   BOOST_OUTCOME_TRYV(make_result(settings, what, folder.path() / "result", output));
   return use((folder.path() / "result").string());
+}
+
+Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& output, const TileProduct& product,
+                const std::function<Status(const std::string& folder)>& use) {
+  BOOST_OUTCOME_TRY(there, is_result(what.sources));
+  if (there || names_server(settings) || settings.text(kept)) return on_result(settings, what, output, use);
+  BOOST_OUTCOME_TRY(folder, folder_beside(what));
+  return make_product(settings, what, folder.path() / "run", output, product);
 }
 
 }  // namespace tessera

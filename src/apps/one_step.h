@@ -1,5 +1,5 @@
-// Products of point files in one step: what a command makes of a result, it makes of points, too, by way of a result
-// that is kept as points.
+// Products of point files in one step: what a command makes of a result, it makes of points, too, of each tile as it
+// comes to its end, or by way of a result that is kept as points.
 #pragma once
 
 #include <functional>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/apps/command.h"
+#include "src/job/job.h"
 
 namespace tessera {
 
@@ -26,5 +27,15 @@ struct OneStep {
 // unless --keep-result says where it shall stay. Errors: usage, those of a job, those of `use`.
 Status on_result(Settings& settings, const OneStep& what, const OutputOptions& output,
                  const std::function<Status(const std::string& folder)>& use);
+
+// What is made of each tile as it comes to its end, so that no result is made.
+struct TileProduct {
+  std::function<Result<TileTaker*>(const Manifest& manifest, const std::stop_token& stop)> make;
+  std::function<Status()> finish;  // prints nothing
+  std::uint64_t memory_bytes = 0;  // what the product takes of the memory that the command has
+};
+// The same, but that point files go to `product`, unless --keep-result asks for a result of them.
+Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& output, const TileProduct& product,
+                const std::function<Status(const std::string& folder)>& use);
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include "src/delaunay/disk_store.h"
 
+#include <algorithm>
 #include <cstring>
 #include <exception>
 #include <map>
@@ -55,11 +56,12 @@ std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedRun>
 }
 
 DiskStore::DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
-                     std::uint32_t writers, TileStorage& scratch)
+                     std::uint32_t writers, TileStorage& scratch, TileTaker* taker)
     : points_(std::move(points)),
       out_(std::move(out)),
       options_(std::move(options)),
       scratch_(scratch),
+      taker_(taker),
       early_(writers),
       writers_(writers) {}
 
@@ -120,8 +122,29 @@ Status DiskStore::take_early(TileId tile, BigVector<std::byte>& stored) {
   return success();
 }
 
-Result<Receipt> DiskStore::write_result(TileId tile, const CollectedTile& collected) {
+Result<TileEntry> DiskStore::give(TileId tile, CollectedTile& collected, std::vector<std::byte> rows) {
+  TileEntry entry;
+  entry.tile = tile;
+  entry.own_points = collected.own;
+  StoredTile cells;
+  cells.mesh = std::move(collected).whole();
+  cells.schema = points_->schema();
+  cells.rows = std::move(rows);
+  entry.points = cells.mesh.points.size();
+  entry.cells = cells.mesh.cell_ghost.size();
+  entry.main_cells =
+      static_cast<std::uint64_t>(std::count(cells.mesh.cell_ghost.begin(), cells.mesh.cell_ghost.end(), 0));
+  BOOST_OUTCOME_TRYV(taker_->take(tile, cells));
+  return entry;
+}
+
+Result<Receipt> DiskStore::write_result(TileId tile, CollectedTile& collected) {
   BOOST_OUTCOME_TRY(rows, points_->rows(tile, collected.mesh.ids, collected.mesh.owners));
+  if (taker_) {
+    BOOST_OUTCOME_TRY(given, give(tile, collected, std::move(rows)));
+    BOOST_OUTCOME_TRYV(remove_beginnings(scratch_, tile));
+    return bytes_of(given);
+  }
   const auto early = early_cells_of(collected.stored);
   if (collected.early > 0 && (!early || early->cells != collected.early))
     return error(Errc::internal, "tile " + std::to_string(tile.value) + " has lost its first cells");

@@ -11,6 +11,7 @@
 #include "src/delaunay/delaunay_store.h"
 #include "src/exchange/writers.h"
 #include "src/store/tile_store.h"
+#include "src/store/tile_taker.h"
 
 namespace tessera {
 
@@ -32,9 +33,10 @@ class DiskStore final : public DelaunayStore {
  public:
   // Results go to `out`; error io before anything is written there when the lock of the options is another's. As many
   // meshes are stored at a time as there are `writers`, which wait for the disk while others work. What is being stored
-  // when this goes is waited for. `scratch`: of the stage; it outlives this.
+  // when this goes is waited for. `scratch`: of the stage; it outlives this, as `taker` does. If there is one, it gets
+  // the tiles' cells, and no results are written.
   DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
-            std::uint32_t writers, TileStorage& scratch);
+            std::uint32_t writers, TileStorage& scratch, TileTaker* taker);
   Result<LoadedTile> load_points(TileId tile) override;
   // Written to the tile's file in `out`, under a temporary name.
   std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) override;
@@ -47,7 +49,8 @@ class DiskStore final : public DelaunayStore {
   template <class Write>
   auto written(TileId tile, const Write& write) const noexcept -> decltype(write());
   StoredEarly write_early(TileId tile, const EarlyFinals& cells) const;
-  Result<Receipt> write_result(TileId tile, const CollectedTile& collected);
+  Result<Receipt> write_result(TileId tile, CollectedTile& collected);
+  Result<TileEntry> give(TileId tile, CollectedTile& collected, std::vector<std::byte> rows);
   Result<Receipt> write_points(TileId tile, PointsOfTile& kept);
   template <class Tile, class Write>
   void write_later(TileId tile, Tile kept, Finished::Stored done, Write write);
@@ -56,6 +59,7 @@ class DiskStore final : public DelaunayStore {
   std::filesystem::path out_;
   StoreOptions options_;
   TileStorage& scratch_;
+  TileTaker* taker_;
   std::counting_semaphore<> early_;  // how many more may be stored early now
   Writers writers_;                  // last: they use all of the above
 };

@@ -12,12 +12,12 @@
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/delaunay/duplicates.h"
 #include "src/files/there.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
 #include "src/report/human.h"
-#include "src/delaunay/duplicates.h"
 #include "src/tiling/kept_points.h"
 
 namespace tessera {
@@ -150,9 +150,8 @@ Result<JobSummary> make_result(Engine& engine, const JobOptions& options, Cloud 
   return summary;
 }
 
-Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const OpenCloud& open, ResultFolder& folder,
-                                      Progress& progress, const std::stop_token& stop) {
-  // Where the result goes there is room for what has to be unpacked.
+// In a folder that is claimed. Where the result goes there is room for what has to be unpacked.
+Result<Cloud> open_in(ResultFolder& folder, JobOptions& options, const OpenCloud& open, const std::stop_token& stop) {
   std::error_code ignored;
   auto place = std::filesystem::absolute(folder.path(), ignored).lexically_normal();
   if (!place.has_filename()) place = place.parent_path();  // "out/"
@@ -161,6 +160,12 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
   BOOST_OUTCOME_TRY(cloud, open(options, stop));
   BOOST_OUTCOME_TRYV(folder.claim());
   BOOST_OUTCOME_TRYV(folder.discard_runs());
+  return std::move(cloud);
+}
+
+Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const OpenCloud& open, ResultFolder& folder,
+                                      Progress& progress, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(cloud, open_in(folder, options, open, stop));
   if (folder.resuming() && folder.state() == FolderState::finished) {
     remove_side_files(folder.path());
     BOOST_OUTCOME_TRY(run_is_left, folder.has_run());
@@ -182,16 +187,47 @@ Result<std::optional<JobSummary>> run(Engine& engine, JobOptions options, const 
   return summary.error();
 }
 
-}  // namespace
+Status give_tiles(Engine& engine, JobOptions options, const OpenCloud& open, const MakeTaker& make,
+                  ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(cloud, open_in(folder, options, open, stop));
+  options.lock_file = folder.lock_file();
+  options.store = StoreAs::cells;
+  BOOST_OUTCOME_TRY(run, routed_run(engine, options, cloud, folder, progress, stop));
+  progress.map.begin(layout_of(run.partition, run.bounds), run.tile_points);
+  cloud = {};
+  BOOST_OUTCOME_TRY(taker, make(manifest_of(options, run, {})));
+  options.taker = taker;
+  BOOST_OUTCOME_TRYV(engine.run(run, folder.path(), options, progress, stop));
+  progress.phase = Phase::done;
+  return success();
+}
 
-Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
-                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
+// What a job does when the system has no more memory.
+template <class Job>
+auto with_memory(const Job& job) -> decltype(job()) {
   try {
-    if (options.log) progress.log = options.log;
-    return run(engine, std::move(options), open, folder, progress, stop);
+    return job();
   } catch (const std::bad_alloc&) {
     return worded([] { return error(Errc::memory, "the system has no more memory to give"); });
   }
+}
+
+}  // namespace
+
+Status run_tiles(Engine& engine, JobOptions options, const OpenCloud& open, const MakeTaker& make, ResultFolder& folder,
+                 Progress& progress, const std::stop_token& stop) {
+  return with_memory([&] {
+    if (options.log) progress.log = options.log;
+    return give_tiles(engine, std::move(options), open, make, folder, progress, stop);
+  });
+}
+
+Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
+                                          ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
+  return with_memory([&] {
+    if (options.log) progress.log = options.log;
+    return run(engine, std::move(options), open, folder, progress, stop);
+  });
 }
 
 }  // namespace tessera

@@ -12,6 +12,8 @@
 #include "src/job/job_options.h"
 #include "src/job/result_folder.h"
 #include "src/report/summary.h"
+#include "src/store/tile_store.h"
+#include "src/store/tile_taker.h"
 
 namespace tessera {
 
@@ -23,5 +25,14 @@ using OpenCloud = std::function<Result<Cloud>(JobOptions& options, const std::st
 // Several jobs may run at once on one engine, each in its own folder and with its share of threads and memory.
 Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, const OpenCloud& open,
                                           ResultFolder& folder, Progress& progress, const std::stop_token& stop);
+
+// What takes the cells of tiles, made when it is known of which points: the manifest has no tiles yet.
+using MakeTaker = std::function<Result<TileTaker*>(const Manifest& manifest)>;
+
+// Makes no result: the cells of each tile go to what `make` makes, and `folder` holds only what waits on disk
+// meanwhile; whatever comes of it, the caller abandons the folder. REQUIRES: the engine is of no cluster. Errors: as
+// above; of the taker.
+Status run_tiles(Engine& engine, JobOptions options, const OpenCloud& open, const MakeTaker& make, ResultFolder& folder,
+                 Progress& progress, const std::stop_token& stop);
 
 }  // namespace tessera

@@ -38,11 +38,12 @@ constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
 struct DiskParts::DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
   DiskPart(std::shared_ptr<const RoutedRun> routed, std::filesystem::path scratch_folder,
-           const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, std::uint64_t pool_bytes)
+           const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, TileTaker* taker,
+           std::uint64_t pool_bytes)
       : run(routed),
         storage({routed->folder, scratch_folder.empty() ? routed->folder : scratch_folder, routed->seal,
                  options.lock_file, options.node}),
-        store(routed_points(routed), out, with(options, stopping.get_token()), writers, storage),
+        store(routed_points(routed), out, with(options, stopping.get_token()), writers, storage, taker),
         pool(pool_bytes) {
     scratch = std::move(scratch_folder);
   }
@@ -115,22 +116,26 @@ Result<std::vector<TileReceipt>> stored_by(const NextStages& next, const std::fi
   return stored;
 }
 
-void DiskParts::offer(std::shared_ptr<const RoutedRun> run) {
+void DiskParts::offer(std::shared_ptr<const RoutedRun> run, TileTaker* taker) {
   const std::lock_guard lock(mutex_);
   auto folder = run->folder.string();
-  offered_[std::move(folder)] = std::move(run);
+  offered_[std::move(folder)] = {std::move(run), taker};
 }
 
 void DiskParts::withdraw(const RoutedRun& run) noexcept {
   const std::lock_guard lock(mutex_);
-  std::erase_if(offered_, [&](const auto& entry) { return entry.second.get() == &run; });
+  std::erase_if(offered_, [&](const auto& entry) { return entry.second.run.get() == &run; });
 }
 
 Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self) {
   std::shared_ptr<const RoutedRun> run;
+  TileTaker* taker = nullptr;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = offered_.find(spec.run_folder); found != offered_.end()) run = found->second;
+    if (const auto found = offered_.find(spec.run_folder); found != offered_.end()) {
+      run = found->second.run;
+      taker = found->second.taker;
+    }
   }
   if (!run) {
     BOOST_OUTCOME_TRY(opened, open_run(spec.run_folder));
@@ -175,7 +180,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
                                                       .lock_file = spec.lock_file,
                                                       .node = self,
                                                       .sync = many_nodes},
-                                         spec.threads + 1, pool_bytes);  // one waits for the disk, mostly
+                                         spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
   const budget::Needs needs = budget::needs(run->dimension, how.kernel, kind);
   PartStage only;
   ScheduleOptions& schedule = only.schedule;
@@ -204,7 +209,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   stage->kernel = how.kernel;
   stage->reduce = reduce;
   stage->kind = kind;
-  stage->early_points = early_points_of(cloud);
+  stage->early_points = taker ? 0 : early_points_of(cloud);
   stage->early_unit = early_unit(run->dimension);
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
   stage->boxes = final_boxes(shared(run, run->partition));

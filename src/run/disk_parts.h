@@ -12,6 +12,7 @@
 
 #include "src/exchange/part.h"
 #include "src/run/next_stage.h"
+#include "src/store/tile_taker.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {
@@ -22,8 +23,9 @@ class DiskParts final : public PartSource {
   // such parts are refused. `next`: the stages that follow the triangulation.
   explicit DiskParts(std::filesystem::path scratch = {}, NextStages next = {})
       : scratch_(std::move(scratch)), next_(std::move(next)) {}
-  // A run that this process has in memory need not be read again. Until withdraw().
-  void offer(std::shared_ptr<const RoutedRun> run);
+  // A run that this process has in memory need not be read again. `taker`: gets its tiles' cells, which are not stored
+  // then; or null. Until withdraw().
+  void offer(std::shared_ptr<const RoutedRun> run, TileTaker* taker);
   void withdraw(const RoutedRun& run) noexcept;
 
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
@@ -35,7 +37,11 @@ class DiskParts final : public PartSource {
   const std::filesystem::path scratch_;
   const NextStages next_;
   std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<const RoutedRun>> offered_;  // by folder
+  struct Offer {
+    std::shared_ptr<const RoutedRun> run;
+    TileTaker* taker = nullptr;
+  };
+  std::map<std::string, Offer> offered_;  // by folder
 };
 
 // What a stage of a run has stored, of the tiles that are wanted.

@@ -117,7 +117,7 @@ class Maker {
     const auto points = std::make_shared<const PointsOfResult>(std::move(tile));
     const StoreOptions options{
         .neighbors = source_.manifest().neighbors, .schema = points->schema(), .lock_file = {}, .stop = stop_};
-    DiskStore store(points, out_, options, 1, scratch_);
+    DiskStore store(points, out_, options, 1, scratch_, nullptr);
     DelaunayStage stage = stage_;
     stage.store = &store;
     DelaunayProgram program(kept.tile, stage);

@@ -13,6 +13,8 @@
 
 namespace tessera {
 
+class TileTaker;  // src/store/tile_taker.h
+
 // Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
 enum class Keep : std::uint8_t { by_budget, whole, reduced };
 
@@ -36,6 +38,7 @@ struct RunOptions {
   bool resumable = true;  // as in PartOptions, and below
   std::uint32_t grace_s = 0;
   std::string lock_file = {};
+  TileTaker* taker = nullptr;  // on one node alone: gets the tiles' cells, which are not stored then
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
 };

@@ -29,12 +29,6 @@ namespace {
 // Of the whole, drawing; the rest is compressing.
 constexpr double drawing_part = 0.6;
 
-Status check_target(const fs::path& target, bool overwrite) {
-  if (const std::string ending = ending_of(target); ending != ".tif" && ending != ".tiff")
-    return error(Errc::usage, target.string() + ": will be a GeoTIFF, so give a name that ends in .tif");
-  return check_free(target, overwrite);
-}
-
 // What a raster of this result will be; errors: those of write_dem() before anything is written.
 struct Asked {
   Manifest manifest;
@@ -92,59 +86,103 @@ std::string to_json(const Dem& dem) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-namespace {
-
-// `cells`: those that may have a pixel; null: they are read from the source.
-Result<Dem> write(const fs::path& out, Manifest read, const TileSource* source, const StoredTile* cells,
-                  const fs::path& target, const DemOptions& options, const std::stop_token& stop) {
-  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
-  BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
-  const auto& [manifest, column, grid] = asked;
-
-  // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
-  BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, grid,
-                                                   {.crs = crs_or_none(manifest.crs),
-                                                    .name = options.value,
-                                                    .doubles = options.doubles,
-                                                    .heights = options.value == "z" && !options.light,
-                                                    .light = options.light,
-                                                    .cache_bytes = options.memory_bytes / 4,
-                                                    .threads = options.threads}));
-  terrain::Drawing drawing(out, manifest, column, grid, terrain::drawing_options(options, options.memory_bytes / 4 * 3),
-                           stop, [&](terrain::Blocks& blocks) { return file->add(blocks); });
-  if (cells) {
-    BOOST_OUTCOME_TRYV(drawing.run(*cells));
-  } else {
-    BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked, *source, options, stop));
-    TileQueue tiles(*source, std::move(entries), stop, [&](double done) {
-      if (options.progress) options.progress(terrain::drawing_part * done);
-    });
-    BOOST_OUTCOME_TRYV(drawing.run(tiles));
+// What there is to write, from the first pixel to the last.
+class DemMaker::Impl {
+ public:
+  static Result<std::unique_ptr<Impl>> begin(const fs::path& out, Manifest read, const fs::path& target,
+                                             const DemOptions& options, const std::stop_token& stop) {
+    BOOST_OUTCOME_TRYV(check_dem_target(target, options.overwrite));
+    BOOST_OUTCOME_TRY(asked, terrain::read_request(out, std::move(read), options));
+    // A quarter for GDAL's blocks, the rest for tiles and what is drawn of them.
+    BOOST_OUTCOME_TRY(file, terrain::CogFile::create(target, asked.grid,
+                                                     {.crs = crs_or_none(asked.manifest.crs),
+                                                      .name = options.value,
+                                                      .doubles = options.doubles,
+                                                      .heights = options.value == "z" && !options.light,
+                                                      .light = options.light,
+                                                      .cache_bytes = options.memory_bytes / 4,
+                                                      .threads = options.threads}));
+    return std::unique_ptr<Impl>(new Impl(out, std::move(asked), target, options, stop, std::move(file)));
   }
-  BOOST_OUTCOME_TRY(bytes, file->finish([&](double done) {
-    if (options.progress) options.progress(terrain::drawing_part + (1 - terrain::drawing_part) * done);
-    return !stop.stop_requested();
-  }));
-  return Dem{.path = target,
-             .width = grid.width,
-             .height = grid.height,
-             .pixels = file->pixels(),
-             .left_out = drawing.left_out(),
-             .bytes = bytes,
-             .note = terrain::note_of(manifest, options.box)};
+
+  Status draw(const StoredTile& cells) { return drawing_.run(cells); }
+  Status draw(const TileSource& source) {
+    BOOST_OUTCOME_TRY(entries, terrain::tiles_with_pixels(asked_, source, options_, stop_));
+    TileQueue tiles(source, std::move(entries), stop_, [&](double done) {
+      if (options_.progress) options_.progress(terrain::drawing_part * done);
+    });
+    return drawing_.run(tiles);
+  }
+
+  Result<Dem> finish() {
+    BOOST_OUTCOME_TRY(bytes, file_->finish([&](double done) {
+      if (options_.progress) options_.progress(terrain::drawing_part + (1 - terrain::drawing_part) * done);
+      return !stop_.stop_requested();
+    }));
+    return Dem{.path = target_,
+               .width = asked_.grid.width,
+               .height = asked_.grid.height,
+               .pixels = file_->pixels(),
+               .left_out = drawing_.left_out(),
+               .bytes = bytes,
+               .note = terrain::note_of(asked_.manifest, options_.box)};
+  }
+
+ private:
+  Impl(fs::path out, terrain::Asked asked, fs::path target, DemOptions options, std::stop_token stop,
+       std::unique_ptr<terrain::CogFile> file)
+      : out_(std::move(out)),
+        asked_(std::move(asked)),
+        target_(std::move(target)),
+        options_(std::move(options)),
+        stop_(std::move(stop)),
+        file_(std::move(file)),
+        drawing_(out_, asked_.manifest, asked_.column, asked_.grid,
+                 terrain::drawing_options(options_, options_.memory_bytes / 4 * 3), stop_,
+                 [this](terrain::Blocks& blocks) { return file_->add(blocks); }) {}
+
+  fs::path out_;
+  terrain::Asked asked_;
+  fs::path target_;
+  DemOptions options_;
+  std::stop_token stop_;
+  std::unique_ptr<terrain::CogFile> file_;
+  terrain::Drawing drawing_;  // of all of the above
+};
+
+DemMaker::DemMaker(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+DemMaker::~DemMaker() = default;
+
+Result<std::unique_ptr<DemMaker>> DemMaker::begin(const fs::path& name, const Manifest& manifest,
+                                                  const fs::path& target, const DemOptions& options,
+                                                  const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(impl, Impl::begin(name, manifest, target, options, stop));
+  return std::unique_ptr<DemMaker>(new DemMaker(std::move(impl)));
 }
 
-}  // namespace
+Status DemMaker::use(const StoredTile& cells) { return impl_->draw(cells); }
+
+Result<Dem> DemMaker::finish() { return impl_->finish(); }
+
+Status check_dem_target(const fs::path& target, bool overwrite) {
+  if (const std::string ending = terrain::ending_of(target); ending != ".tif" && ending != ".tiff")
+    return error(Errc::usage, target.string() + ": will be a GeoTIFF, so give a name that ends in .tif");
+  return terrain::check_free(target, overwrite);
+}
 
 Result<Dem> write_dem(const fs::path& out, const fs::path& target, const DemOptions& options, std::stop_token stop) {
-  BOOST_OUTCOME_TRYV(terrain::check_target(target, options.overwrite));
+  BOOST_OUTCOME_TRYV(check_dem_target(target, options.overwrite));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
-  return write(out, source.manifest(), &source, nullptr, target, options, stop);
+  BOOST_OUTCOME_TRY(dem, DemMaker::Impl::begin(out, source.manifest(), target, options, stop));
+  BOOST_OUTCOME_TRYV(dem->draw(source));
+  return dem->finish();
 }
 
 Result<Dem> write_dem_of(const fs::path& out, const Manifest& manifest, const StoredTile& cells, const fs::path& target,
                          const DemOptions& options, std::stop_token stop) {
-  return write(out, manifest, nullptr, &cells, target, options, stop);
+  BOOST_OUTCOME_TRY(dem, DemMaker::Impl::begin(out, manifest, target, options, stop));
+  BOOST_OUTCOME_TRYV(dem->draw(cells));
+  return dem->finish();
 }
 
 Result<DemArray> draw_dem(const fs::path& out, const DemOptions& options, std::uint64_t pixels_max,

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -12,6 +13,7 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/store/tile_store.h"
+#include "src/store/tile_taker.h"
 
 namespace tessera {
 
@@ -57,6 +59,30 @@ std::string to_json(const Dem& dem);
 // such attribute, a target that exists; corrupt for a damaged tile; io; interrupted.
 Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::path& target, const DemOptions& options,
                       std::stop_token stop);
+
+// Error usage for a file that exists, unless it is to be replaced, and for a name that is none of a GeoTIFF.
+Status check_dem_target(const std::filesystem::path& target, bool overwrite);
+
+// The same pixels, of tiles as a job makes them: none is stored, or read.
+class DemMaker final : public TileTaker {
+ public:
+  // `manifest`: of the result that the job would make, without tiles. `name`: what errors speak of. As many threads as
+  // the options say may give tiles. Errors as of write_dem() before anything is written.
+  static Result<std::unique_ptr<DemMaker>> begin(const std::filesystem::path& name, const Manifest& manifest,
+                                                 const std::filesystem::path& target, const DemOptions& options,
+                                                 const std::stop_token& stop);
+  ~DemMaker() override;
+  // When all tiles have been taken.
+  Result<Dem> finish();
+
+  class Impl;
+
+ private:
+  explicit DemMaker(std::unique_ptr<Impl> impl);
+  Status use(const StoredTile& cells) override;
+
+  std::unique_ptr<Impl> impl_;
+};
 
 // The same pixels of cells that are in memory: all main cells, with their rows, that have the centre of a pixel, others
 // may be among them. No tile is read.

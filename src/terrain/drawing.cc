@@ -24,7 +24,6 @@ Error corrupt(const fs::path& file, const std::string& what) {
 
 Status Drawing::run(const StoredTile& cells) {
   Blocks blocks(grid_);
-  blocks_bytes_ = std::max<std::uint64_t>(options_.memory_bytes, 16 * sizeof(Block));
   BOOST_OUTCOME_TRYV(draw(cells, out_, blocks));
   return take_(blocks);
 }
@@ -32,7 +31,6 @@ Status Drawing::run(const StoredTile& cells) {
 Status Drawing::run(TileQueue& tiles) {
   // As a mesh with attributes, and what reading takes beside it.
   constexpr double tile_factor = 1.25;
-  constexpr std::uint64_t blocks_least = 16 * sizeof(Block);
   const unsigned threads = tiles.threads(options_.threads, options_.memory_bytes, tile_factor, blocks_least);
   const std::uint64_t share = options_.memory_bytes / threads, tile_bytes = tiles.tile_bytes(tile_factor);
   blocks_bytes_ = std::max<std::uint64_t>(share - std::min(share, tile_bytes), blocks_least);

@@ -1,6 +1,7 @@
 // The surface of a 2D result, drawn on a grid of pixels, tile by tile.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -44,15 +45,19 @@ class Drawing {
         options_(options),
         stop_(std::move(stop)),
         take_(std::move(take)),
-        filter_(options.max_edge) {}
+        filter_(options.max_edge),
+        blocks_bytes_(std::max<std::uint64_t>(options.memory_bytes / options.threads, blocks_least)) {}
 
-  // Of cells that are in memory, all that may have a pixel. Errors, here and below: corrupt when cells overlap, or a
-  // tile is not what the manifest says; io; interrupted; of `take`.
+  // Of cells that are in memory, all that may have a pixel. For several threads at once, as many as the options say.
+  // Errors, here and below: corrupt when cells overlap, or a tile is not what the manifest says; io; interrupted; of
+  // `take`.
   Status run(const StoredTile& cells);
   Status run(TileQueue& tiles);
   std::uint64_t left_out() const { return left_out_; }  // cells, for their edges
 
  private:
+  static constexpr std::uint64_t blocks_least = 16 * sizeof(Block);
+
   Status draw(const TileSource& source, std::size_t index, Blocks& blocks);
   // `from`: whose cells they are, for errors.
   Status draw(const StoredTile& tile, const std::filesystem::path& from, Blocks& blocks);
@@ -66,7 +71,7 @@ class Drawing {
   std::stop_token stop_;
   Take take_;
   exports::CellFilter filter_;
-  std::uint64_t blocks_bytes_ = 0;
+  std::uint64_t blocks_bytes_;  // of a thread
   std::atomic<std::uint64_t> left_out_{0};
 };
 

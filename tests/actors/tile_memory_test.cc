@@ -31,7 +31,7 @@ class Config : public caf::actor_system_config {
 class NarrowParts final : public PartSource {
  public:
   explicit NarrowParts(const RoutedRun& run) {
-    disk_.offer(std::shared_ptr<const RoutedRun>(&run, [](const RoutedRun*) {}));
+    disk_.offer(std::shared_ptr<const RoutedRun>(&run, [](const RoutedRun*) {}), nullptr);
   }
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
     BOOST_OUTCOME_TRY(part, disk_.open(spec, self));
