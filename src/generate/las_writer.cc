@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,7 +14,8 @@
 namespace tessera {
 namespace {
 
-constexpr std::size_t header_bytes = 375, record_bytes = 30;
+constexpr std::size_t header_bytes = 375, record_bytes = 20;
+constexpr std::uint8_t point_format = 0;  // coordinates and class: the least that there is
 constexpr double integer_max = 2147483647;
 
 template <class T>
@@ -75,8 +77,8 @@ class LasWriter : public PointWriter {
         bounds_.lo[axis] = std::min(bounds_.lo[axis], value);
         bounds_.hi[axis] = std::max(bounds_.hi[axis], value);
       }
-      store(record + 14, std::uint8_t{0x11});  // return 1 of 1
-      if (!classes.empty()) store(record + 16, classes[i]);
+      store(record + 14, std::uint8_t{0x9});  // return 1 of 1
+      if (!classes.empty()) store(record + 15, classes[i]);
     }
     written_ += points.size();
     return file_.append(block_);
@@ -85,15 +87,18 @@ class LasWriter : public PointWriter {
   Status finish() override {
     std::array<std::byte, header_bytes> h{};
     std::memcpy(h.data(), "LASF", 4);
-    store<std::uint16_t>(h.data() + 6, 0x10);  // the CRS, were there one, would be WKT: required from format 6 on
     store<std::uint8_t>(h.data() + 24, 1);
     store<std::uint8_t>(h.data() + 25, 4);
     std::memcpy(h.data() + 26, "OTHER", 5);
     std::memcpy(h.data() + 58, "tessera generate", 16);
     store<std::uint16_t>(h.data() + 94, header_bytes);
     store<std::uint32_t>(h.data() + 96, header_bytes);
-    store<std::uint8_t>(h.data() + 104, 6);
+    store(h.data() + 104, point_format);
     store<std::uint16_t>(h.data() + 105, record_bytes);
+    if (written_ <= std::numeric_limits<std::uint32_t>::max()) {  // for readers of LAS 1.2
+      store(h.data() + 107, static_cast<std::uint32_t>(written_));
+      store(h.data() + 111, static_cast<std::uint32_t>(written_));  // all of them first returns
+    }
     for (int axis = 0; axis < 3; ++axis) {
       const Axis& a = axes_[static_cast<std::size_t>(axis)];
       store(h.data() + 131 + 8 * axis, a.scale());
@@ -102,7 +107,7 @@ class LasWriter : public PointWriter {
       store(h.data() + 187 + 16 * axis, written_ > 0 ? bounds_.lo[axis] : 0.0);
     }
     store(h.data() + 247, written_);
-    store(h.data() + 255, written_);  // all of them first returns
+    store(h.data() + 255, written_);
     BOOST_OUTCOME_TRYV(file_.overwrite(0, h));
     return file_.commit();
   }

@@ -1,4 +1,4 @@
-// LAS 1.4, point format 6; see writer.h.
+// LAS 1.4, point format 0; see writer.h.
 #pragma once
 
 #include <memory>

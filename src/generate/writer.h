@@ -18,7 +18,7 @@ struct WriterOptions {
   double step = 0;           // coordinates are multiples of this power of ten; 0 if they are not
 };
 
-// .las: LAS 1.4, point format 6. Coordinates become 32-bit integers: multiples of `step`, else of the least power of
+// .las: LAS 1.4, point format 0. Coordinates become 32-bit integers: multiples of `step`, else of the least power of
 // ten
 //   with which `bounds` fits (1e-9 for the unit cube). Nothing else loses anything:
 // .ply: binary little endian, double.  .npy: n x dimension, f8.
