@@ -56,6 +56,10 @@ Outcome Life::live(End end, std::uint64_t end_at) {
     if (rng_() % 16 == 0 && storage_.store_one(rng_)) continue;
     if (!step() && !storage_.store_one(rng_)) {
       const auto next = losses.next_step();
+      if (!ended() && !next && nobody_is_left()) {  // the losses do not know whose scratch has failed beside
+        join(NodeId{nodes_.rbegin()->first.value + 1});
+        continue;
+      }
       if (ended() || !next) break;
       outcome_.steps = std::max(outcome_.steps, *next);
       continue;
@@ -81,6 +85,12 @@ Outcome Life::live(End end, std::uint64_t end_at) {
     outcome_.failure = "a run that was settled reads what it is built from more than once";
   }
   return std::move(outcome_);
+}
+
+bool Life::nobody_is_left() const {
+  return std::all_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
+    return given_up_.contains(node.first) || storage_.failed().contains(node.first);
+  });
 }
 
 std::vector<ExchangeWatch*> Life::watches() {

@@ -88,6 +88,7 @@ class Life final : private Misfortune {
   CoordinatorOptions coordinator_options();
   void believed_quiet(const Table& table);
   bool step();
+  bool nobody_is_left() const;  // that works, or could
   void end_all();
   const std::optional<RunEnded>& ended() const;
   void tell(const std::string& what) const;

@@ -22,6 +22,7 @@
 #include "src/base/memory_pool.h"
 #include "src/budget/budget.h"
 #include "src/generate/generate.h"
+#include "src/store/points_tile.h"
 #include "src/store/tile_store.h"
 #include "src/tile/tile_triangulation.h"
 #include "src/tiling/routed_run.h"

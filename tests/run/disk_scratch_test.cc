@@ -29,7 +29,7 @@ class LockedScratch : public ::testing::Test {
   void open(StoreOptions options) {
     store_.reset();
     storage_.emplace(DiskScratchOptions{run_->folder, run_->folder, run_->seal, lock_.file(), {}});
-    store_.emplace(routed_points(run_), out(), std::move(options), 1, *storage_);
+    store_.emplace(routed_points(run_), out(), std::move(options), 1, *storage_, nullptr);
   }
   const fs::path& out() const { return folder_.path(); }
 
