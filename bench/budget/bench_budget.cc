@@ -269,11 +269,11 @@ class Bench {
       if (reduced) tile = {};
     });
     if (reduced) {
-      table_.row("of points: triangulate, reduced", made.peak, o_.points, static_cast<double>(model.triangulate));
+      table_.bound("of points: triangulate, reduced", made.peak, o_.points, model.triangulate);
       table_.note("  kept", made.held, o_.points);
     } else {
       table_.note("of points: triangulate, whole", made.peak, o_.points);
-      table_.row("  kept", made.held, o_.points, static_cast<double>(model.whole));
+      table_.bound("  kept", made.held, o_.points, model.whole);
     }
     RestOfTile rest;
     const Growth collected = growth([&] {

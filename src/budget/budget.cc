@@ -28,9 +28,9 @@ Needs needs(int dimension, KernelKind kernel, TileKind kind) {
   if (kind == TileKind::points) {
     Needs need = needs(dimension, kernel);
     need.whole = std::min(need.whole, need.image + 40);  // its own points stay beside what can still change
-    need.collect = dimension == 3 ? 120 : 90;
-    need.collect_whole = dimension == 3 ? 80 : 50;
-    need.mesh = dimension == 3 ? 120 : 100;
+    need.collect = dimension == 3 && kernel == KernelKind::cgal ? 110 : 90;
+    need.collect_whole = dimension == 3 && kernel == KernelKind::cgal ? 45 : 25;
+    need.mesh = dimension == 3 ? 95 : 80;
     return need;
   }
   if (kernel == KernelKind::cgal) {
