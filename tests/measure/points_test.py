@@ -69,6 +69,19 @@ class Points(CliTest):
         self.measure("points")
         self.assertEqual(self.tiles("points"), self.tiles("mixed"))
 
+    def test_folders_of_their_own_have_the_columns_too(self):
+        self.make(self.xyz(n=2000), "--tiles", "4", bbox="0,0,0.1,0.1")
+        for name in ("cells", "points"):
+            self.measure(name)
+        self.ok("materialise", "points", "-o", "made", "--bbox", "0,0,0.1,0.1", "--quiet")
+        self.assertEqual({name[-3:] for name in self.tiles("made")}, {"pts", "vtu"})
+        self.ok("verify", "made", "--quiet")
+        self.ok("materialise", "made", "--quiet")
+        self.assertEqual(self.tiles("made"), self.tiles("cells"))
+        self.ok("materialise", "cells", "-o", "copy", "--quiet")  # which has cells already
+        self.ok("verify", "copy", "--quiet")
+        self.assertEqual(Measured(self.folder / "copy").stars, Measured(self.folder / "cells").stars)
+
     def test_lidar_shows_them_wherever_they_are_seen(self):
         self.make(f"{IGN}/*.las", "--dim", "2", "--tiles", "6", "--attributes", "intensity", bbox=self.corner())
         self.assertEqual(self.measure("cells"), self.measure("mixed"))
