@@ -13,8 +13,11 @@
 #include <span>
 #include <string>
 
+#include "src/files/checksum.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
+#include "src/store/manifest.h"
+#include "src/store/points_file.h"
 #include "src/verify/verify.h"
 #include "tests/store/sample_result.h"
 
@@ -219,6 +222,28 @@ TEST_F(Versions, TilesThatAreKeptAsPointsGetColumnsToo) {
   }
   EXPECT_EQ(first.read(0, {.rows = true}).value().rows, without.rows) << "a reader keeps its version";
   EXPECT_EQ(verified(), "");
+}
+
+// Also where the checksum of the file does not tell.
+TEST_F(Versions, ADamagedColumnOfATileKeptAsPointsIsToldWithItsPlace) {
+  fs::remove_all(out_);
+  store_sample(out_, meshes_, {}, {}, {}, [](TileId) { return TileKind::points; });
+  add("a", 100);
+  auto manifest = TileSource::open(out_).value().manifest();
+  const auto path = tile_file(out_, manifest.tiles[0]);
+  const auto good = read_whole(path).value();
+  const auto head = read_points_head(path, TileId{0}).value();
+  for (const auto& column : head.columns()) {
+    if (column.what != store::PointsColumn::What::named) continue;
+    std::uint64_t at = head.bytes();
+    for (std::uint64_t i = 0; i < column.first_block; ++i) at += head.blocks[i].bytes;
+    auto bad = good;
+    bad[at] ^= std::byte{1};
+    ASSERT_TRUE(write_whole(path, bad));
+    manifest.tiles[0].xxh3 = checksum_file(path, SumOf::pieces).value();
+    ASSERT_TRUE(write_whole(manifest_file(out_), store::manifest_to_text(manifest)));
+    EXPECT_EQ(verified(), path.string() + ", " + head.place(column) + ", block 0: is damaged");
+  }
 }
 
 TEST_F(Versions, TwoWritersAreOneTooMany) {
