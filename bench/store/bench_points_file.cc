@@ -157,7 +157,7 @@ bool measure(const std::string& name, const std::vector<PointsTile>& tiles) {
   };
   const double written_s = each([&](std::size_t t) { files[t] = points_file_bytes(view_of(tiles[t])); });
   const double read_s =
-      each([&](std::size_t t) { read[t] = parse_points_file(files[t], name, tiles[t].tile, true).value(); });
+      each([&](std::size_t t) { read[t] = parse_points_file(files[t], name, tiles[t].tile).value(); });
   std::map<std::string, std::uint64_t> of_column;
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     if (!equal(read[t], tiles[t])) {

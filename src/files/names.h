@@ -6,7 +6,7 @@
 //   OUT/tiles/000042.pts           a tile kept as points
 //   OUT/tiles/node-000000.done     while the run is unfinished: the entries of the tiles that node 0 has stored;
 //                                  a tile's alone in 000042.done of older software
-//   OUT/tiles/000042-2.vtu         a tile as version 2 of the result wrote it
+//   OUT/tiles/000042-2.vtu, .pts   a tile as version 2 of the result wrote it
 //   OUT/.versions/000001.json      the manifest of version 1, once there is a newer one; 000001.copy.json: a copy of it
 //   OUT/.versions/pass/            what the writer of a version needs meanwhile: values/000042.bin, sent/000042.bin
 //   OUT/duplicates.bin             when there are any

@@ -125,15 +125,6 @@ Measured begin_of(const fs::path& out, const Manifest& manifest) {
   return measured;
 }
 
-// Before anything is computed: columns are stored beside cells.
-Status check_kinds(const TileSource& source) {
-  for (std::size_t i = 0; i < source.tiles(); ++i)
-    if (source.entry(i).kind == TileKind::points)
-      return error(Errc::usage, source.file(i).string() +
-                                    ": is kept as points, and columns are stored beside cells: make cells of it first");
-  return success();
-}
-
 // Whether the columns are there. Error usage when something else has their names.
 Result<bool> is_measured(const fs::path& out, const Manifest& manifest, Measured& measured) {
   const auto column = [&](const std::string& name) {
@@ -181,7 +172,6 @@ Result<Measured> measure(const fs::path& out, const MeasureOptions& options, std
   Measured measured = begin_of(out, source.manifest());
   BOOST_OUTCOME_TRY(there, is_measured(out, source.manifest(), measured));
   if (there) return measured;
-  BOOST_OUTCOME_TRYV(check_kinds(source));
 
   auto columns = columns_of(measured, options);
   std::vector<PassColumn> passed;

@@ -136,7 +136,7 @@ Status NewVersion::remove_unneeded() const {
 Status NewVersion::check_room(std::span<const ResultColumn> columns, std::uint64_t beside,
                               std::optional<std::uint64_t> free) const {
   // For each tile its part of the manifest and the master file, a longer header, and the rest of the last block of its
-  // file and of what is put down of it.
+  // file and of what is put down of it. Files of points have values packed: they take no more than plain ones.
   constexpr std::uint64_t of_a_tile = 16 << 10;
   std::uint64_t needed = beside + of_a_tile;
   for (const TileEntry& entry : source_.manifest().tiles) {
@@ -152,15 +152,14 @@ Status NewVersion::check_room(std::span<const ResultColumn> columns, std::uint64
 Status NewVersion::add_columns(std::size_t index, std::span<const store::ColumnValues> columns,
                                const std::stop_token& stop) {
   TileEntry entry = source_.entry(index);
-  if (entry.kind == TileKind::points)
-    return error(Errc::internal, source_.file(index).string() + ": has no cells that columns could stand beside");
   BOOST_OUTCOME_TRYV(source_.check(index));
   entry.version = number();
   const auto final_name = tile_file(source_.folder(), entry);
   TemporaryFile temporary(temporary_name_of_process(final_name));
   const store::TileCopy copy{
       .tile = entry.tile, .from = source_.file(index), .to = temporary.path(), .final_name = final_name};
-  BOOST_OUTCOME_TRY(written, store::copy_with_columns(copy, columns, stop));
+  BOOST_OUTCOME_TRY(written, entry.kind == TileKind::points ? store::copy_points_with_columns(copy, columns, stop)
+                                                            : store::copy_with_columns(copy, columns, stop));
   entry.bytes = written.bytes;
   entry.xxh3 = written.xxh3;
   BOOST_OUTCOME_TRYV(lock_.heard());

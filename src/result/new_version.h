@@ -4,7 +4,7 @@
 //   begin  | takes the folder's lock; replaces the master file if the last writer was ended before it had; removes
 //          | what writers that were ended have left, and files that only versions without a reader need
 //   room   | is looked for, so that a disk that is too small is told before hours of work
-//   tiles  | are new files, tiles/NNNNNN-V.vtu, which no manifest knows yet
+//   tiles  | are new files, tiles/NNNNNN-V.vtu or .pts, which no manifest knows yet
 //   commit | syncs the new files; gives the manifest of the old version a second name, .versions/NNNNNN.json; replaces
 //          | manifest.json, and from then on the result is the new version; then replaces the master file, which
 //          | follows from the manifest

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -26,18 +27,23 @@ std::uint64_t count_zeros(const Flags& flags) {
   return static_cast<std::uint64_t>(std::count(flags.begin(), flags.end(), 0));
 }
 
+constexpr const char *other_dimension = "has another dimension than the manifest says",
+                     *other_numbers = "holds other numbers of vertices or cells than the manifest says",
+                     *other_attributes = "has other attributes than the manifest says",
+                     *other_cell_columns = "has other columns of cells than the manifest says";
+
 // The first thing in which the tile is another one than the manifest says; empty: none.
 std::string difference(const Manifest& manifest, const TileEntry& entry, const StoredTile& tile, bool with_cells) {
   const TileMesh& mesh = tile.mesh;
-  if (mesh.dimension != manifest.dimension) return "has another dimension than the manifest says";
+  if (mesh.dimension != manifest.dimension) return other_dimension;
   if (mesh.points.size() != entry.points || count_zeros(mesh.point_ghost) != entry.own_points ||
       (with_cells && (mesh.cell_ghost.size() != entry.cells || count_zeros(mesh.cell_ghost) != entry.main_cells)))
-    return "holds other numbers of vertices or cells than the manifest says";
+    return other_numbers;
   if (with_cells && entry.cells > 0 && mesh.neighbors.empty() == manifest.neighbors)
     return manifest.neighbors ? "has no neighbours, though the manifest says so"
                               : "has neighbours, though the manifest says it has none";
-  if (tile.schema != manifest.schema) return "has other attributes than the manifest says";
-  if (tile.cell_schema != cell_schema_of(manifest)) return "has other columns of cells than the manifest says";
+  if (tile.schema != manifest.schema) return other_attributes;
+  if (tile.cell_schema != cell_schema_of(manifest)) return other_cell_columns;
   return {};
 }
 
@@ -71,7 +77,8 @@ std::uint64_t TileSource::work_bytes(std::size_t i) const {
   if (tile.kind == TileKind::cells) return tile.bytes;
   const std::uint64_t corners = static_cast<std::uint64_t>(manifest().dimension) + 1;
   const std::uint64_t cells = tile.cells + tile.cells / 8;  // and those of foreign vertices alone
-  return cells * (sizeof(CellRow) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema));
+  return cells * (sizeof(CellRow) + 9 + 8 * corners) + tile.points * (96 + row_bytes(manifest().schema)) +
+         tile.cells * row_bytes(cell_schema_of(manifest()));
 }
 
 namespace {
@@ -88,28 +95,37 @@ std::vector<std::byte> permuted(const std::vector<std::byte>& rows, std::size_t 
 
 }  // namespace
 
-// Small blocks can tell of many points: the manifest says for how many memory is taken.
-Result<PointsTile> TileSource::read_as_points(std::size_t i, bool rows) const {
+// Small blocks can tell of many points and cells: the manifest says for how many memory is taken.
+Result<PointsTile> TileSource::read_as_points(std::size_t i, const PointsParts& parts) const {
   BOOST_OUTCOME_TRY(head, read_points_head(file(i), entry(i).tile));
-  if (head.own != entry(i).own_points || head.own + head.foreign != entry(i).points)
-    return error(Errc::corrupt, file(i).string() + ": holds other numbers of vertices than the manifest says");
-  return read_points_file(file(i), entry(i).tile, rows);
+  const TileEntry& tile = entry(i);
+  const char* found =
+      head.dimension != manifest().dimension ? other_dimension
+      : head.own != tile.own_points || head.own + head.foreign != tile.points || head.cells != tile.cells
+          ? other_numbers
+      : head.schema() != manifest().schema               ? other_attributes
+      : head.cell_schema() != cell_schema_of(manifest()) ? other_cell_columns
+                                                         : nullptr;
+  if (found != nullptr) return error(Errc::corrupt, file(i).string() + ": " + found);
+  return read_points_file(file(i), tile.tile, parts);
 }
 
 // Foreign vertices stand in the file as a kernel takes them best, and in the mesh by id.
 Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts) const {
   const auto path = file(i);
-  BOOST_OUTCOME_TRY(tile, read_as_points(i, parts.rows));
+  BOOST_OUTCOME_TRY(tile, read_as_points(i, {.rows = parts.rows, .cell_columns = parts.cells && parts.cell_columns}));
   const std::size_t n = tile.points.size(), own = tile.own;
   std::vector<std::uint32_t> from;  // by place in the mesh
   if (parts.rows || !parts.cells) {
-    from.resize(n);
+    from.resize(own);
     std::iota(from.begin(), from.end(), 0u);
-    const auto foreign = from.begin() + static_cast<std::ptrdiff_t>(own);
-    std::sort(foreign, from.end(), [&](auto a, auto b) { return tile.ids[a] < tile.ids[b]; });
+    for (const std::uint32_t k : by_id(std::span(tile.ids).subspan(own)))
+      from.push_back(static_cast<std::uint32_t>(own) + k);
   }
   StoredTile stored;
   stored.schema = std::move(tile.schema);
+  stored.cell_schema = std::move(tile.cell_schema);
+  stored.cell_columns = std::move(tile.cell_columns);
   if (parts.rows) stored.rows = permuted(tile.rows, row_bytes(stored.schema), from);
   TileMesh& mesh = stored.mesh;
   if (parts.cells) {

@@ -10,6 +10,7 @@
 
 #include "src/base/result.h"
 #include "src/files/descriptor.h"
+#include "src/store/points_file.h"
 #include "src/store/points_tile.h"
 #include "src/store/tile_reader.h"
 #include "src/store/tile_store.h"
@@ -43,7 +44,7 @@ class TileSource {
   // kernel cannot number the tile's points.
   Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
   // What the file of a tile that is kept as points holds. Errors as above. REQUIRES: it is.
-  Result<PointsTile> read_as_points(std::size_t i, bool rows = true) const;
+  Result<PointsTile> read_as_points(std::size_t i, const PointsParts& parts) const;
   // Only the source indices of the tile's own vertices, in the file's order. Errors as above.
   Result<std::vector<PointId>> read_own_ids(std::size_t i) const;
 

@@ -27,6 +27,7 @@
 #include "src/result/tile_queue.h"
 #include "src/result/tile_source.h"
 #include "src/run/early.h"
+#include "src/run/kept_columns.h"
 #include "src/run/touching.h"
 #include "src/store/early_cells.h"
 #include "src/tiling/partition.h"
@@ -113,7 +114,8 @@ class Maker {
   Result<TileEntry> make(std::size_t index) {
     const TileEntry& kept = source_.entry(index);
     BOOST_OUTCOME_TRYV(source_.check(index));
-    BOOST_OUTCOME_TRY(tile, source_.read_as_points(index));
+    BOOST_OUTCOME_TRY(tile, source_.read_as_points(index, {}));
+    const KeptColumns columns(tile, source_.manifest().columns);
     const auto points = std::make_shared<const PointsOfResult>(std::move(tile));
     const StoreOptions options{
         .neighbors = source_.manifest().neighbors, .schema = points->schema(), .lock_file = {}, .stop = stop_};
@@ -127,7 +129,7 @@ class Maker {
     auto stored = promise.get_future();
     finished->store([&](Result<Receipt> receipt) { promise.set_value(std::move(receipt)); });
     BOOST_OUTCOME_TRY(receipt, stored.get());
-    const auto entry = tile_entry_of(receipt);
+    auto entry = tile_entry_of(receipt);
     const bool same = entry && entry->points == kept.points && entry->own_points == kept.own_points &&
                       entry->cells == kept.cells && entry->main_cells == kept.main_cells &&
                       (!kept.digest || entry->digest == kept.digest);
@@ -135,6 +137,7 @@ class Maker {
       return error(Errc::corrupt, source_.file(index).string() +
                                       ": other cells follow from its points than the "
                                       "manifest says");
+    BOOST_OUTCOME_TRYV(columns.put_into(tile_file(out_, *entry), *entry, stop_));
     return *entry;
   }
 
@@ -161,24 +164,28 @@ std::vector<std::size_t> wanted_tiles(const TileSource& source, const std::optio
   return wanted;
 }
 
-// Of their files, about.
-std::uint64_t file_bytes(const TileSource& source, const std::vector<std::size_t>& tiles) {
+// Of their files, about. With columns, each of the threads has a file without them for a while.
+std::uint64_t file_bytes(const TileSource& source, const std::vector<std::size_t>& tiles, unsigned threads) {
   const Manifest& manifest = source.manifest();
   const std::uint64_t cell =
       4 * (static_cast<std::uint64_t>(manifest.dimension) + 1) * (manifest.neighbors ? 2 : 1) + 1;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0, largest = 0;
   for (const std::size_t i : tiles) {
     const TileEntry& entry = source.entry(i);
-    bytes += entry.cells * cell + entry.points * (33 + row_bytes(manifest.schema)) + (16 << 10);
+    const std::uint64_t of_tile = entry.cells * (cell + row_bytes(cell_schema_of(manifest))) +
+                                  entry.points * (33 + row_bytes(manifest.schema)) + (16 << 10);
+    bytes += of_tile;
+    largest = std::max(largest, of_tile);
   }
-  return bytes;
+  return manifest.columns.empty() ? bytes : bytes + threads * largest;
 }
 
 // `take`: called by several threads, for each of them once.
 Status make_tiles(const TileSource& source, const std::vector<std::size_t>& wanted, const fs::path& out,
                   const MaterialiseOptions& options, const std::stop_token& stop,
                   const std::function<Status(std::size_t, const TileEntry&)>& take) {
-  BOOST_OUTCOME_TRYV(check_room(out, "files of cells", file_bytes(source, wanted), known_free_bytes(out)));
+  BOOST_OUTCOME_TRYV(
+      check_room(out, "files of cells", file_bytes(source, wanted, options.threads), known_free_bytes(out)));
   Maker maker(source, out, stop);
   BOOST_OUTCOME_TRYV(maker.begin());
   TileQueue queue(source, wanted, stop, options.progress);
@@ -238,6 +245,8 @@ Result<Materialised> into_folder(const fs::path& result, const MaterialiseOption
   BOOST_OUTCOME_TRY(folder, TemporaryFolder::make(temporary_name_of_process(options.to)));
   BOOST_OUTCOME_TRYV(make_directories(tiles_folder(folder.path())));
   Manifest manifest = source.manifest();
+  manifest.previous_master_xxh3.reset();  // there is none that could stand here
+  if (manifest.columns.empty()) manifest.version = 1;
   const auto wanted = wanted_tiles(source, options.box);
   made.tiles = wanted.size();
   std::mutex mutex;

@@ -56,10 +56,9 @@ Status finish_store(const fs::path& out, Manifest& manifest, DuplicateSort& dupl
   manifest.schema = schema;
   manifest.digest = sum_of_digests(manifest.tiles);
 
-  manifest.format_version = std::any_of(manifest.tiles.begin(), manifest.tiles.end(),
-                                        [](const TileEntry& entry) { return entry.kind == TileKind::points; })
-                                ? changed_format
-                                : unchanged_format;
+  const bool of_points = std::any_of(manifest.tiles.begin(), manifest.tiles.end(),
+                                     [](const TileEntry& entry) { return entry.kind == TileKind::points; });
+  manifest.format_version = of_points || manifest.version > 1 ? changed_format : unchanged_format;
 
   const std::string master = store::master_text(manifest);
   manifest.master_xxh3 = checksum(std::as_bytes(std::span(master)));

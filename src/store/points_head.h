@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "src/base/attribute.h"
-#include "src/base/big_vector.h"
 #include "src/base/ids.h"
 
 namespace tessera::store {
 
-// A column of the file: of the own points, or of the foreign ones.
+// A column of the file.
 struct PointsColumn {
-  enum class What : std::uint8_t { x, y, z, id, owner, attribute };
+  enum class What : std::uint8_t { x, y, z, id, owner, named };
+  enum class Of : std::uint8_t { own, foreign, cells };
   What what = What::x;
-  bool own = true;
-  std::size_t attribute = 0;  // in the schema
+  Of of = Of::own;
+  std::size_t number = 0;  // of a named one, in PointsHead::schema() or cell_schema()
   AttributeType type = AttributeType::f64;
   std::uint64_t rows = 0;
   std::uint64_t first_block = 0, blocks = 0;  // in the table
@@ -32,15 +32,21 @@ struct PointsHead {
   };
   int dimension = 3;
   TileId tile;
-  std::uint64_t own = 0, foreign = 0;
-  std::vector<Attribute> schema;
+  std::uint64_t own = 0, foreign = 0, cells = 0;
+  struct Named {
+    bool of_cells = false;  // else of the points: an attribute
+    Attribute as;
+  };
+  std::vector<Named> named;   // in the order in which they came: each behind all that was there
   std::vector<Block> blocks;  // end to end behind the head
 
-  // In the file's order: without the attributes, it is a beginning.
+  std::vector<Attribute> schema() const;       // of the points
+  std::vector<Attribute> cell_schema() const;  // of the cells
+  // In the file's order: without some of the named ones that came last, it is a beginning.
   std::vector<PointsColumn> columns() const;
   std::uint64_t block_count() const;
   std::uint64_t bytes() const;  // of the head
-  // "own points, x"
+  // "own points, x", "cells, column 'volume'"
   std::string place(const PointsColumn& column) const;
 };
 

@@ -22,6 +22,9 @@ struct PointsTile {
   std::vector<TileId> owners;  // of the own ones, `tile`
   std::vector<Attribute> schema;
   std::vector<std::byte> rows;  // n of the schema; or none, when they were not asked for
+  std::uint64_t cells = 0;      // that follow from the points
+  std::vector<Attribute> cell_schema;
+  std::vector<std::vector<std::byte>> cell_columns;  // in its order, by cell in canonical order; or none, likewise
 };
 
 // The same, of whoever has it. REQUIRES: as of a PointsTile with rows; the schema is a stored_schema(); coordinates are
@@ -35,10 +38,11 @@ struct PointsTileView {
   std::span<const TileId> owners;
   const std::vector<Attribute>& schema;
   std::span<const std::byte> rows;
+  std::uint64_t cells = 0;  // of which nothing is said but how many they are
 };
 
 inline PointsTileView view_of(const PointsTile& tile) {
-  return {tile.dimension, tile.tile, tile.own, tile.points, tile.ids, tile.owners, tile.schema, tile.rows};
+  return {tile.dimension, tile.tile, tile.own, tile.points, tile.ids, tile.owners, tile.schema, tile.rows, tile.cells};
 }
 
 }  // namespace tessera

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -24,8 +25,7 @@ struct Plan {
 };
 
 // Old arrays stand where they stood, without gaps; columns behind them.
-Result<Plan> plan(const PackedTile& old, std::span<const ColumnValues> columns,
-                  const std::vector<PackedArray>& packed) {
+Plan plan(const PackedTile& old, std::span<const ColumnValues> columns, const std::vector<PackedArray>& packed) {
   Plan plan{.header = old.header(), .order = {}, .new_places = {}};
   TileHeader& header = plan.header;
   const std::size_t old_arrays = old.arrays().size(), vertices_end = first_attribute + header.schema.size();
@@ -34,11 +34,7 @@ Result<Plan> plan(const PackedTile& old, std::span<const ColumnValues> columns,
   const auto infos = header.arrays();
   const std::size_t of_vertices = first_attribute + header.schema.size() - vertices_end;
   std::size_t next_vertices = vertices_end, next_cells = old_arrays + of_vertices;
-  for (const auto& column : columns) {
-    plan.new_places.push_back(column.of_cells ? next_cells++ : next_vertices++);
-    if (header.bytes_of(infos[plan.new_places.back()]) != column.values.size())
-      return error(Errc::internal, "a column has not one value for each row");
-  }
+  for (const auto& column : columns) plan.new_places.push_back(column.of_cells ? next_cells++ : next_vertices++);
   plan.order.resize(old_arrays);
   std::iota(plan.order.begin(), plan.order.end(), std::size_t{0});
   std::ranges::sort(plan.order, {}, [&](std::size_t i) { return old.arrays()[i].table; });
@@ -53,6 +49,34 @@ Result<Plan> plan(const PackedTile& old, std::span<const ColumnValues> columns,
     at += packed[k].file_bytes();
   }
   return plan;
+}
+
+// Cells of the file, in canonical order: that of their vertices. A few stretches of the file are in this order.
+Result<std::vector<std::uint32_t>> canonical_cells(const PackedTile& file) {
+  std::vector<std::int32_t> vertices;
+  BOOST_OUTCOME_TRYV(file.read_array(Section::cells, "connectivity", vertices));
+  const auto corners = static_cast<std::size_t>(file.header().dimension) + 1;
+  const auto less = [&](std::uint32_t a, std::uint32_t b) {
+    const std::int32_t *left = vertices.data() + a * corners, *right = vertices.data() + b * corners;
+    return std::lexicographical_compare(left, left + corners, right, right + corners);
+  };
+  std::vector<std::uint32_t> cells(file.header().cells);
+  std::iota(cells.begin(), cells.end(), 0u);
+  for (auto sorted = std::is_sorted_until(cells.begin(), cells.end(), less); sorted != cells.end();) {
+    const auto end = std::is_sorted_until(sorted, cells.end(), less);
+    std::inplace_merge(cells.begin(), sorted, end, less);
+    sorted = end;
+  }
+  return cells;
+}
+
+// Values of cells as these stand in the file.
+std::vector<std::byte> as_in_file(const ColumnValues& column, const std::vector<std::uint32_t>& canonical) {
+  const std::size_t size = size_of(column.as.type);
+  std::vector<std::byte> moved(column.values.size());
+  for (std::size_t k = 0; k < canonical.size(); ++k)
+    std::memcpy(moved.data() + canonical[k] * size, column.values.data() + k * size, size);
+  return moved;
 }
 
 Status copy_raw(const PackedTile& old, const PackedTile::Packed& array, std::vector<std::byte>& buffer,
@@ -71,9 +95,19 @@ Status copy_raw(const PackedTile& old, const PackedTile::Packed& array, std::vec
 Result<DirectWriter::Written> copy_with_columns(const TileCopy& copy, std::span<const ColumnValues> columns,
                                                 const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(old, PackedTile::open(copy.from, copy.tile));
+  std::vector<ColumnValues> placed(columns.begin(), columns.end());
+  for (const auto& column : placed)
+    if (column.values.size() != (column.of_cells ? old.header().cells : old.header().points) * size_of(column.as.type))
+      return error(Errc::internal, "a column has not one value for each row");
+  std::vector<std::vector<std::byte>> moved;
+  if (copy.canonical) {
+    BOOST_OUTCOME_TRY(cells, canonical_cells(old));
+    for (auto& column : placed)
+      if (column.of_cells) column.values = moved.emplace_back(as_in_file(column, cells));
+  }
   std::vector<PackedArray> packed;
-  for (const auto& column : columns) packed.push_back(PackedArray::plain(column.values));
-  BOOST_OUTCOME_TRY(planned, plan(old, columns, packed));
+  for (const auto& column : placed) packed.push_back(PackedArray::plain(column.values));
+  const Plan planned = plan(old, placed, packed);
   const std::string header = header_text(planned.header);
   BOOST_OUTCOME_TRY(file, DirectWriter::create(copy.to, copy.final_name, stop));
   BOOST_OUTCOME_TRYV(file.append(std::as_bytes(std::span(header))));

@@ -45,8 +45,8 @@ std::optional<HeightRange> heights_of(const PointsTileView& tile) {
 Result<TileEntry> write_points_tile(const fs::path& out, const PointsTileView& tile, const CountedCells& counted,
                                     const StoreOptions& options) {
   BOOST_OUTCOME_TRY(schema, stored_schema(options.schema));
-  const PointsTileView stored{tile.dimension, tile.tile,   tile.own, tile.points,
-                              tile.ids,       tile.owners, schema,   tile.rows};
+  const PointsTileView stored{tile.dimension, tile.tile, tile.own,  tile.points,  tile.ids,
+                              tile.owners,    schema,    tile.rows, counted.cells};
   const std::size_t n = stored.points.size();
   if (stored.own > n || stored.ids.size() != n || stored.owners.size() != n ||
       stored.rows.size() != n * row_bytes(schema))

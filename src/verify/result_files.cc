@@ -108,8 +108,8 @@ Result<TileMesh> open_tile(const TileSource& source, std::size_t index) {
   const TileEntry& entry = source.entry(index);
   const auto path = source.file(index);
   BOOST_OUTCOME_TRYV(source.check(index));
-  // With the values of the attributes, though nothing is known of them: each vertex must have one.
-  BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true}));
+  // With the values of attributes and columns, though nothing is known of them: each vertex and cell must have one.
+  BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true, .cell_columns = true}));
   TileMesh& mesh = tile.mesh;
   if (entry.tile.value < manifest.boxes.size()) {
     const Box& box = manifest.boxes[entry.tile.value];

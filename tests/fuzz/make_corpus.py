@@ -165,7 +165,7 @@ def integers(numbers, relative, pack):
             b''.join(struct.pack('<I', len(p)) for p in packed) + b''.join(packed))
 
 
-def points_file(own, foreign, attributes, pack):
+def points_file(own, foreign, attributes, pack, areas=()):
     """A file of points in 2D without checksums: fuzz_points sets them. Points: (x, y, id, owner, attributes...)."""
     sign = 1 << 63
     cents = lambda values: b'\x0b' + integers([round(100 * v) + sign for v in values], 1, pack) + integers([0] * len(values), 0, pack)
@@ -175,13 +175,16 @@ def points_file(own, foreign, attributes, pack):
     for points, columns in ((own, 3), (foreign, 4)):
         for i in range(columns if points else 0):
             blocks.append(cents(column(points, i)) if i < 2 else integers(column(points, i), i % 2, pack))
-    for points in (own, foreign):
-        for i in range(len(attributes) if points else 0):
+    for i, (_, kind) in enumerate(attributes):
+        for points in filter(None, (own, foreign)):
             values = column(points, 4 + i)
-            blocks.append(bits(values) if attributes[i][1] == 9 else integers(values, 0, pack))
-    schema = b''.join(struct.pack('<BQ', kind, len(name)) + name for name, kind in attributes)
-    head = 17 + 24 + len(schema) + 12 * len(blocks) + 8
-    return (b'Tessera points 1\n' + struct.pack('<6I', head, 2, 42, len(own), len(foreign), len(attributes)) + schema +
+            blocks.append(bits(values) if kind == 9 else integers(values, 0, pack))
+    if areas:
+        blocks.append(bits(areas))
+    named = [(0, *attribute) for attribute in attributes] + ([(1, b'area', 9)] if areas else [])
+    columns = b''.join(struct.pack('<BBQ', of_cells, kind, len(name)) + name for of_cells, name, kind in named)
+    head = 17 + 28 + len(columns) + 12 * len(blocks) + 8
+    return (b'Tessera points 2\n' + struct.pack('<7I', head, 2, 42, len(own), len(foreign), len(areas), len(named)) + columns +
             b''.join(struct.pack('<IQ', len(b), 0) for b in blocks) + bytes(8) + b''.join(blocks))
 
 
@@ -235,6 +238,7 @@ def main():
                                           stdout=subprocess.PIPE, check=True).stdout
     write('points', 'plain.pts', points_file(many[:9], few, attributes, plain))
     write('points', 'packed.pts', points_file(many, few, attributes, packed))
+    write('points', 'measured.pts', points_file(many, few, attributes, packed, [1 / (i + 1) for i in range(300)]))
     write('points', 'no_foreign.pts', points_file(many, [], [], packed))
     write('points', 'block', b'\x06\0\xc7' + integers([i * i for i in range(200)], 1, packed))
 

@@ -101,6 +101,25 @@ TEST_P(MeasureSample, HasTheSameBitsForAnyTilesThreadsAndOrder) {
   }
 }
 
+TEST_P(MeasureSample, HasTheSameBitsWhenTilesAreKeptAsPoints) {
+  const auto meshes = sample_tiles(points_, dimension(), 7);
+  std::optional<Found> first;
+  for (const std::uint32_t of_points : {0u, 3u, 7u}) {  // tiles
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "out";
+    store_sample(out, meshes, {.schema = {}}, {}, {},
+                 [&](TileId tile) { return tile.value < of_points ? TileKind::points : TileKind::cells; });
+    const Measured done = measured(out, 2);
+    const Found found = read(out);
+    EXPECT_TRUE(found.same);
+    EXPECT_EQ(found.total, done.total);
+    if (!first) first = found;
+    EXPECT_EQ(found, *first) << of_points;
+    const auto proof = verify(out, {}, {});
+    EXPECT_TRUE(proof) << proof.error().where;
+  }
+}
+
 TEST_P(MeasureSample, AddsUpToTheWholeAndToStars) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";

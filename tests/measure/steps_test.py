@@ -10,10 +10,13 @@ from cli import CliTest
 
 
 class Steps(CliTest):
+    store = "cells"
+
     def setUp(self):
         super().setUp()
         self.base = self.folder / "base"
-        self.ok("triangulate", self.xyz(n=60), "-o", self.base, "--tiles", "2", "--threads", "1", "--quiet")
+        self.ok("triangulate", self.xyz(n=60), "-o", self.base, "--tiles", "2", "--threads", "1", "--quiet",
+                "--store", self.store)
 
     def begin(self):
         shutil.rmtree(self.out, ignore_errors=True)
@@ -70,6 +73,10 @@ class Steps(CliTest):
         self.ok("triangulate", self.xyz(n=50, seed=2), "-o", self.out, "--overwrite", "--quiet")
         self.assertFalse((self.out / ".versions").exists())
         self.assertEqual(len(list((self.out / "tiles").iterdir())), 1)
+
+
+class StepsOfPoints(Steps):
+    store = "points"
 
 
 if __name__ == "__main__":

@@ -16,10 +16,10 @@ def volumes(points, cells):
 
 class Measure(FolderTest):
     def test_columns_have_the_order_of_simplices_and_points(self):
-        for dim, name in (2, "area"), (3, "volume"):
+        for dim, name, store in (2, "area", "cells"), (3, "volume", "cells"), (2, "area", "points"), (3, "volume", "points"):
             points = np.concatenate([clouds.random(800, dim), clouds.random(1, dim)])
             points[-1] = points[0]  # a duplicate
-            t = tessera.triangulate(points, max_points_per_tile=200)
+            t = tessera.triangulate(points, max_points_per_tile=200, store=store)
             self.assertEqual((len(t.columns), repr(t.columns)), (0, "<tessera.Columns: none>"))
             measured = t.measure(volume=True, threads=2, memory="500M")
             self.assertTrue(measured.made)
@@ -40,7 +40,11 @@ class Measure(FolderTest):
                 t.columns["none"]
 
     def test_tiles_have_them(self):
-        t = tessera.triangulate(clouds.random(500, 3), max_points_per_tile=200)
+        for store in "cells", "points":
+            with self.subTest(store):
+                self.look_at_tiles(tessera.triangulate(clouds.random(500, 3), max_points_per_tile=200, store=store))
+
+    def look_at_tiles(self, t):
         before = t[0]
         t.measure(volume=True)
         after = t[0]

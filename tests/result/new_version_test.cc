@@ -10,10 +10,14 @@
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 
+#include "src/files/checksum.h"
 #include "src/files/names.h"
 #include "src/files/whole_file.h"
+#include "src/store/manifest.h"
+#include "src/store/points_file.h"
 #include "src/verify/verify.h"
 #include "tests/store/sample_result.h"
 
@@ -186,6 +190,60 @@ TEST_F(Versions, WithoutRoomForOneAllIsAsItWas) {
   fs::remove_all(out_);
   store_sample(out_, meshes_, {.schema = first.schema});
   EXPECT_FALSE(of_new_version(0, bytes_of_tiles(second) + fs::file_size(manifest_file(out_))));
+}
+
+TEST_F(Versions, TilesThatAreKeptAsPointsGetColumnsToo) {
+  fs::remove_all(out_);
+  store_sample(out_, meshes_, {.schema = {{"intensity", AttributeType::u16}}}, {}, {},
+               [](TileId tile) { return tile.value == 0 ? TileKind::points : TileKind::cells; });
+  const auto first = TileSource::open(out_).value();
+  const auto without = first.read(0, {.rows = true, .cell_columns = true}).value();
+  EXPECT_EQ(without.rows.size(), without.mesh.points.size() * 2);
+  add("a", 100);
+  add("b", 200);
+  EXPECT_EQ(files(),
+            (std::set<std::string>{".versions/000001.json", ".versions/000002.json", "manifest.json",
+                                   "tiles/000000-2.pts", "tiles/000000-3.pts", "tiles/000000.pts", "tiles/000001-2.vtu",
+                                   "tiles/000001-3.vtu", "tiles/000001.vtu", "triangulation.pvtu"}));
+  const auto tile = TileSource::open(out_).value().read(0, {.rows = true, .cell_columns = true}).value();
+  EXPECT_EQ(tile.mesh.cells, without.mesh.cells);
+  ASSERT_EQ(tile.cell_columns.size(), 2u);
+  const std::size_t vertices = tile.mesh.points.size(), cells = tile.mesh.cell_ghost.size();
+  ASSERT_EQ(tile.rows.size(), vertices * 10);
+  for (std::uint32_t c = 0; c < 2; ++c) {
+    const std::vector<std::uint32_t> of_cells(cells, 100 * (c + 1));
+    EXPECT_TRUE(std::ranges::equal(tile.cell_columns[c], std::as_bytes(std::span(of_cells))));
+    for (std::size_t v = 0; v < vertices; ++v) {
+      std::uint32_t value = 0;
+      std::memcpy(&value, &tile.rows[v * 10 + 2 + 4 * c], sizeof value);
+      ASSERT_EQ(value, 100 * (c + 1) + 1);
+      ASSERT_EQ(std::memcmp(&tile.rows[v * 10], &without.rows[v * 2], 2), 0);
+    }
+  }
+  EXPECT_EQ(first.read(0, {.rows = true}).value().rows, without.rows) << "a reader keeps its version";
+  EXPECT_EQ(verified(), "");
+}
+
+// Also where the checksum of the file does not tell.
+TEST_F(Versions, ADamagedColumnOfATileKeptAsPointsIsToldWithItsPlace) {
+  fs::remove_all(out_);
+  store_sample(out_, meshes_, {}, {}, {}, [](TileId) { return TileKind::points; });
+  add("a", 100);
+  auto manifest = TileSource::open(out_).value().manifest();
+  const auto path = tile_file(out_, manifest.tiles[0]);
+  const auto good = read_whole(path).value();
+  const auto head = read_points_head(path, TileId{0}).value();
+  for (const auto& column : head.columns()) {
+    if (column.what != store::PointsColumn::What::named) continue;
+    std::uint64_t at = head.bytes();
+    for (std::uint64_t i = 0; i < column.first_block; ++i) at += head.blocks[i].bytes;
+    auto bad = good;
+    bad[at] ^= std::byte{1};
+    ASSERT_TRUE(write_whole(path, bad));
+    manifest.tiles[0].xxh3 = checksum_file(path, SumOf::pieces).value();
+    ASSERT_TRUE(write_whole(manifest_file(out_), store::manifest_to_text(manifest)));
+    EXPECT_EQ(verified(), path.string() + ", " + head.place(column) + ", block 0: is damaged");
+  }
 }
 
 TEST_F(Versions, TwoWritersAreOneTooMany) {

@@ -28,9 +28,9 @@ struct Forged {
   store::PointsHead head;
   std::vector<Bytes> blocks;
 
-  explicit Forged(const BigVector<std::byte>& file)
+  explicit Forged(std::span<const std::byte> file)
       : head(std::get<store::PointsHead>(store::parse_points_head(file, file.size()))) {
-    auto rest = std::span<const std::byte>(file).subspan(head.bytes());
+    auto rest = file.subspan(head.bytes());
     for (const auto& block : head.blocks) {
       blocks.emplace_back(rest.begin(), rest.begin() + block.bytes);
       rest = rest.subspan(block.bytes);
@@ -60,6 +60,7 @@ struct Forged {
 // 300 points: some planes are packed, others not.
 PointsTile sample_tile(int dimension) {
   auto tile = uniform_tile(dimension, 300, 100);
+  tile.cells = 500;
   for (std::size_t i = 0; i < tile.points.size(); ++i) tile.points[i].y = static_cast<double>(i % 50) / 100;
   std::vector<double> heights;
   for (int i = 0; i < 100; ++i) heights.push_back(i < 60 ? i * 0.01 + 7e5 : 1.0 / (i + 1));
@@ -72,7 +73,7 @@ PointsTile sample_tile(int dimension) {
 class DamagedPoints : public testing::TestWithParam<int> {
  protected:
   Result<PointsTile> read(std::span<const std::byte> bytes) const {
-    return parse_points_file(bytes, "tiles/000042.pts", tile_.tile, true);
+    return parse_points_file(bytes, "tiles/000042.pts", tile_.tile);
   }
   void expect_corrupt(std::span<const std::byte> bytes, const std::string& says) const {
     const auto tile = read(bytes);
@@ -82,7 +83,9 @@ class DamagedPoints : public testing::TestWithParam<int> {
   }
 
   PointsTile tile_ = sample_tile(GetParam());
-  BigVector<std::byte> good_ = points_file_bytes(view_of(tile_));
+  const std::vector<double> areas_ = std::vector<double>(tile_.cells, 1.5);
+  const std::vector<std::byte> good_ = file_with_columns(
+      tile_, std::vector<store::ColumnValues>{{true, {"area", AttributeType::f64}, std::as_bytes(std::span(areas_))}});
 };
 INSTANTIATE_TEST_SUITE_P(Dimensions, DamagedPoints, testing::Values(2, 3));
 
@@ -145,21 +148,26 @@ TEST_P(DamagedPoints, AreCorruptWithAHeadThatCannotBe) {
   expect([](Forged& f) { f.head.tile = TileId{41}; }, "head: is that of tile 41");
   expect([](Forged& f) { f.head.dimension = 4; }, "head: has 4 dimensions");
   expect([](Forged& f) { f.head.own = std::uint64_t{1} << 31u; }, "head: tells of too many points");
-  expect([](Forged& f) { f.head.schema[0].name = "id"; }, "head: has attributes that cannot be");
-  expect([](Forged& f) { f.head.schema[0].name = "kind"; }, "head: has attributes that cannot be");
-  expect([](Forged& f) { f.head.schema[0].name = ""; }, "head: has attributes that cannot be");
-  expect([](Forged& f) { f.head.schema[0].name = "a\n"; }, "head: has attributes that cannot be");
-  expect([](Forged& f) { f.head.schema[0].type = static_cast<AttributeType>(10); }, "head: has attributes that");
+  expect([](Forged& f) { f.head.named[0].as.name = "id"; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.named[0].as.name = "kind"; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.named[0].as.name = ""; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.named[0].as.name = "a\n"; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.named[0].as.type = static_cast<AttributeType>(10); }, "head: has columns that");
+  expect([](Forged& f) { f.head.named[3].as.name = "tile"; }, "head: has columns that cannot be");
+  expect([](Forged& f) { f.head.named[3].of_cells = false; }, "head: has another number of blocks");
+  expect([](Forged& f) { f.head.cells = 0; }, "head: has another number of blocks");
+  expect([](Forged& f) { f.head.cells += 1 << 20; }, "head: has another number of blocks");
+  expect([](Forged& f) { f.head.cells = (std::uint64_t{1} << 31u) + 1; }, "head: tells of too many cells");
   expect([](Forged& f) { f.head.foreign = 0; }, "head: has another number of blocks");
   expect([](Forged& f) { f.head.own += 1 << 20; }, "head: has another number of blocks");
   auto longer = Forged(good_).file();
   longer.push_back({});
   expect_corrupt(longer, "head: ends its blocks at byte " + std::to_string(good_.size()) + ", not where the file ends");
   auto other = Forged(good_).file();
-  other[15] = std::byte{'2'};
+  other[15] = std::byte{'1'};
   expect_corrupt(other, "head: is not that of a file of points, or damaged");
   expect_corrupt({}, "head: is not that of a file of points, or damaged");
-  EXPECT_FALSE(parse_points_file(good_, "a.pts", TileId{41}, true));
+  EXPECT_FALSE(parse_points_file(good_, "a.pts", TileId{41}));
 }
 
 TEST_P(DamagedPoints, AreCorruptWithValuesThatCannotBe) {
@@ -209,6 +217,7 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   Bytes plain(rows, std::byte{5});
   const std::string id = "own points, id", kind = "own points, attribute 'kind'";
   const std::string height = "own points, attribute 'height'", share = "own points, attribute 'share'";
+  const std::string area = "cells, column 'area'";
   expect(id, becomes({}), "ends too early");
   expect(
       id, [](Bytes& block) { block.resize(head - 1); }, "ends too early");
@@ -238,6 +247,8 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
   expect(kind, becomes(integers(0, {plain}, 252)), "has a value too large for its type");
   expect(share, becomes(integers(0, {plain, plain, plain, plain, plain})), "has a value too large for its type");
   expect(height, becomes({}), "ends too early");
+  expect(area, becomes({}), "ends too early");
+  expect(area, becomes(joined({std::byte{0}}, integers(0, {plain}))), "has a plane that cannot be unpacked");
   for (const unsigned char code : {101, 128, 179, 255})
     expect(
         height, [&](Bytes& block) { block[0] = std::byte{code}; }, "is coded in an unknown way");
@@ -255,7 +266,7 @@ TEST_P(DamagedPoints, AreCorruptWithBlocksThatNobodyWrites) {
 
 TEST(PointsFile, ThatIsMissingIsNoDamage) {
   const TemporaryFolder folder;
-  EXPECT_EQ(read_points_file(folder.path() / "a.pts", TileId{1}, true).error().code, Errc::io);
+  EXPECT_EQ(read_points_file(folder.path() / "a.pts", TileId{1}, {}).error().code, Errc::io);
   EXPECT_EQ(read_own_point_ids(folder.path(), TileId{1}).error().code, Errc::io);
 }
 

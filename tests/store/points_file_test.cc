@@ -27,6 +27,7 @@ void expect_same(const PointsTile& read, const PointsTile& tile) {
   EXPECT_EQ(read.dimension, tile.dimension);
   EXPECT_EQ(read.tile, tile.tile);
   EXPECT_EQ(read.own, tile.own);
+  EXPECT_EQ(read.cells, tile.cells);
   EXPECT_TRUE(same_bits(read.points, tile.points));
   EXPECT_EQ(read.ids, tile.ids);
   EXPECT_EQ(read.owners, tile.owners);
@@ -37,7 +38,7 @@ void expect_same(const PointsTile& read, const PointsTile& tile) {
 // Bytes of the file, which is read back.
 std::size_t expect_round_trip(const PointsTile& tile) {
   const auto bytes = points_file_bytes(view_of(tile));
-  const auto read = parse_points_file(bytes, "a.pts", tile.tile, true);
+  const auto read = parse_points_file(bytes, "a.pts", tile.tile);
   EXPECT_TRUE(read) << (read ? "" : read.error().where);
   if (read) expect_same(read.value(), tile);
   return bytes.size();
@@ -189,7 +190,7 @@ TEST(PointsFile, ManyAttributesMayHaveLongNames) {
   EXPECT_GT(bytes.size(), 100'000u);
   const TemporaryFolder folder;
   ASSERT_TRUE(write_whole(folder.path() / "a.pts", bytes));
-  expect_same(read_points_file(folder.path() / "a.pts", tile.tile, true).value(), tile);
+  expect_same(read_points_file(folder.path() / "a.pts", tile.tile, {}).value(), tile);
 }
 
 TEST(PointsFile, EqualTilesMakeEqualFiles) {
@@ -201,18 +202,20 @@ TEST(PointsFile, IsReadAsFarAsAsked) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "000042.pts";
   auto tile = uniform_tile(3, 150'000, 20'000);
+  tile.cells = 900'000;
   add_attribute<double>(tile, {"height", AttributeType::f64}, {0.25, 0.5, 0.75});
   ASSERT_TRUE(write_whole(path, points_file_bytes(view_of(tile))));
-  expect_same(read_points_file(path, tile.tile, true).value(), tile);
+  expect_same(read_points_file(path, tile.tile, {}).value(), tile);
 
   const auto head = read_points_head(path, tile.tile).value();
   EXPECT_EQ(head.own, 130'000u);
   EXPECT_EQ(head.foreign, 20'000u);
-  EXPECT_EQ(head.schema, tile.schema);
+  EXPECT_EQ(head.schema(), tile.schema);
+  EXPECT_EQ(head.cells, tile.cells);
   const auto ids = read_own_point_ids(path, tile.tile).value();
   EXPECT_EQ(ids, std::vector(tile.ids.begin(), tile.ids.begin() + 130'000));
   tile.rows.clear();
-  expect_same(read_points_file(path, tile.tile, false).value(), tile);
+  expect_same(read_points_file(path, tile.tile, {.rows = false}).value(), tile);
 }
 
 // Blocks that nobody asks for may be anything.
@@ -224,11 +227,11 @@ TEST(PointsFile, WhatIsNotAskedForIsNotRead) {
   auto bytes = points_file_bytes(view_of(tile));
   bytes.back() ^= std::byte{1};
   ASSERT_TRUE(write_whole(path, bytes));
-  EXPECT_FALSE(read_points_file(path, tile.tile, true));
-  EXPECT_TRUE(read_points_file(path, tile.tile, false));
+  EXPECT_FALSE(read_points_file(path, tile.tile, {}));
+  EXPECT_TRUE(read_points_file(path, tile.tile, {.rows = false}));
   bytes[read_points_head(path, tile.tile).value().bytes()] ^= std::byte{1};
   ASSERT_TRUE(write_whole(path, bytes));
-  EXPECT_FALSE(read_points_file(path, tile.tile, false));
+  EXPECT_FALSE(read_points_file(path, tile.tile, {.rows = false}));
   EXPECT_TRUE(read_own_point_ids(path, tile.tile));
 }
 

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <cstring>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "src/store/points_tile.h"
+#include "src/store/tile_columns.h"
 
 namespace tessera::test {
 
@@ -50,5 +52,8 @@ void add_attribute(PointsTile& tile, const Attribute& attribute, const std::vect
   tile.schema.push_back(attribute);
   tile.rows = std::move(rows);
 }
+
+// The file of a tile that these columns were added to.
+std::vector<std::byte> file_with_columns(const PointsTile& tile, std::span<const store::ColumnValues> columns);
 
 }  // namespace tessera::test

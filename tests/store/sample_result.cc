@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "src/kernel/kernel.h"
+#include "src/store/points_tile.h"
 
 namespace tessera::test {
 
@@ -149,9 +150,32 @@ void set_partition(const std::vector<TileMesh>& meshes, Manifest& manifest) {
 
 }  // namespace
 
+namespace {
+
+Result<TileEntry> write_as_points(const std::filesystem::path& out, TileId tile, const TileMesh& mesh,
+                                  std::span<const std::byte> rows, const StoreOptions& options) {
+  const auto is_main = [](std::uint8_t ghost) { return ghost == 0; };
+  CountedCells counted;
+  counted.cells = mesh.cell_ghost.size();
+  counted.main_cells = static_cast<std::uint64_t>(std::ranges::count_if(mesh.cell_ghost, is_main));
+  counted.digest = CellDigest(mesh.dimension, mesh.ids).of(mesh.cells, mesh.cell_ghost.data());
+  return write_points_tile(out,
+                           {.dimension = mesh.dimension,
+                            .tile = tile,
+                            .own = static_cast<std::uint64_t>(std::ranges::count_if(mesh.point_ghost, is_main)),
+                            .points = mesh.points,
+                            .ids = mesh.ids,
+                            .owners = mesh.owners,
+                            .schema = options.schema,
+                            .rows = rows},
+                           counted, options);
+}
+
+}  // namespace
+
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
-                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates,
-                      const RowsOf& rows_of) {
+                      const StoreOptions& options, const std::vector<DuplicatePair>& duplicates, const RowsOf& rows_of,
+                      const std::function<TileKind(TileId)>& kind_of) {
   Manifest manifest;
   manifest.software_version = "0.1.0";
   manifest.command = {"tessera", "triangulate", "cloud.xyz"};
@@ -165,7 +189,9 @@ Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMe
     std::vector<std::byte> rows(mesh.points.size() * row_bytes(options.schema));
     for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<std::byte>(i * 7);
     if (rows_of) rows = rows_of(mesh);
-    const auto entry = write_tile(out, TileId{tile}, mesh, rows, options);
+    const bool as_points = kind_of && kind_of(TileId{tile}) == TileKind::points;
+    const auto entry = as_points ? write_as_points(out, TileId{tile}, mesh, rows, options)
+                                 : write_tile(out, TileId{tile}, mesh, rows, options);
     EXPECT_TRUE(entry) << (entry ? "" : entry.error().where);
     if (!entry) return manifest;
     manifest.tiles.push_back(entry.value());

@@ -30,10 +30,10 @@ std::vector<TileMesh> sample_tiles(const std::vector<Point>& points, int dimensi
 using RowsOf = std::function<std::vector<std::byte>(const TileMesh&)>;
 
 // Writes meshes (tile i is meshes[i]; empty ones are left out) and all that belongs to a result. Attributes are some
-// bytes unless `rows_of` says which.
+// bytes unless `rows_of` says which; tiles are kept as points if `kind_of` says so.
 Manifest store_sample(const std::filesystem::path& out, const std::vector<TileMesh>& meshes,
                       const StoreOptions& options = {}, const std::vector<DuplicatePair>& duplicates = {},
-                      const RowsOf& rows_of = {});
+                      const RowsOf& rows_of = {}, const std::function<TileKind(TileId)>& kind_of = {});
 
 // The tile of a result that has no versions, without a look at its manifest.
 inline Result<StoredTile> read_tile(const std::filesystem::path& out, TileId tile, bool with_rows = false) {

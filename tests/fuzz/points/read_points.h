@@ -31,7 +31,7 @@ bool same_bytes(const List& a, const List& b) {
 
 // A tile that keeps what is promised of those that are read, and that can be written and read again; or a sentence.
 inline void read_points(std::span<const std::byte> bytes, TileId number) {
-  const auto read = parse_points_file(bytes, "stranger.pts", number, true);
+  const auto read = parse_points_file(bytes, "stranger.pts", number);
   if (read.has_error()) {
     must_hold(read.error().code == Errc::corrupt && read.error().where.starts_with("stranger.pts, "));
     return;
@@ -40,13 +40,17 @@ inline void read_points(std::span<const std::byte> bytes, TileId number) {
   const std::size_t n = tile.points.size();
   must_hold(tile.tile == number && tile.own <= n && tile.ids.size() == n && tile.owners.size() == n);
   must_hold(tile.rows.size() == n * row_bytes(tile.schema));
+  must_hold(tile.cell_columns.size() == tile.cell_schema.size());
+  for (std::size_t c = 0; c < tile.cell_columns.size(); ++c)
+    must_hold(tile.cell_columns[c].size() == tile.cells * size_of(tile.cell_schema[c].type));
   for (std::size_t i = 0; i < n; ++i) {
     must_hold(is_finite(tile.points[i]) && (tile.dimension == 3 || tile.points[i].z == 0));
     must_hold((tile.owners[i] == number) == (i < tile.own));
   }
   if (n > 100'000) return;  // takes its time
-  const auto again = parse_points_file(points_file_bytes(view_of(tile)), "again.pts", number, true);
-  must_hold(again.has_value() && again.value().own == tile.own && again.value().schema == tile.schema);
+  const auto again = parse_points_file(points_file_bytes(view_of(tile)), "again.pts", number);
+  must_hold(again.has_value() && again.value().own == tile.own && again.value().cells == tile.cells &&
+            again.value().schema == tile.schema);
   must_hold(same_bytes(again.value().points, tile.points) && same_bytes(again.value().ids, tile.ids));
   must_hold(same_bytes(again.value().owners, tile.owners) && same_bytes(again.value().rows, tile.rows));
 }
