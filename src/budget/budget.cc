@@ -92,9 +92,11 @@ std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes) {
   return std::min(for_routing(memory_bytes) / 2, 128 * mib);
 }
 
-std::uint64_t sample_points(std::uint64_t memory_bytes) {
+std::uint64_t sample_points(std::uint64_t memory_bytes, std::uint64_t points) {
+  constexpr std::uint64_t usual = 100'000, most = 1'000'000;
   // The sample exists up to four times: while it is thinned, and in the partition's builder.
-  return std::clamp<std::uint64_t>(for_routing(memory_bytes) / 2 / (4 * sizeof(Point)), 4096, 100'000);
+  const std::uint64_t affordable = for_routing(memory_bytes) / 2 / (4 * sizeof(Point));
+  return std::clamp<std::uint64_t>(affordable, 4096, std::clamp(points / 1000, usual, most));
 }
 
 std::uint64_t refine_bytes(std::uint64_t memory_bytes) { return for_routing(memory_bytes) / 4; }

@@ -57,9 +57,10 @@ bool fits_whole(std::span<const std::uint64_t> tile_points, int dimension, Kerne
                 std::uint32_t threads, std::uint64_t memory_bytes);
 
 // While points are routed: bytes of the buffer that sorts them into tiles, points of the sample that tells where to
-// cut, bytes for the sample by which a tile that became too large is cut, threads that may read ahead.
+// cut `points` points, of which there are many tiles when they are many, bytes for the sample by which a tile that
+// became too large is cut, threads that may read ahead.
 std::uint64_t route_buffer_bytes(std::uint64_t memory_bytes);
-std::uint64_t sample_points(std::uint64_t memory_bytes);
+std::uint64_t sample_points(std::uint64_t memory_bytes, std::uint64_t points);
 std::uint64_t refine_bytes(std::uint64_t memory_bytes);
 std::uint32_t reading_threads(std::uint64_t memory_bytes, std::uint32_t threads);
 

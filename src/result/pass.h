@@ -45,7 +45,7 @@ class Pass {
  public:
   // `scratch`: an empty folder.
   Pass(TileSource source, std::vector<PassColumn> columns, std::filesystem::path scratch, PassOptions options)
-      : source_(std::move(source)),
+      : source_(source.stopped_by(options.stop)),
         columns_(std::move(columns)),
         scratch_(std::move(scratch)),
         options_(std::move(options)) {}

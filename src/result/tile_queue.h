@@ -22,7 +22,10 @@ class TileQueue {
   // `progress`: is told the part that is done, 0..1, by one thread at a time; or null.
   TileQueue(TileSource source, std::vector<std::size_t> tiles, std::stop_token stop,
             std::function<void(double)> progress)
-      : source_(std::move(source)), tiles_(std::move(tiles)), stop_(std::move(stop)), progress_(std::move(progress)) {}
+      : source_(source.stopped_by(stop)),
+        tiles_(std::move(tiles)),
+        stop_(std::move(stop)),
+        progress_(std::move(progress)) {}
 
   const TileSource& source() const { return source_; }
 

@@ -62,6 +62,12 @@ std::optional<std::size_t> TileSource::find(TileId tile) const {
   return static_cast<std::size_t>(found - all.begin());
 }
 
+TileSource TileSource::stopped_by(std::stop_token stop) const {
+  TileSource same(*this);
+  same.stop_ = std::move(stop);
+  return same;
+}
+
 fs::path TileSource::file(TileId tile) const {
   const auto i = find(tile);
   return i ? file(*i) : tile_file(folder(), tile);
@@ -134,7 +140,8 @@ Result<StoredTile> TileSource::read_points(std::size_t i, const TileParts& parts
                             .own = own,
                             .points = std::move(tile.points),
                             .ids = std::move(tile.ids),
-                            .owners = std::move(tile.owners)});
+                            .owners = std::move(tile.owners),
+                            .stop = stop_});
     if (!rebuilt) return error(rebuilt.error().code, path.string() + ": " + rebuilt.error().where);
     mesh = std::move(rebuilt).value();
     if (!manifest().neighbors) mesh.neighbors = {};

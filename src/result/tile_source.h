@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,9 @@ class TileSource {
  public:
   // The newest version. Reads the manifest alone. Errors: those of read_manifest().
   static Result<TileSource> open(const std::filesystem::path& out);
+
+  // The same; read() of a tile whose cells must be made ends with error interrupted soon after `stop` is requested.
+  TileSource stopped_by(std::stop_token stop) const;
 
   const std::filesystem::path& folder() const { return inside_->folder; }
   const Manifest& manifest() const { return inside_->manifest; }
@@ -57,6 +61,7 @@ class TileSource {
   };
   explicit TileSource(std::shared_ptr<const Inside> inside) : inside_(std::move(inside)) {}
   std::shared_ptr<const Inside> inside_;
+  std::stop_token stop_;
 };
 
 }  // namespace tessera

@@ -55,7 +55,7 @@ Result<std::uint64_t> trace_tiles(const Work& work) {
     while (!failed) {
       BOOST_OUTCOME_TRY(index, tiles.next());
       if (!index) break;
-      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(work.source, *index, true));
+      BOOST_OUTCOME_TRY(tile, query::QueryTile::load(tiles.source(), *index, true));
       const ContourCells cells(*tile, work.column, work.levels, work.options.max_edge, work.options.box, work.stop);
       BOOST_OUTCOME_TRYV(work.maker.add(cells, share - std::min(share, tile_bytes)));
       left_out += cells.left_out();

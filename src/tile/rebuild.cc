@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "src/base/check.h"
+#include "src/base/stopped.h"
 #include "src/kernel/kernel.h"
 #include "src/tile/collect.h"
 
@@ -17,7 +18,7 @@ Result<TileMesh> rebuild(RebuildInput input) {
   check(input.own <= all && input.ids.size() == all && input.owners.size() == all, "a tile's arrays fit together");
   try {
     const auto kernel = make_kernel(input.dimension);
-    kernel->build(input.points, KeepPoints::borrowed);
+    kernel->build(input.points, KeepPoints::borrowed, input.stop);
     if (kernel->dimension() < input.dimension) {
       return corrupt(input.dimension == 3 ? "all its points lie in a plane" : "all its points lie on a line");
     }
@@ -28,7 +29,8 @@ Result<TileMesh> rebuild(RebuildInput input) {
                          .cells = kernel->take_cells(),
                          .fill = {},
                          .foreign = {},
-                         .finals = {}};
+                         .finals = {},
+                         .stop = input.stop};
     collect.foreign.reserve(all - input.own);
     for (std::size_t i = input.own; i < all; ++i) {
       collect.foreign.push_back({input.points[i], input.ids[i], input.owners[i], 0});
@@ -39,7 +41,12 @@ Result<TileMesh> rebuild(RebuildInput input) {
     collect.ids = std::move(input.ids);
     TileMesh mesh = collect_cells(std::move(collect)).whole();
     if (mesh.points.size() != all) return corrupt("a foreign vertex is none of its cells'");
+    const auto foreign = mesh.ids.begin() + static_cast<std::ptrdiff_t>(input.own);
+    if (std::adjacent_find(foreign, mesh.ids.end()) != mesh.ids.end())
+      return corrupt("two foreign vertices have one id");
     return mesh;
+  } catch (const Stopped&) {
+    return error(Errc::interrupted, "interrupted while its cells are made");
   } catch (const Unsound&) {
     return corrupt("two of its points are equal");
   } catch (const TileTooLarge& e) {

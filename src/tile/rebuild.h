@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <stop_token>
 #include <vector>
 
 #include "src/base/ids.h"
@@ -19,11 +20,12 @@ struct RebuildInput {
   std::vector<Point> points;   // both best in Hilbert order
   std::vector<PointId> ids;    // theirs
   std::vector<TileId> owners;  // theirs
+  std::stop_token stop = {};   // error interrupted soon after it is requested
 };
 
 // The tile's mesh, whatever order it was stored in: cells are sorted, foreign vertices stand by id. Error corrupt, with
 // the end of a sentence, when no tile can have left these points: two are equal, all lie in a plane (2D: on a line), or
-// a foreign one is no vertex of the tile's cells.
+// a foreign one is no vertex of the tile's cells, or two of these have one id.
 Result<TileMesh> rebuild(RebuildInput input);
 
 }  // namespace tessera

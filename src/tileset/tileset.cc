@@ -89,7 +89,7 @@ class Making {
   Result<Surface> load(TileId id) {
     const auto index = source_.find(id);
     if (!index) return Surface{};  // it has no points
-    BOOST_OUTCOME_TRY(tile, source_.read(*index, {.rows = true}));
+    BOOST_OUTCOME_TRY(tile, source_.stopped_by(stop_).read(*index, {.rows = true}));
     const TileMesh& mesh = tile.mesh;
     const std::size_t row = row_bytes(manifest_.schema);
     Surface surface;

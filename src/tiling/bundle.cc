@@ -3,6 +3,7 @@
 #include <fcntl.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <string>
 
 #include "src/base/option.h"
@@ -61,6 +62,25 @@ void add_to_ids(std::span<LocalPoint> points, std::uint64_t first) {
 }
 
 }  // namespace
+
+Status give_back(const BundleFiles& files, std::span<const Segment> segments) {
+  const auto punch = [](const std::filesystem::path& path, std::uint64_t begin, std::uint64_t bytes) -> Status {
+    BOOST_OUTCOME_TRY(file, open_handle(path, O_RDWR));
+    if (::fallocate(file.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(begin),
+                    static_cast<off_t>(bytes)) == 0 ||
+        errno == EOPNOTSUPP || errno == ENOSYS)
+      return success();
+    return io_error(path, "cannot give back its disk", errno);
+  };
+  for (const Segment& segment : segments) {
+    BOOST_OUTCOME_TRYV(
+        punch(points_path(files, segment), segment.begin * sizeof(LocalPoint), segment.count * sizeof(LocalPoint)));
+    if (files.row_bytes == 0) continue;
+    BOOST_OUTCOME_TRYV(
+        punch(rows_path(files, segment), segment.begin * files.row_bytes, segment.count * files.row_bytes));
+  }
+  return success();
+}
 
 Status for_each_record(const BundleFiles& files, std::span<const Segment> segments, const std::stop_token& stop,
                        const VisitRecords& visit) {

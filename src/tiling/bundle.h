@@ -58,6 +58,9 @@ Status read_points(const BundleFiles& files, const Segment& segment, std::span<L
 // Whether a segment's rows are those that were written, too.
 Status check_rows(const BundleFiles& files, const Segment& segment);
 
+// Gives the disk of records back that are not read any more. Where the file system cannot, they stay.
+Status give_back(const BundleFiles& files, std::span<const Segment> segments);
+
 // Error corrupt: what is wrong with a file of a run folder, and that the run has to start again.
 Error damaged_run(const std::filesystem::path& path, const std::string& what);
 

@@ -77,6 +77,7 @@ Status split_large_tiles(Partition& partition, TileWriter& writer, const std::fi
         for_each_record({folder, bundles, row_bytes}, segments, stop,
                         [&](auto points, auto rows) -> Status { return writer.add(partition, points, rows); }));
     BOOST_OUTCOME_TRYV(writer.flush(partition));
+    BOOST_OUTCOME_TRYV(give_back({folder, bundles, row_bytes}, segments));
     // With every point in the sample, what is above the limit now are equal points.
     if (stride == 1) continue;
     look_at(tile.value);

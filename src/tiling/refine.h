@@ -10,7 +10,7 @@
 namespace tessera {
 
 // Splits every tile of more than `limit` points until none is left, or only those of equal points, and writes them
-// anew; their old records stay where they are, unused. `writer` has been flushed, and is flushed again. Memory:
+// anew; the disk of their old records is given back. `writer` has been flushed, and is flushed again. Memory:
 // `memory_bytes` beside the writer's buffer.
 Status split_large_tiles(Partition& partition, TileWriter& writer, const std::filesystem::path& folder,
                          std::size_t row_bytes, std::uint64_t limit, std::uint64_t memory_bytes, std::stop_token stop);

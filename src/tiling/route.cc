@@ -80,13 +80,13 @@ Result<Survey> survey_all(const Cloud& cloud, std::size_t wanted, const std::sto
 }
 
 Result<Survey> survey_cloud(const Cloud& cloud, const RouteOptions& options, const std::stop_token& stop) {
-  const auto wanted = static_cast<std::size_t>(budget::sample_points(options.memory_bytes));
   Survey survey;
   bool known = !cloud.options().crop && filtered_by(cloud.options()).empty();
   for (const FileInfo& file : cloud.files()) {
     known = known && file.points.has_value();
     survey.total += file.points.value_or(0);
   }
+  const auto wanted = static_cast<std::size_t>(budget::sample_points(options.memory_bytes, survey.total));
   if (!known && options.tiles == 0) return survey_all(cloud, wanted, stop);
   if (!known) survey.total = 0;
   BOOST_OUTCOME_TRY(sample, cloud.sample(wanted));

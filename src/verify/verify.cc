@@ -100,7 +100,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   for (std::size_t i = 0; i < source.tiles(); ++i) {
     if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while verifying");
     const TileEntry& entry = source.entry(i);
-    BOOST_OUTCOME_TRY(mesh, open_tile(source, i));
+    BOOST_OUTCOME_TRY(mesh, open_tile(source.stopped_by(stop), i));
     const bool neighbors_stored = !mesh.neighbors.empty();
     if (!neighbors_stored) {
       BOOST_OUTCOME_TRYV(match_facets(mesh, source.file(i), stop));

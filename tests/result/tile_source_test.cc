@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <stop_token>
 #include <string>
 
 #include "src/files/whole_file.h"
@@ -103,6 +105,32 @@ TEST_P(TileSourceOf, ATileKeptAsPointsThatIsNotWhatTheManifestSaysIsCorrupt) {
       },
       "has other columns of cells");
   EXPECT_TRUE(read_with([](Manifest& m) { --m.tiles[1].main_cells; }).ends_with(place + numbers + says));
+}
+
+TEST_P(TileSourceOf, ATileKeptAsPointsOfWhichTwoForeignVerticesHaveOneIdIsCorrupt) {
+  fs::remove_all(tiles_folder(folder_.path()));
+  auto meshes = meshes_;
+  std::vector<PointId>& ids = meshes[1].ids;
+  const std::size_t own =
+      ids.size() - static_cast<std::size_t>(std::count(meshes[1].point_ghost.begin(), meshes[1].point_ghost.end(), 1));
+  ASSERT_GE(ids.size(), own + 2);
+  ids[own + 1] = ids[own];
+  manifest_ = store_sample(folder_.path(), meshes, options_, {}, {}, [](TileId) { return TileKind::points; });
+  const std::string text = read_with([](Manifest&) {});
+  EXPECT_TRUE(text.ends_with("tiles/000001.pts: two foreign vertices have one id")) << text;
+}
+
+TEST_P(TileSourceOf, ATileKeptAsPointsIsNotMadeWhenNobodyWantsItAnyMore) {
+  fs::remove_all(tiles_folder(folder_.path()));
+  store_sample(folder_.path(), meshes_, options_, {}, {}, [](TileId) { return TileKind::points; });
+  std::stop_source stop;
+  const auto source = TileSource::open(folder_.path()).value().stopped_by(stop.get_token());
+  EXPECT_TRUE(source.read(1, {}));
+  stop.request_stop();
+  const auto stopped = source.read(1, {});
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Errc::interrupted) << stopped.error().where;
+  EXPECT_TRUE(source.read(1, {.cells = false})) << "this takes no time";
 }
 
 TEST_P(TileSourceOf, WhatIsNoResultIsTold) {

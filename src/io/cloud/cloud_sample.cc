@@ -12,8 +12,14 @@ namespace tessera {
 namespace {
 
 // 256 LAS records are two pages or three: a smaller block costs the disk as much, a larger one says less, since
-// neighbours in a file are neighbours in space.
-constexpr std::uint64_t block_points = 256;
+// neighbours in a file are neighbours in space. A large sample tells where to cut many tiles: what counts then is how
+// many blocks a tile has, and small ones are as many as the disk and a decoder bear.
+constexpr std::uint64_t block_points = 256, small_block_points = 32, large_sample = 100'000;
+
+std::uint64_t block_points_of(std::uint64_t quota, const FileInfo& file, std::uint64_t points) {
+  const bool small = quota > large_sample && quota / small_block_points * file.seek_points < points / 8;
+  return small ? small_block_points : block_points;
+}
 // What a line of text or ASCII PLY takes, for sharing the sample between files whose header gives no count.
 constexpr std::uint64_t line_bytes = 32;
 
@@ -45,13 +51,13 @@ class FileSampler {
  public:
   FileSampler(PointReader& reader, const PointFilter& filter) : reader_(reader), filter_(filter) {}
 
-  // `wanted` of the `n` points of a reader that can seek, before filtering.
-  Status blocks(std::uint64_t n, std::uint64_t wanted, std::vector<Point>& to) {
-    const std::uint64_t blocks = (std::min(wanted, n) + block_points - 1) / block_points;
+  // `wanted` of the `n` points of a reader that can seek, before filtering, in blocks of so many.
+  Status blocks(std::uint64_t n, std::uint64_t wanted, std::uint64_t block, std::vector<Point>& to) {
+    const std::uint64_t blocks = (std::min(wanted, n) + block - 1) / block;
     for (std::uint64_t b = 0; b < blocks; ++b) {
       // The b-th of `blocks` equal parts, and one block at a random place in it. 128 bits: n * b may exceed 64.
       const auto begin = part(n, b, blocks), length = part(n, b + 1, blocks) - begin;
-      const auto count = std::min(length, block_points);
+      const auto count = std::min(length, block);
       const auto at = begin + mixed_bits(b) % (length - count + 1);
       BOOST_OUTCOME_TRYV(reader_.seek(at));
       std::uint64_t got = 0;
@@ -121,9 +127,10 @@ Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
       FileSampler sampler(*reader, filter);
       BOOST_OUTCOME_TRY(seekable, reader->seek(0));
       // Where every seek has to decode points first, reading everything once may be less.
-      const bool worthwhile = quota / block_points * file.seek_points < estimate;
+      const std::uint64_t block = block_points_of(quota, file, estimate);
+      const bool worthwhile = quota / block * file.seek_points < estimate;
       if (seekable && file.points && worthwhile) {
-        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, sample));
+        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, block, sample));
       } else {
         BOOST_OUTCOME_TRYV(sampler.whole(quota, sample));
       }
