@@ -1,0 +1,77 @@
+// A region's part of a graph of cells, each with an arc across every facet: what a minimum cut is asked of.
+//
+// Source and sink stand in the excess of each cell, so a flow may be any pseudoflow: cells keep what does not go on.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/base/big_vector.h"
+
+namespace tessera::cut {
+
+// An arc is 4 cell + facet: out of the cell, across this facet.
+using Arc = std::uint32_t;
+inline constexpr Arc no_arc = ~Arc{0};            // there is nothing across the facet
+inline constexpr Arc border_bit = Arc{1} << 31u;  // | number of the border: a cell of another region is across it
+inline constexpr std::uint32_t cells_max = std::uint32_t{1} << 29u;
+
+// Of an arc: with what may flow back there is no more than 32 bits hold.
+inline constexpr std::uint32_t capacity_max = (std::uint32_t{1} << 31u) - 1;
+// What no flow exhausts: a cell's four arcs carry less than 2^33.
+inline constexpr std::int64_t infinite_terminal = std::int64_t{1} << 48u;
+
+struct CutGraph {
+  // An arc to a cell of another region, and how much may come back across the facet.
+  struct Border {
+    Arc arc = 0;
+    std::uint32_t capacity_in = 0;
+  };
+
+  // By cell: what the source gives it, less what it gives the sink, and what has flown in, less what has flown out.
+  // Within 2^50 either way.
+  BigVector<std::int64_t> excess;
+  // By arc: what may still flow along it, its residual capacity; with that of the arc back at most 2 capacity_max.
+  BigVector<std::uint32_t> capacity;
+  // By arc: the arc back, border_bit | number, or no_arc.
+  BigVector<Arc> back;
+  std::vector<Border> borders;
+
+  std::uint32_t cells() const { return static_cast<std::uint32_t>(excess.size()); }
+  std::size_t bytes() const { return excess.size() * 40 + borders.size() * sizeof(Border); }
+  // Whether arcs and arcs back, borders and numbers fit each other.
+  bool sound() const;
+
+  // Along an arc inside the region, which has this much capacity left.
+  void push(Arc arc, std::uint32_t flow) {
+    capacity[arc] -= flow;
+    capacity[back[arc]] += flow;
+    excess[arc >> 2u] -= flow;
+    excess[back[arc] >> 2u] += flow;
+  }
+};
+
+inline bool is_inner(Arc back) { return back < border_bit; }
+
+// One bit a cell.
+class CellSet {
+ public:
+  explicit CellSet(std::size_t cells = 0) : words_((cells + 63) / 64, 0) {}
+  bool contains(std::uint32_t cell) const { return words_[cell >> 6u] >> (cell & 63u) & 1u; }
+  // Whether it was not there.
+  bool insert(std::uint32_t cell) {
+    std::uint64_t& word = words_[cell >> 6u];
+    const std::uint64_t bit = std::uint64_t{1} << (cell & 63u);
+    const bool fresh = (word & bit) == 0;
+    word |= bit;
+    return fresh;
+  }
+  friend bool operator==(const CellSet&, const CellSet&) = default;
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+}  // namespace tessera::cut
