@@ -107,7 +107,7 @@ TEST(Triangulate, FilesOfAnyFormatMakeOneCloudWithTheirAttributes) {
   ASSERT_TRUE(generate({*shape_named("terrain"), 3000, 7, 3}, las));
   std::ofstream(text) << "1e6 1e6 0\n1e6 2e6 0\n";
   auto options = options_of(0, 700);
-  options.attributes({"classification", "gps_time"});
+  options.attributes({"classification", "intensity"});
   const auto t = triangulate({las.string(), (home.path() / "*.xyz").string()}, options);
   EXPECT_EQ(t.dimension(), 3);
   EXPECT_EQ(t.points_read(), 3002u);
@@ -117,10 +117,10 @@ TEST(Triangulate, FilesOfAnyFormatMakeOneCloudWithTheirAttributes) {
     const Tile tile = t.tile(i);
     for (const auto& field : tile.attributes()) {
       types[field.name] = field.type;
-      EXPECT_EQ(field.values.size(), tile.ids().size() * (field.type == "uint8" ? 1 : 8));
+      EXPECT_EQ(field.values.size(), tile.ids().size() * (field.type == "uint8" ? 1 : 2));
     }
   }
-  EXPECT_EQ(types, (std::map<std::string, std::string>{{"classification", "uint8"}, {"gps_time", "float64"}}));
+  EXPECT_EQ(types, (std::map<std::string, std::string>{{"classification", "uint8"}, {"intensity", "uint16"}}));
 }
 
 TEST(Triangulate, TheDimensionOfFilesIsFoundFromThem) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <functional>
 
+#include "src/files/names.h"
 #include "tests/tiling/run_fixture.h"
 
 namespace tessera {
@@ -98,6 +101,26 @@ TEST_F(RouteWithLittle, SplitsOffTheFewPointsThatAreNotEqual) {
     if (run.value().tile_points[t] <= 1000) continue;
     EXPECT_EQ(load_tile(run.value(), TileId{t}).value().points.size(), 1u);
   }
+}
+
+// A grid's box has nearly all points, and is split again and again.
+TEST_F(RouteWithLittle, GivesTheDiskOfRecordsBackThatAreWrittenAnew) {
+  auto points = make_cloud("uniform", 3, 50'000);
+  for (std::size_t i = 10; i < points.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) points[i][axis] /= 1000;
+  const auto run = route_points(points, 3, {.kind = PartitionKind::grid, .max_points_per_tile = 5000});
+  ASSERT_TRUE(run) << run.error().where;
+  expect_complete(run.value(), points);
+  std::uint64_t written = 0, held = 0;
+  for (const auto& file : std::filesystem::directory_iterator(points_folder(run_folder()))) {
+    struct stat status {};
+    ASSERT_EQ(::stat(file.path().c_str(), &status), 0);
+    written += static_cast<std::uint64_t>(status.st_size);
+    held += static_cast<std::uint64_t>(status.st_blocks) * 512;
+  }
+  const std::uint64_t needed = points.size() * sizeof(LocalPoint);
+  EXPECT_GT(written, needed + needed / 2);
+  EXPECT_LT(held, needed + needed / 4);
 }
 
 }  // namespace

@@ -1,12 +1,9 @@
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <cstring>
-#include <filesystem>
 #include <limits>
 
 #include "src/base/option.h"
-#include "src/files/names.h"
 #include "tests/tiling/run_fixture.h"
 
 namespace tessera {
@@ -150,26 +147,6 @@ TEST_F(Route, CountsWhatIsFilteredAndKeepsRanksInTheInput) {
   // The tiles are for what is left, not for what the header promises: a margin of a half at most.
   EXPECT_LE(run.value().partition.tiles(), 2 * (kept / 100 + 1));
   EXPECT_TRUE(open_run(run_folder()));
-}
-
-// A grid's box has nearly all points, and is split again and again.
-TEST_F(Route, GivesTheDiskOfRecordsBackThatAreWrittenAnew) {
-  auto points = make_cloud("uniform", 3, 50'000);
-  for (std::size_t i = 10; i < points.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) points[i][axis] /= 1000;
-  const auto run = route_points(points, 3, {.kind = PartitionKind::grid, .max_points_per_tile = 5000});
-  ASSERT_TRUE(run) << run.error().where;
-  expect_complete(run.value(), points);
-  std::uint64_t written = 0, held = 0;
-  for (const auto& file : std::filesystem::directory_iterator(points_folder(run_folder()))) {
-    struct stat status {};
-    ASSERT_EQ(::stat(file.path().c_str(), &status), 0);
-    written += static_cast<std::uint64_t>(status.st_size);
-    held += static_cast<std::uint64_t>(status.st_blocks) * 512;
-  }
-  const std::uint64_t needed = points.size() * sizeof(LocalPoint);
-  EXPECT_GT(written, 2 * needed);
-  EXPECT_LT(held, needed + needed / 2);
 }
 
 TEST_F(Route, CarriesTheRowsOfItsPoints) {
