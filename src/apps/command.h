@@ -31,6 +31,7 @@ Command add_export(CLI::App& root);
 Command add_region(CLI::App& root);
 Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
+Command add_surface(CLI::App& root);
 Command add_tileset(CLI::App& root);
 Command add_materialise(CLI::App& root);
 Command add_measure(CLI::App& root);

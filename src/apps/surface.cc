@@ -1,0 +1,190 @@
+// tessera surface: a closed surface of a 3D result.
+#include "src/surface/surface.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "src/apps/command.h"
+#include "src/apps/interrupt.h"
+#include "src/apps/log.h"
+#include "src/apps/machine_options.h"
+#include "src/apps/one_step.h"
+#include "src/apps/percent_line.h"
+#include "src/apps/say.h"
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+using Bottom = SurfaceOptions::Bottom;
+
+// auto, vertical, fields, or point:X,Y,Z;X,Y,Z;...
+Result<SensorOptions> parse_sensor(const std::string& text) {
+  SensorOptions sensor;
+  constexpr std::string_view point = "point:";
+  if (text == "auto") return sensor;
+  if (text == "vertical") {
+    sensor.kind = SensorOptions::Kind::vertical;
+  } else if (text == "fields") {
+    sensor.kind = SensorOptions::Kind::fields;
+  } else if (text.starts_with(point)) {
+    sensor.kind = SensorOptions::Kind::positions;
+    for (std::size_t at = point.size(); at <= text.size();) {
+      const std::size_t end = std::min(text.find(';', at), text.size());
+      BOOST_OUTCOME_TRY(position, parse_point(text.substr(at, end - at), 3));
+      sensor.positions.push_back(position);
+      at = end + 1;
+    }
+  } else {
+    return error(Errc::usage,
+                 "'" + text + "' tells no sensors; there are auto, vertical, fields and point:X,Y,Z;X,Y,Z;...");
+  }
+  return sensor;
+}
+
+Result<Bottom> parse_bottom(const std::string& text) {
+  if (text == "closed") return Bottom::closed;
+  if (text == "open") return Bottom::open;
+  if (text == "free") return Bottom::free;
+  return error(Errc::usage, "'" + text + "' is no bottom; there are closed, open and free");
+}
+
+Result<bool> parse_unknown(const std::string& text) {
+  if (text == "solid") return true;
+  if (text == "empty") return false;
+  return error(Errc::usage, "'" + text + "' is neither solid nor empty");
+}
+
+Result<double> parse_ray_length(const std::string& text) {
+  if (text == "full") return std::numeric_limits<double>::infinity();
+  return parse_distance(text);
+}
+
+Result<double> parse_sigma(const std::string& text) {
+  if (text == "auto") return 0.0;
+  return parse_distance(text);
+}
+
+template <class Value, class Parse>
+Status read(Settings& settings, const char* key, const Parse& parse, Value& to) {
+  BOOST_OUTCOME_TRY(value, settings.get(key, [&](const std::string& text) { return parse(text); }));
+  if (value) to = std::move(*value);
+  return success();
+}
+
+Result<SurfaceOptions> read_options(Settings& settings, const OutputOptions& output) {
+  SurfaceOptions options;
+  BOOST_OUTCOME_TRYV(read(settings, "sensor", parse_sensor, options.sensors));
+  BOOST_OUTCOME_TRYV(read(settings, "lambda", parse_finite, options.energy.lambda));
+  BOOST_OUTCOME_TRYV(read(settings, "alpha", parse_finite, options.energy.alpha));
+  BOOST_OUTCOME_TRYV(read(settings, "sigma", parse_sigma, options.energy.sigma));
+  BOOST_OUTCOME_TRYV(read(settings, "ray-length", parse_ray_length, options.energy.ray_length));
+  BOOST_OUTCOME_TRYV(read(settings, "bottom", parse_bottom, options.bottom));
+  BOOST_OUTCOME_TRYV(read(settings, "unknown", parse_unknown, options.unknown_inside));
+  BOOST_OUTCOME_TRY(trim, settings.get("trim", [](const std::string& text) { return parse_distance(text); }));
+  options.trim = trim;
+  options.output.format = settings.text("format").value_or("");
+  BOOST_OUTCOME_TRY(local, settings.on("local"));
+  options.output.local = local;
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  options.output.overwrite = overwrite;
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
+  options.progress = share_line("making the surface", output);
+  return options;
+}
+
+void print(const Surface& made, const SurfaceOptions& options, const OutputOptions& output) {
+  const std::string path = made.mesh.path.string();
+  if (output.json) {
+    std::printf("%s\n", to_json(made, path).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  say("%s: %llu triangles, %llu vertices%s\n", path.c_str(), static_cast<unsigned long long>(made.mesh.cells),
+      static_cast<unsigned long long>(made.mesh.vertices),
+      options.trim                     ? "; it has holes where longer edges were left out"
+      : options.bottom == Bottom::open ? "; closed but at the hull's lower side"
+                                       : "; closed");
+  say("%s; median scale %.4g\n", made.sensors.c_str(), made.sigma);
+  if (made.no_rays > 0)
+    say("%llu points have no direction to a sensor, and no ray\n", static_cast<unsigned long long>(made.no_rays));
+  say("digest %s\n", digest_text(made.digest).c_str());
+  if (!made.mesh.note.empty()) say("%s\n", made.mesh.note.c_str());
+}
+
+Status run_surface(Settings& settings, const OneStep& made_of) {
+  const std::string target = settings.text("output").value_or("");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera surface --help'");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE.ply");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(options, read_options(settings, output));
+  BOOST_OUTCOME_TRYV(find_export_target(target, options.output));
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    const Interrupt interrupt;
+    auto result = make_surface(folder, target, options, interrupt.token());
+    clear_line(output);
+    BOOST_OUTCOME_TRY(made, std::move(result));
+    print(made, options, output);
+    return success();
+  });
+}
+
+}  // namespace
+
+Command add_surface(CLI::App& root) {
+  auto command = new_command(
+      root, "surface", "Makes a closed surface of points or of a 3D result",
+      "  tessera surface block/*.laz -o mesh.ply                     (from points, in one step)\n"
+      "  tessera surface out/ -o mesh.ply --lambda 2                 (of a 3D result; smoother)\n"
+      "  tessera surface out/ -o tiles/ --format vtu                 (a folder: one .vtu a tile, a .pvtu over them)\n"
+      "  tessera surface scan.ply -o mesh.obj --bottom free --sensor 'point:0,0,1.7;12,3,1.7'");
+  add_value(
+      command, "sensor", "WHICH",
+      "where the light came from: auto (default), vertical, fields (x_origin, y_origin, z_origin or nx, ny, nz of "
+      "the points), or point:X,Y,Z;X,Y,Z;... (of these the nearest)");
+  add_value(command, "lambda", "NUMBER", "how much the quality of facets counts: more is smoother; default: 1");
+  add_value(command, "alpha", "NUMBER", "how much a ray counts; default: 32");
+  add_value(command, "sigma", "LENGTH",
+            "how far a point may be from the surface, in units of the coordinates; default: auto, of each point from "
+            "its edges");
+  add_value(command, "ray-length", "NUMBER",
+            "how many sigma a ray goes towards its sensor; full: all the way; default: 10");
+  add_value(
+      command, "bottom", "WHICH",
+      "below all points: closed (default) is inside, with a bottom; open is inside, without one; free is outside");
+  add_choices(command, "bottom", "closed, open, free");
+  add_value(command, "unknown", "WHICH", "where no ray tells: solid (default) or empty");
+  add_choices(command, "unknown", "solid, empty");
+  add_value(command, "trim", "LENGTH",
+            "leave out triangles with a longer edge, which bridge what was not seen: the surface is not closed then");
+  add_value(command, "format", "NAME", "as of 'tessera export'; default: as the ending of --output says");
+  add_choices(command, "format", export_format_names());
+  add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
+            'o', true);
+  add_switch(command, "local",
+             "ply, obj, off: coordinates count from the corner of the result's box, rounded down to whole numbers");
+  add_memory_option(command, "tiles");
+  add_threads_option(command);
+  add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_output_switches(command);
+  auto sources = add_sources(command, 3);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_surface(*settings, {.sources = *sources,
+                                   .dimension = 3,
+                                   .beside = settings->text("output").value_or(""),
+                                   .command_line = command_line});
+  };
+  return command;
+}
+
+}  // namespace tessera

@@ -1,0 +1,98 @@
+// The way of a result's tiles to their triangles: one pass over all of them after the other, with mail between.
+//
+//   scales    | each own vertex: the median of its edges; of all of them the median
+//   rays      | of own vertices; then as often as rays have gone to other tiles, in those
+//   arcs      | facets' main tiles, which have heard of all rays now, tell cells' main tiles of arcs
+//   regions   | each tile's graph, and what it decides alone; what is left is kept
+//   cut       | of all that is left, at once
+//   labels    | cells' main tiles tell the others that hold them
+//   triangles | are handed on
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <mutex>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/result/tile_source.h"
+#include "src/surface/post.h"
+#include "src/surface/ray_caster.h"
+#include "src/surface/records.h"
+#include "src/surface/region.h"
+#include "src/surface/sensors.h"
+#include "src/surface/shelf.h"
+#include "src/surface/triangles.h"
+
+namespace tessera::surface {
+
+struct PassesOptions {
+  Energy energy;
+  CutRule rule;
+  Boundary boundary;
+  std::uint64_t memory_bytes = 0;
+  unsigned threads = 1;
+  std::function<void(double)> progress = {};
+  std::stop_token stop = {};
+};
+
+struct Counts {
+  double sigma = 0;
+  std::atomic<std::uint64_t> rays{0}, no_rays{0}, steps{0}, undecided{0}, outside{0};
+  std::uint64_t handed_over = 0;
+};
+
+class Passes {
+ public:
+  // `scratch`: an empty folder.
+  static Result<std::unique_ptr<Passes>> begin(const TileSource& source, const Sensors& sensors,
+                                               const std::filesystem::path& scratch, PassesOptions options);
+  // Called by several threads, for each tile once.
+  using Take = std::function<Status(std::size_t index, const StoredTile& triangles)>;
+  Status run(const Take& take);
+  const Counts& counts() const { return counts_; }
+
+ private:
+  Passes(const TileSource& source, const Sensors& sensors, const std::filesystem::path& scratch, PassesOptions options);
+  using Work = std::function<Status(std::size_t index, SurfaceTile& tile)>;
+  // On all tiles for which `wanted` holds. The part of all work that is done then.
+  Status pass(double done, const std::function<bool(std::size_t)>& wanted, const Work& work);
+
+  Status find_scales(std::size_t index, SurfaceTile& tile);
+  Status find_sigma();
+  Status cast(std::size_t index, SurfaceTile& tile);
+  Status follow(std::size_t index, SurfaceTile& tile);
+  Status send_rays(SurfaceTile& tile, RayCaster& caster);
+  Status tell_arcs(std::size_t index, SurfaceTile& tile);
+  Status decide(std::size_t index, SurfaceTile& tile);
+  Status solve();
+  Result<std::vector<Label>> own_labels(std::size_t index, const SurfaceTile& tile);
+  Status tell_labels(std::size_t index, SurfaceTile& tile);
+  Result<StoredTile> triangles(std::size_t index, const SurfaceTile& tile);
+  Status take_votes(std::size_t index, SurfaceTile& tile);
+  Result<std::size_t> place_of(TileId tile) const;
+  template <class Record>
+  auto to(Outgoing<Record>& outgoing, Status& status) const;
+
+  const Sensors& sensors_;
+  PassesOptions options_;
+  Solidity solidity_;
+  Shelf shelf_;
+  Post<RayRecord> rays_;
+  Post<SumRecord> sums_;
+  Post<VoteRecord> votes_;
+  Post<ArcRecord> arcs_;
+  Post<LabelRecord> labels_;
+  std::mutex mutex_;
+  std::vector<std::uint64_t> histogram_;  // of scales
+  double done_ = 0;
+  std::vector<RegionKernel> regions_;  // by index
+  std::vector<cut::CellSet>
+      of_kernels_;  // by index: outside, of the kernel's cells; with the rule turned round, inside
+  Counts counts_;
+};
+
+}  // namespace tessera::surface

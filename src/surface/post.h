@@ -1,0 +1,112 @@
+// What is on its way between tiles, of one kind: in memory, and what is too much for it on disk.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/files/disk_file.h"
+#include "src/files/whole_file.h"
+
+namespace tessera::surface {
+
+// For several threads at once.
+template <class Record>
+class Post {
+  static_assert(std::is_trivially_copyable_v<Record>);
+
+ public:
+  // `folder`: of this post alone. `memory_bytes`: what is over that waits there.
+  Post(std::filesystem::path folder, std::size_t tiles, std::uint64_t memory_bytes)
+      : folder_(std::move(folder)), boxes_(tiles), memory_records_(memory_bytes / sizeof(Record)) {}
+
+  Status send(std::size_t to, std::span<const Record> records) {
+    if (records.empty()) return success();
+    Box& box = boxes_[to];
+    const std::lock_guard lock(box.mutex);
+    sent_ += records.size();
+    box.waiting += records.size();
+    box.records.insert(box.records.end(), records.begin(), records.end());
+    if ((held_ += records.size()) <= memory_records_) return success();
+    BOOST_OUTCOME_TRY(file, DiskFile::open(path(to), DiskFile::Mode::append));
+    BOOST_OUTCOME_TRYV(file.write(std::as_bytes(std::span(box.records))));
+    BOOST_OUTCOME_TRYV(file.close());
+    held_ -= box.records.size();
+    box.on_disk += box.records.size();
+    box.records = {};
+    return success();
+  }
+
+  // All that waits for a tile, in no order.
+  Result<std::vector<Record>> take(std::size_t to) {
+    Box& box = boxes_[to];
+    const std::lock_guard lock(box.mutex);
+    std::vector<Record> records = std::exchange(box.records, {});
+    held_ -= records.size();
+    if (box.on_disk > 0) {
+      const std::size_t begin = records.size();
+      records.resize(begin + box.on_disk);
+      BOOST_OUTCOME_TRY(file, DiskFile::open(path(to), DiskFile::Mode::read));
+      const auto wanted = std::as_writable_bytes(std::span(records).subspan(begin));
+      BOOST_OUTCOME_TRY(read, file.read(wanted));
+      if (read != wanted.size()) return error(Errc::io, path(to).string() + ": is shorter than it was");
+      BOOST_OUTCOME_TRYV(remove_file(path(to)));
+    }
+    box.on_disk = box.waiting = 0;
+    return records;
+  }
+
+  bool any(std::size_t to) const { return boxes_[to].waiting > 0; }
+  std::uint64_t sent() const { return sent_; }  // ever
+
+ private:
+  struct Box {
+    std::mutex mutex;
+    std::vector<Record> records;
+    std::uint64_t on_disk = 0;
+    std::atomic<std::uint64_t> waiting{0};
+  };
+  std::filesystem::path path(std::size_t to) const { return folder_ / (std::to_string(to) + ".bin"); }
+
+  std::filesystem::path folder_;
+  std::vector<Box> boxes_;
+  std::uint64_t memory_records_;
+  std::atomic<std::uint64_t> held_{0}, sent_{0};
+};
+
+// By tile, before they are sent.
+template <class Record>
+class Outgoing {
+ public:
+  Outgoing(Post<Record>& post, std::size_t tiles) : post_(post), records_(tiles) {}
+  Status add(std::size_t to, const Record& record) {
+    auto& records = records_[to];
+    records.push_back(record);
+    if (records.size() < most) return success();
+    BOOST_OUTCOME_TRYV(post_.send(to, records));
+    records.clear();
+    return success();
+  }
+  Status send() {
+    for (std::size_t to = 0; to < records_.size(); ++to) {
+      BOOST_OUTCOME_TRYV(post_.send(to, records_[to]));
+      records_[to].clear();
+    }
+    return success();
+  }
+
+ private:
+  static constexpr std::size_t most = 4096;
+  Post<Record>& post_;
+  std::vector<std::vector<Record>> records_;
+};
+
+}  // namespace tessera::surface

@@ -1,0 +1,63 @@
+// A tile's part of the cut: from weights to a graph, to what the tile decides alone, and to labels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "src/base/big_vector.h"
+#include "src/base/result.h"
+#include "src/cut/reduce.h"
+#include "src/surface/records.h"
+#include "src/surface/surface_tile.h"
+
+namespace tessera::surface {
+
+struct CutRule {
+  bool lower_inside = true;    // beyond facets of the hull that look down
+  bool unknown_inside = true;  // of all minimum cuts the one with the fewest cells outside; else with the most
+};
+
+// Whether beyond this facet of the hull is inside.
+bool is_inside_beyond(const SurfaceTile& tile, std::int32_t cell, std::size_t facet, const CutRule& rule);
+
+// What rays have left here of other tiles' arcs and cells; forgets it.
+void give_sums(SurfaceTile& tile, const std::function<void(TileId, const SumRecord&)>& sum,
+               const std::function<void(TileId, const VoteRecord&)>& vote);
+Status take_sum(SurfaceTile& tile, const SumRecord& sum);
+Status take_vote(SurfaceTile& tile, const VoteRecord& vote);
+
+// When all sums have been taken: the arcs of cells that are main elsewhere, across facets that are main here.
+Status give_arcs(const SurfaceTile& tile, const Energy& energy, const CutRule& rule,
+                 const std::function<void(TileId, const ArcRecord&)>& arc,
+                 const std::function<void(TileId, const VoteRecord&)>& vote);
+
+// An arc to a cell of another tile, as both sides name it.
+struct BorderName {
+  std::array<PointId, 3> facet;  // ascending
+  TileId to;
+};
+
+struct Region {
+  cut::CutGraph graph;              // of the cells that are main in the tile, in its order
+  std::vector<BorderName> borders;  // by border of the graph
+};
+// When all votes have been taken. `arcs`: from other tiles.
+Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule, std::span<const ArcRecord> arcs);
+
+// What is left of a region when it has decided what it can.
+struct RegionKernel {
+  cut::CutKernel kernel;
+  std::vector<BorderName> names;        // by border of the region
+  std::vector<cut::Decided> at_border;  // likewise: what has become of the cell here
+  std::vector<cut::Decided> decided;    // by cell of the region
+};
+RegionKernel kernel_of(Region region);
+
+// Solves all kernels at once: by region, of each cell of its kernel whether it is a source cell of the smallest cut of
+// the whole. Forgets the graphs. Error corrupt when two regions do not name the same borders.
+Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles);
+
+}  // namespace tessera::surface

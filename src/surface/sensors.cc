@@ -1,0 +1,148 @@
+#include "src/surface/sensors.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "src/base/attribute_value.h"
+#include "src/surface/energy.h"
+
+namespace tessera::surface {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> origin_names{"x_origin", "y_origin", "z_origin"},
+    normal_names{"nx", "ny", "nz"};
+// A return with others behind it votes so much less: leaves and twigs.
+constexpr std::uint32_t intermediate_vote = full_vote / 8;
+
+struct Found {
+  AttributeType type;
+  std::size_t offset;
+};
+std::optional<Found> find_field(const std::vector<Attribute>& schema, std::string_view name) {
+  std::size_t offset = 0;
+  for (const Attribute& attribute : schema) {
+    if (attribute.name == name) return Found{attribute.type, offset};
+    offset += size_of(attribute.type);
+  }
+  return std::nullopt;
+}
+
+double squared(const Point& a, const Point& b) {
+  const double x = b.x - a.x, y = b.y - a.y, z = b.z - a.z;
+  return x * x + y * y + z * z;
+}
+
+}  // namespace
+
+Status Sensors::find(const std::vector<Attribute>& schema, bool wanted) {
+  for (const auto& [names, how] : {std::pair(origin_names, How::origin), std::pair(normal_names, How::normal)}) {
+    fields_.clear();
+    for (const std::string_view name : names)
+      if (const auto field = find_field(schema, name)) fields_.push_back({field->type, field->offset});
+    if (fields_.size() < names.size()) continue;
+    how_ = how;
+    used_ = how == How::origin ? "sensors: of each point, from x_origin, y_origin, z_origin"
+                               : "sensors: in the direction of each point's normal nx, ny, nz";
+    return success();
+  }
+  fields_.clear();
+  if (wanted)
+    return error(Errc::usage,
+                 "the points have neither x_origin, y_origin and z_origin nor nx, ny and nz, which would tell where "
+                 "their sensors were");
+  return success();
+}
+
+Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<Attribute>& schema,
+                              const Bounds& bounds) {
+  Sensors sensors;
+  const double size = std::sqrt(squared(bounds.lo, bounds.hi));
+  sensors.far_ = 4 * size + 1;
+  sensors.top_ = bounds.hi.z + sensors.far_;
+  if (!std::isfinite(sensors.top_))
+    return error(Errc::usage, "the points are too far apart for rays: their coordinates are beyond 1e150");
+  switch (options.kind) {
+    case SensorOptions::Kind::positions:
+      if (options.positions.empty()) return error(Errc::usage, "no position of a sensor is given");
+      for (const Point& at : options.positions)
+        if (!is_finite(at)) return error(Errc::usage, "a position of a sensor is not finite");
+      sensors.how_ = How::positions;
+      sensors.positions_ = options.positions;
+      sensors.used_ = options.positions.size() == 1
+                          ? "sensors: one position for all points"
+                          : "sensors: of " + std::to_string(options.positions.size()) + " positions the nearest";
+      return sensors;
+    case SensorOptions::Kind::fields: {
+      BOOST_OUTCOME_TRYV(sensors.find(schema, true));
+      return sensors;
+    }
+    case SensorOptions::Kind::automatic: {
+      BOOST_OUTCOME_TRYV(sensors.find(schema, false));
+      if (!sensors.fields_.empty()) return sensors;
+      sensors.used_ = "sensors: straight above each point, as no attribute tells where they were";
+      return sensors;
+    }
+    case SensorOptions::Kind::vertical:
+      sensors.used_ = "sensors: straight above each point";
+      return sensors;
+  }
+  return error(Errc::internal, "there is no such kind of sensors");
+}
+
+Point Sensors::read(const std::byte* row) const {
+  Point at;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Field& field = fields_[static_cast<std::size_t>(axis)];
+    at[axis] = as_double(field.type, row + field.offset);
+  }
+  return at;
+}
+
+Result<std::optional<Point>> Sensors::of(const Point& p, PointId id, const std::byte* row) const {
+  Point sensor;
+  switch (how_) {
+    case How::vertical:
+      sensor = {p.x, p.y, top_};
+      break;
+    case How::origin:
+      sensor = read(row);
+      break;
+    case How::normal: {
+      const Point n = read(row);
+      const double length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+      if (!std::isfinite(length) || length == 0) return std::optional<Point>();
+      const double scale = far_ / length;
+      sensor = {p.x + n.x * scale, p.y + n.y * scale, p.z + n.z * scale};
+      break;
+    }
+    case How::positions: {
+      sensor = *std::min_element(positions_.begin(), positions_.end(),
+                                 [&](const Point& a, const Point& b) { return squared(p, a) < squared(p, b); });
+      break;
+    }
+  }
+  if (!is_finite(sensor)) return std::optional<Point>();
+  if (sensor == p) return error(Errc::usage, "point " + to_string(id) + " is where its sensor is said to be");
+  return std::optional(sensor);
+}
+
+Solidity::Solidity(const std::vector<Attribute>& schema) {
+  const auto number = find_field(schema, "return_number"), count = find_field(schema, "number_of_returns");
+  if (!number || !count) return;
+  number_ = Field{number->type, number->offset};
+  count_ = Field{count->type, count->offset};
+}
+
+std::uint32_t Solidity::vote(const std::byte* row) const {
+  if (!number_) return full_vote;
+  const double number = as_double(number_->type, row + number_->offset);
+  const double count = as_double(count_->type, row + count_->offset);
+  return number < count ? intermediate_vote : full_vote;
+}
+
+}  // namespace tessera::surface

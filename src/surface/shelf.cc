@@ -1,0 +1,77 @@
+#include "src/surface/shelf.h"
+
+#include <utility>
+
+#include "src/files/whole_file.h"
+
+namespace tessera::surface {
+
+Result<std::unique_ptr<SurfaceTile>> Shelf::from_result(std::size_t index) const {
+  BOOST_OUTCOME_TRY(stored, source_.read(index, {.rows = !source_.manifest().schema.empty()}));
+  BOOST_OUTCOME_TRY(tile,
+                    SurfaceTile::make(source_.entry(index).tile, source_.file(index).string(), std::move(stored)));
+  tile.begin_weights();
+  return std::make_unique<SurfaceTile>(std::move(tile));
+}
+
+Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
+  {
+    std::unique_lock lock(mutex_);
+    written_.wait(lock, [&] { return on_disk_[index] != OnDisk::soon; });
+    if (const auto found = here_.find(index); found != here_.end()) {
+      auto tile = std::move(found->second);
+      here_.erase(found);
+      order_.remove(index);
+      held_ -= tile->bytes();
+      return tile;
+    }
+    if (on_disk_[index] == OnDisk::no) {
+      lock.unlock();
+      return from_result(index);
+    }
+  }
+  BOOST_OUTCOME_TRY(tile, SurfaceTile::load(source_.entry(index).tile, source_.file(index).string(), path(index),
+                                            source_.manifest().schema));
+  return std::make_unique<SurfaceTile>(std::move(tile));
+}
+
+Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
+  std::vector<std::pair<std::size_t, std::unique_ptr<SurfaceTile>>> leaving;
+  {
+    const std::lock_guard lock(mutex_);
+    held_ += tile->bytes();
+    here_[index] = std::move(tile);
+    order_.push_back(index);
+    while (held_ > memory_bytes_) {
+      // Passes go through the tiles in one order: the one used last is needed last.
+      const std::size_t last = order_.back();
+      order_.pop_back();
+      auto found = here_.find(last);
+      held_ -= found->second->bytes();
+      leaving.emplace_back(last, std::move(found->second));
+      here_.erase(found);
+      on_disk_[last] = OnDisk::soon;
+    }
+  }
+  Status all = success();
+  for (const auto& [number, one] : leaving) {
+    Status saved = one->save(path(number));
+    if (!saved && all) all = std::move(saved);
+    const std::lock_guard lock(mutex_);
+    on_disk_[number] = OnDisk::yes;  // or the error ends all
+    written_.notify_all();
+  }
+  return all;
+}
+
+Status Shelf::drop(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
+  tile.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    if (on_disk_[index] == OnDisk::no) return success();
+    on_disk_[index] = OnDisk::no;
+  }
+  return remove_file(path(index));
+}
+
+}  // namespace tessera::surface

@@ -1,0 +1,53 @@
+// The tiles of a result that are worked on: in memory while they fit, on disk else.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/result/tile_source.h"
+#include "src/surface/surface_tile.h"
+
+namespace tessera::surface {
+
+// For several threads at once, but a tile for one at a time.
+class Shelf {
+ public:
+  // `folder`: for tiles that do not fit into `memory_bytes`.
+  Shelf(TileSource source, std::filesystem::path folder, std::uint64_t memory_bytes)
+      : source_(std::move(source)),
+        folder_(std::move(folder)),
+        memory_bytes_(memory_bytes),
+        on_disk_(source_.tiles(), OnDisk::no) {}
+
+  // As it was given back, or, the first time, as the result has it, with weights of 0. Errors: of reading.
+  Result<std::unique_ptr<SurfaceTile>> take(std::size_t index);
+  Status give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile);
+  // What waits on the shelf is not needed any more, nor is the tile.
+  Status drop(std::size_t index, std::unique_ptr<SurfaceTile> tile);
+
+  const TileSource& source() const { return source_; }
+
+ private:
+  std::filesystem::path path(std::size_t index) const { return folder_ / (std::to_string(index) + ".bin"); }
+  Result<std::unique_ptr<SurfaceTile>> from_result(std::size_t index) const;
+
+  TileSource source_;
+  std::filesystem::path folder_;
+  std::uint64_t memory_bytes_;
+  enum class OnDisk : std::uint8_t { no, soon, yes };
+  std::vector<OnDisk> on_disk_;  // by index
+  std::mutex mutex_;
+  std::condition_variable written_;
+  std::map<std::size_t, std::unique_ptr<SurfaceTile>> here_;
+  std::list<std::size_t> order_;  // of those here, the longest unused first
+  std::uint64_t held_ = 0;
+};
+
+}  // namespace tessera::surface

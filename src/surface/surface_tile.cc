@@ -1,0 +1,208 @@
+#include "src/surface/surface_tile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "src/files/disk_file.h"
+#include "src/files/there.h"
+
+namespace tessera::surface {
+
+SurfaceTile::SurfaceTile(TileId self, std::string name, StoredTile stored)
+    : self_(self), name_(std::move(name)), stored_(std::move(stored)) {}
+
+Error SurfaceTile::corrupt(const std::string& reason) const { return error(Errc::corrupt, name_ + ": " + reason); }
+
+Result<SurfaceTile> SurfaceTile::make(TileId self, std::string name, StoredTile stored) {
+  SurfaceTile tile(self, std::move(name), std::move(stored));
+  BOOST_OUTCOME_TRYV(tile.index());
+  return tile;
+}
+
+Status SurfaceTile::index() {
+  const TileMesh& mesh = stored_.mesh;
+  if (mesh.dimension != 3 || mesh.neighbors.size() != mesh.cells.size())
+    return corrupt("is not a tile of a 3D triangulation with neighbours");
+  while (static_cast<std::size_t>(own_) < mesh.points.size() && mesh.point_ghost[static_cast<std::size_t>(own_)] == 0)
+    ++own_;
+  const auto own = static_cast<std::size_t>(own_);
+  star_first_.assign(own + 1, 0);
+  for (const std::int32_t v : mesh.cells)
+    if (v < own_) ++star_first_[static_cast<std::size_t>(v) + 1];
+  std::partial_sum(star_first_.begin(), star_first_.end(), star_first_.begin());
+  star_cells_.resize(star_first_[own]);
+  std::vector<std::uint32_t> next(star_first_.begin(), star_first_.end() - 1);
+  for (std::size_t i = 0; i < mesh.cells.size(); ++i)
+    if (mesh.cells[i] < own_)
+      star_cells_[next[static_cast<std::size_t>(mesh.cells[i])]++] = static_cast<std::uint32_t>(i / 4);
+  by_id_.resize(own);
+  std::iota(by_id_.begin(), by_id_.end(), 0);
+  std::sort(by_id_.begin(), by_id_.end(), [&](std::int32_t a, std::int32_t b) { return id(a) < id(b); });
+  return success();
+}
+
+CellName SurfaceTile::name(std::int32_t cell) const {
+  CellName name;
+  for (std::size_t k = 0; k < 4; ++k) name[k] = id(vertex(cell, k));
+  std::sort(name.begin(), name.end());
+  return name;
+}
+
+TileId SurfaceTile::main_tile(std::int32_t cell) const {
+  return std::min(std::min(owner(vertex(cell, 0)), owner(vertex(cell, 1))),
+                  std::min(owner(vertex(cell, 2)), owner(vertex(cell, 3))));
+}
+
+TileId SurfaceTile::main_tile(std::int32_t cell, std::size_t facet) const {
+  const auto& corners = facet_corners[facet];
+  return std::min(std::min(owner(vertex(cell, corners[0])), owner(vertex(cell, corners[1]))),
+                  owner(vertex(cell, corners[2])));
+}
+
+std::array<Corner, 3> SurfaceTile::facet(std::int32_t cell, std::size_t opposite) const {
+  const auto& corners = facet_corners[opposite];
+  return {corner(vertex(cell, corners[0])), corner(vertex(cell, corners[1])), corner(vertex(cell, corners[2]))};
+}
+
+Result<std::size_t> SurfaceTile::corner_of(std::int32_t cell, PointId wanted) const {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (id(vertex(cell, k)) == wanted) return k;
+  return corrupt("cell " + std::to_string(cell) + " lacks a vertex that another tile says it has");
+}
+
+Result<std::size_t> SurfaceTile::corner_towards(std::int32_t cell, std::int32_t from) const {
+  for (std::size_t k = 0; k < 4; ++k)
+    if (neighbor(cell, k) == from) return k;
+  return corrupt("cell " + std::to_string(cell) + " is a neighbour of cell " + std::to_string(from) +
+                 ", which is none of its own");
+}
+
+std::span<const std::uint32_t> SurfaceTile::star(std::int32_t v) const {
+  const auto at = static_cast<std::size_t>(v);
+  return std::span(star_cells_).subspan(star_first_[at], star_first_[at + 1] - star_first_[at]);
+}
+
+double SurfaceTile::median_edge(std::int32_t v) const {
+  std::vector<std::int32_t> others;
+  for (const std::uint32_t cell : star(v))
+    for (std::size_t k = 0; k < 4; ++k) others.push_back(vertex(static_cast<std::int32_t>(cell), k));
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  std::vector<double> squares;
+  const Point& p = point(v);
+  for (const std::int32_t other : others) {
+    if (other == v) continue;
+    const Point& q = point(other);
+    squares.push_back((q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y) + (q.z - p.z) * (q.z - p.z));
+  }
+  if (squares.empty()) return 0;
+  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>((squares.size() - 1) / 2);
+  std::nth_element(squares.begin(), middle, squares.end());
+  return std::sqrt(*middle);
+}
+
+Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {
+  for (const PointId corner : wanted) {
+    const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), corner,
+                                        [&](std::int32_t v, PointId other) { return id(v) < other; });
+    if (found == by_id_.end() || id(*found) != corner) continue;
+    for (const std::uint32_t cell : star(*found))
+      if (name(static_cast<std::int32_t>(cell)) == wanted) return static_cast<std::int32_t>(cell);
+    break;
+  }
+  return corrupt("lacks a cell at vertex " + to_string(wanted[0]) + " that another tile has");
+}
+
+void SurfaceTile::begin_weights() {
+  arcs_.assign(mesh().cells.size(), 0);
+  excess_.assign(mesh().cell_ghost.size(), 0);
+}
+
+std::size_t SurfaceTile::bytes() const {
+  return mesh().bytes() + stored_.rows.size() + (star_first_.size() + star_cells_.size() + by_id_.size()) * 4 +
+         arcs_.size() * 4 + (excess_.size() + scales_.size()) * 8;
+}
+
+namespace {
+
+// Arrays one after the other, each with its length before it.
+class Arrays {
+ public:
+  explicit Arrays(DiskFile file) : file_(std::move(file)) {}
+  template <class Array>
+  Status put(const Array& array) {
+    const std::uint64_t size = array.size();
+    BOOST_OUTCOME_TRYV(file_.write(std::as_bytes(std::span(&size, 1))));
+    return file_.write(std::as_bytes(std::span(array)));
+  }
+  // Nothing says that the file is another one than was written but that it is too short.
+  template <class Array>
+  Result<bool> get(Array& array, std::uint64_t most) {
+    std::uint64_t size = 0;
+    BOOST_OUTCOME_TRY(head, file_.read(std::as_writable_bytes(std::span(&size, 1))));
+    if (head != sizeof size || size > most) return false;
+    array.resize(size);
+    const auto bytes = std::as_writable_bytes(std::span(array));
+    BOOST_OUTCOME_TRY(read, file_.read(bytes));
+    return read == bytes.size();
+  }
+  Status close() { return file_.close(); }
+
+ private:
+  DiskFile file_;
+};
+
+// In the order of the file.
+template <class Tile, class Use>
+auto each_array(Tile& stored, const Use& use) {
+  auto& mesh = stored.mesh;
+  return use(mesh.points, mesh.ids, mesh.owners, mesh.point_ghost, mesh.cells, mesh.cell_ghost, mesh.neighbors,
+             stored.rows);
+}
+
+}  // namespace
+
+Status SurfaceTile::save(const std::filesystem::path& path) const {
+  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::replace));
+  Arrays arrays(std::move(file));
+  Status status = success();
+  const auto put = [&](const auto& array) {
+    if (status) status = arrays.put(array);
+  };
+  each_array(stored_, [&](const auto&... array) { (put(array), ...); });
+  put(arcs_);
+  put(excess_);
+  put(scales_);
+  BOOST_OUTCOME_TRYV(std::move(status));
+  return arrays.close();
+}
+
+Result<SurfaceTile> SurfaceTile::load(TileId self, std::string name, const std::filesystem::path& path,
+                                      const std::vector<Attribute>& schema) {
+  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
+  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
+  Arrays arrays(std::move(file));
+  SurfaceTile tile(self, std::move(name), {});
+  tile.stored_.schema = schema;
+  Status status = success();
+  const auto get = [&](auto& array) {
+    if (!status) return;
+    auto whole = arrays.get(array, bytes);
+    if (!whole) {
+      status = std::move(whole).error();
+    } else if (!whole.value()) {
+      status = error(Errc::io, path.string() + ": is shorter than it was");
+    }
+  };
+  each_array(tile.stored_, [&](auto&... array) { (get(array), ...); });
+  get(tile.arcs_);
+  get(tile.excess_);
+  get(tile.scales_);
+  BOOST_OUTCOME_TRYV(std::move(status));
+  BOOST_OUTCOME_TRYV(tile.index());
+  return tile;
+}
+
+}  // namespace tessera::surface

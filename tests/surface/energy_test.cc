@@ -1,0 +1,88 @@
+#include "src/surface/energy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "src/cut/cut_graph.h"
+
+namespace tessera::surface {
+namespace {
+
+TEST(Energy, TheExponentialIsThatOfTheLibraryToAFewUnits) {
+  for (double x = 0; x < 39.9; x += 0.00137) EXPECT_NEAR(exp_of_minus(x) / std::exp(-x), 1, 1e-15) << x;
+  EXPECT_EQ(exp_of_minus(0), 1);
+  EXPECT_EQ(exp_of_minus(41), 0);
+  EXPECT_EQ(exp_of_minus(std::numeric_limits<double>::infinity()), 0);
+}
+
+// Bits that no compiler and no machine may change.
+TEST(Energy, TheExponentialHasTheseBits) {
+  EXPECT_EQ(exp_of_minus(0.5), 0x1.368b2fc6f960ap-1);
+  EXPECT_EQ(exp_of_minus(1), 0x1.78b56362cef37p-2);
+  EXPECT_EQ(exp_of_minus(12.25), 0x1.411fb0da07713p-18);
+}
+
+// Known by hand: a facet 3 scales from its vertex, and others at 2 and 18/7 of a scale of 4.
+TEST(Energy, VisibilityIsThatOfFixturesSolvedByHand) {
+  EXPECT_EQ(visibility_weight(3, 1, full_vote), std::lround(full_vote * 0.9888910034617577));
+  EXPECT_EQ(visibility_weight(2, 4, full_vote), std::lround(full_vote * 0.11750309741540454));
+  EXPECT_EQ(visibility_weight(18.0 / 7, 4, full_vote), std::lround(full_vote * 0.18668163487015432));
+  EXPECT_EQ(visibility_weight(0, 1, full_vote), 0u);
+  EXPECT_EQ(visibility_weight(1e300, 1, full_vote), full_vote);
+}
+
+// The facet is seen from the centres of both spheres under the same angle: its plane and the spheres meet at 60 degrees
+// for a regular tetrahedron whose centre is a third of its radius above the facet.
+TEST(Energy, QualityOfARegularTetrahedronsFacetIsKnown) {
+  const std::array<Corner, 3> facet{Corner{{1, 1, 1}, PointId{5}}, Corner{{1, -1, -1}, PointId{2}},
+                                    Corner{{-1, 1, -1}, PointId{9}}};
+  const Corner apex{{-1, -1, 1}, PointId{3}};
+  const Energy energy{.lambda = 32, .alpha = 32};
+  EXPECT_EQ(quality_weight(facet, apex, nullptr, energy), std::lround(full_vote * (1 - 1.0 / 3)));
+  // Mirrored at the facet the other side is the same.
+  const Corner below{{5.0 / 3, 5.0 / 3, -5.0 / 3}, PointId{7}};
+  EXPECT_EQ(quality_weight(facet, apex, &below, energy), std::lround(full_vote * (1 - 1.0 / 3)));
+}
+
+TEST(Energy, QualityIsTheSameInWhateverOrderATileHasTheCorners) {
+  std::array<Corner, 3> facet{Corner{{0.1, 0.7, 3e5}, PointId{5}}, Corner{{1.3, -0.2, 3e5}, PointId{2}},
+                              Corner{{-0.4, 0.33, 3e5 + 1}, PointId{9}}};
+  const Corner a{{0.1, 0.2, 3e5 + 3}, PointId{4}}, b{{0.1, 0.2, 3e5 - 7}, PointId{1}};
+  const auto weight = quality_weight(facet, a, &b, {});
+  EXPECT_GT(weight, 0u);
+  const auto by_id = [](const Corner& p, const Corner& q) { return p.id < q.id; };
+  std::sort(facet.begin(), facet.end(), by_id);
+  do {
+    EXPECT_EQ(quality_weight(facet, a, &b, {}), weight);
+    EXPECT_EQ(quality_weight(facet, b, &a, {}), weight);
+  } while (std::next_permutation(facet.begin(), facet.end(), by_id));
+}
+
+TEST(Energy, AFlatCellsSphereSaysNothing) {
+  const std::array<Corner, 3> facet{Corner{{0, 0, 0}, PointId{0}}, Corner{{1, 0, 0}, PointId{1}},
+                                    Corner{{0, 1, 0}, PointId{2}}};
+  const Energy energy{.lambda = 32, .alpha = 32};
+  EXPECT_EQ(quality_weight(facet, {{1, 1, 0}, PointId{3}}, nullptr, energy), full_vote);
+}
+
+TEST(Energy, SumsStopAtACapacity) {
+  EXPECT_EQ(saturating(3, 4), 7u);
+  EXPECT_EQ(saturating(cut::capacity_max, 1), cut::capacity_max);
+  EXPECT_EQ(saturating(cut::capacity_max, cut::capacity_max), cut::capacity_max);
+}
+
+TEST(Energy, DistanceToAPlaneIsAlongTheRay) {
+  const std::array<Corner, 3> facet{Corner{{0, 0, 2}, PointId{1}}, Corner{{1, 0, 2}, PointId{0}},
+                                    Corner{{0, 1, 2}, PointId{2}}};
+  EXPECT_EQ(distance_to_plane({0, 0, 0}, {0, 0, 10}, facet), 2);
+  EXPECT_NEAR(distance_to_plane({0, 0, 0}, {3, 0, 4}, facet), 2.5, 1e-15);
+  EXPECT_FALSE(std::isfinite(distance_to_plane({0, 0, 0}, {1, 0, 0}, facet)));
+}
+
+}  // namespace
+}  // namespace tessera::surface

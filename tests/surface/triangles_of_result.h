@@ -1,0 +1,28 @@
+// The triangles of a result's surface, as the passes hand them on.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "src/surface/passes.h"
+
+namespace tessera::surface {
+
+// By their ids, the least first, the order kept.
+using IdTriangle = std::array<PointId, 3>;
+IdTriangle of_ids(PointId a, PointId b, PointId c);
+
+struct Triangles {
+  std::vector<IdTriangle> main;                // ascending, each as often as it is main
+  std::map<IdTriangle, std::size_t> in_tiles;  // how many tiles have it
+  std::map<PointId, Point> points;
+  std::uint64_t handed_over = 0, undecided = 0;
+};
+Triangles triangles_of(const std::filesystem::path& result, const SensorOptions& sensors, PassesOptions options);
+
+// Nothing when each edge has as many triangles one way as the other; else an edge where that is not so.
+std::vector<PointId> open_edge(const std::vector<IdTriangle>& triangles);
+
+}  // namespace tessera::surface
