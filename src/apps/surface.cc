@@ -158,7 +158,7 @@ Command add_surface(CLI::App& root) {
             "how far a point may be from the surface, in units of the coordinates; default: auto, of each point from "
             "its edges");
   add_value(command, "ray-length", "NUMBER",
-            "how many sigma a ray goes towards its sensor; full: all the way; default: 10");
+            "how many sigma a ray goes towards its sensor; full: all the way; default: 100");
   add_value(
       command, "bottom", "WHICH",
       "below all points: closed (default) is inside, with a bottom; open is inside, without one; free is outside");

@@ -11,8 +11,7 @@ namespace {
 template <class Change>
 CellSet smallest_source_set(CutGraph graph, const Change& change) {
   for (const CutGraph::Border& border : graph.borders) change(graph, border);
-  SearchTrees(graph).run();
-  return reached_from_excess(graph);
+  return SearchTrees(graph).run();
 }
 
 }  // namespace

@@ -5,9 +5,8 @@
 
 namespace tessera::cut {
 
-void SearchTrees::run() {
-  // What the trees have left out would cost truth: whether a way is left is looked at once more.
-  do {
+CellSet SearchTrees::run() {
+  for (;;) {
     plant();
     while (!source_.frontier.empty() && !sink_.frontier.empty()) {
       if (source_.frontier.size() <= sink_.frontier.size()) {
@@ -16,7 +15,10 @@ void SearchTrees::run() {
         grow<Side::sink>();
       }
     }
-  } while (any_deficit(graph_, reached_from_excess(graph_)));
+    // A cell that the trees had left out would cost truth: the answer is proved, not believed.
+    CellSet reached = reached_from_excess(graph_);
+    if (!any_deficit(graph_, reached)) return reached;
+  }
 }
 
 void SearchTrees::plant() {
@@ -39,18 +41,17 @@ template <SearchTrees::Side side>
 void SearchTrees::grow() {
   Tree& own = tree<side>();
   own.allowed = own.level + 1;
-  std::vector<std::uint32_t> next;
   for (std::size_t i = 0; i < own.frontier.size(); ++i) {
     const std::uint32_t cell = own.frontier[i];
-    if (level_of<side>(level_[cell]) == own.level) scan<side>(cell, next);
+    if (level_of<side>(level_[cell]) == own.level) scan<side>(cell);
   }
-  // Cells that orphans have been given the level of meanwhile stand at the end of the list.
-  own.frontier.swap(next);
+  own.frontier.swap(own.next);
+  own.next.clear();
   ++own.level;
 }
 
 template <SearchTrees::Side side>
-void SearchTrees::scan(std::uint32_t cell, std::vector<std::uint32_t>& next) {
+void SearchTrees::scan(std::uint32_t cell) {
   Tree& own = tree<side>();
   for (std::uint32_t facet = 0; facet < 4; ++facet) {
     const Arc out = 4 * cell + facet, in = graph_.back[out];
@@ -60,7 +61,7 @@ void SearchTrees::scan(std::uint32_t cell, std::vector<std::uint32_t>& next) {
       if (level_[other] == 0) {
         level_[other] = side == Side::source ? own.level + 1 : -own.level - 1;
         parent_[other] = static_cast<std::uint8_t>(in & 3u);
-        next.push_back(other);
+        own.next.push_back(other);
         break;
       }
       if (level_of<side>(level_[other]) > 0) break;
@@ -111,20 +112,26 @@ void SearchTrees::orphan(std::uint32_t cell) {
   const auto level = static_cast<std::size_t>(level_of<side>(level_[cell]));
   if (orphans.size() <= level) orphans.resize(level + 1);
   orphans[level].push_back(cell);
+  Tree& own = tree<side>();
+  own.first = std::min(own.first, level);
+  own.last = std::max(own.last, level);
   parent_[cell] = none;
 }
 
 // From the least level on: a parent that is found then has its own way to a root.
 template <SearchTrees::Side side>
 void SearchTrees::adopt_all() {
-  auto& orphans = tree<side>().orphans;
-  for (std::size_t level = 0; level < orphans.size(); ++level) {
+  Tree& own = tree<side>();
+  auto& orphans = own.orphans;
+  for (std::size_t level = own.first; level <= own.last; ++level) {
     while (!orphans[level].empty()) {
       const std::uint32_t cell = orphans[level].back();
       orphans[level].pop_back();
       adopt<side>(cell);
     }
   }
+  own.first = ~std::size_t{0};
+  own.last = 0;
 }
 
 template <SearchTrees::Side side>
@@ -156,7 +163,8 @@ void SearchTrees::adopt(std::uint32_t cell) {
     return;
   }
   level_[cell] = side == Side::source ? least + 1 : -least - 1;
-  if (least + 1 >= own.level) own.frontier.push_back(cell);
+  if (least + 1 == own.level) own.frontier.push_back(cell);
+  if (least + 1 > own.level) own.next.push_back(cell);
 }
 
 CellSet reached_from_excess(const CutGraph& graph) {

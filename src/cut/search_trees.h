@@ -18,8 +18,8 @@ class SearchTrees {
   // `graph` outlives this. Borders are left alone.
   explicit SearchTrees(CutGraph& graph) : graph_(graph) {}
 
-  // Until no way leads from an excess to a deficit.
-  void run();
+  // Until no way leads from an excess to a deficit. Returns reached_from_excess().
+  CellSet run();
 
  private:
   enum class Side : std::uint8_t { source, sink };
@@ -27,16 +27,18 @@ class SearchTrees {
   static constexpr std::uint8_t root = 4, none = 5;
   struct Tree {
     std::vector<std::uint32_t> frontier;              // of the last level, not looked at yet
+    std::vector<std::uint32_t> next;                  // of the level after it, while the tree grows
     std::vector<std::vector<std::uint32_t>> orphans;  // by level
     std::int32_t level = 1;                           // the last one
-    std::int32_t allowed = 1;                         // that an orphan may have
+    std::int32_t allowed = 1;                         // that an orphan's parent is below
+    std::size_t first = ~std::size_t{0}, last = 0;    // of the levels of orphans
   };
 
   void plant();
   template <Side side>
   void grow();
   template <Side side>
-  void scan(std::uint32_t cell, std::vector<std::uint32_t>& next);
+  void scan(std::uint32_t cell);
   void augment(Arc across);
   template <Side side>
   void push_to_root(std::uint32_t cell, std::uint32_t flow);

@@ -14,14 +14,16 @@
 
 namespace tessera::surface {
 
+// The scale of a vertex, in the median of its edges: points are so near to the surface.
+inline constexpr double scale_of_edges = 0.3;
 // Of one ray that says for certain which side light was on.
 inline constexpr std::uint32_t full_vote = 1u << 12u;
 
 struct Energy {
-  double lambda = 1;       // of the quality of facets,
-  double alpha = 32;       // to that of one ray's vote
-  double ray_length = 10;  // in scales of the ray's vertex: where it ends, before the sensor; infinity: it does not
-  double sigma = 0;        // the scale of every vertex, in units of the coordinates; 0: of its own, from its edges
+  double lambda = 1;        // of the quality of facets,
+  double alpha = 32;        // to that of one ray's vote
+  double ray_length = 100;  // in scales of the ray's vertex: where it ends, before the sensor; infinity: it does not
+  double sigma = 0;         // the scale of every vertex, in units of the coordinates; 0: of its own, from its edges
 };
 
 // e^-x for x >= 0, to a few units in the last place, and the same bits everywhere; 0 beyond 40.

@@ -94,9 +94,7 @@ Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regi
     }
     graph = {};
   }
-  cut::SearchTrees(whole).run();
-  const cut::CellSet reached = cut::reached_from_excess(whole);
-  if (cut::any_deficit(whole, reached)) return error(Errc::internal, "a cut was not minimal");
+  const cut::CellSet reached = cut::SearchTrees(whole).run();
   std::vector<cut::CellSet> out;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const std::size_t end = r + 1 < regions.size() ? first[r + 1] : cells;

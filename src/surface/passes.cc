@@ -129,7 +129,7 @@ Status Passes::find_scales(std::size_t, SurfaceTile& tile) {
   std::vector<std::size_t> of(static_cast<std::size_t>(tile.own_vertices()));
   scales.clear();
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
-    const double scale = tile.median_edge(v);
+    const double scale = tile.scale_of(v);
     scales.push_back(scale);
     of[static_cast<std::size_t>(v)] = std::bit_cast<std::uint64_t>(scale) >> bin_shift;
   }

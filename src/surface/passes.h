@@ -1,6 +1,6 @@
 // The way of a result's tiles to their triangles: one pass over all of them after the other, with mail between.
 //
-//   scales    | each own vertex: the median of its edges; of all of them the median
+//   scales    | of each own vertex, by its edges; of all of them the median
 //   rays      | of own vertices; then as often as rays have gone to other tiles, in those
 //   arcs      | facets' main tiles, which have heard of all rays now, tell cells' main tiles of arcs
 //   regions   | each tile's graph, and what it decides alone; what is left is kept

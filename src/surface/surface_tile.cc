@@ -84,7 +84,7 @@ std::span<const std::uint32_t> SurfaceTile::star(std::int32_t v) const {
   return std::span(star_cells_).subspan(star_first_[at], star_first_[at + 1] - star_first_[at]);
 }
 
-double SurfaceTile::median_edge(std::int32_t v) const {
+double SurfaceTile::scale_of(std::int32_t v) const {
   std::vector<std::int32_t> others;
   for (const std::uint32_t cell : star(v))
     for (std::size_t k = 0; k < 4; ++k) others.push_back(vertex(static_cast<std::int32_t>(cell), k));
@@ -100,7 +100,7 @@ double SurfaceTile::median_edge(std::int32_t v) const {
   if (squares.empty()) return 0;
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>((squares.size() - 1) / 2);
   std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(*middle);
+  return scale_of_edges * std::sqrt(*middle);
 }
 
 Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {

@@ -58,8 +58,8 @@ class SurfaceTile {
 
   // The cells around an own vertex.
   std::span<const std::uint32_t> star(std::int32_t own_vertex) const;
-  // The median of the lengths of the edges of an own vertex, from which its scale follows.
-  double median_edge(std::int32_t own_vertex) const;
+  // The scale of an own vertex, from the median of the lengths of its edges.
+  double scale_of(std::int32_t own_vertex) const;
   // Error corrupt when there is no such cell, or when none of its vertices is the tile's own.
   Result<std::int32_t> find(const CellName& name) const;
 
@@ -67,7 +67,7 @@ class SurfaceTile {
   std::uint32_t& arc(std::int32_t cell, std::size_t facet) { return arcs_[4 * static_cast<std::size_t>(cell) + facet]; }
   std::int64_t& excess(std::int32_t cell) { return excess_[static_cast<std::size_t>(cell)]; }
   void begin_weights();
-  // Of own vertices, once set: what median_edge() gave.
+  // Of own vertices, once set: what scale_of() gave.
   std::vector<double>& scales() { return scales_; }
 
   // What begin_weights() and rays have made, to a file and back: between these calls the tile may be thrown away.
