@@ -20,6 +20,7 @@ class SearchTrees {
 
   // Until no way leads from an excess to a deficit. Returns reached_from_excess().
   CellSet run();
+  std::size_t bytes() const { return level_.capacity() * 4 + parent_.capacity(); }
 
  private:
   enum class Side : std::uint8_t { source, sink };

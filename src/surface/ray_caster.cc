@@ -76,8 +76,11 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
       return success();
     }
     BOOST_OUTCOME_TRY(apex, tile_.corner_towards(next, cell));
-    std::uint32_t& arc = tile_.arc(next, apex);
+    // The arc from `next` has capacity for the weight, and as much flow at once: what is left is the way back.
+    std::uint32_t& arc = tile_.arc(cell, exit);
     arc = saturating(arc, weight);
+    tile_.excess(cell) += weight;
+    tile_.excess(next) -= weight;
     BOOST_OUTCOME_TRY(left, exit_of(ray, next, facet, apex));
     exit = left;
     cell = next;

@@ -3,6 +3,11 @@
 // From a vertex towards its sensor: a facet that is crossed is no surface, the less so the farther it is from the
 // vertex; where the ray ends, at the sensor or before, the cell is outside. Behind the vertex the cell that its scale
 // reaches is inside.
+//
+// That a facet is no surface is an arc from the farther cell to the nearer one. Arcs have less weight the nearer they
+// are, so the flow from the ray's end can go along all of them at once; it does so here, already: excess then stands
+// next to the surface, and a cut finds its way in a few steps. What tiles add up are the arcs and the excess that are
+// left (docs/surfaces.md).
 #pragma once
 
 #include <cstdint>
