@@ -20,7 +20,7 @@ class SearchTrees {
 
   // Until no way leads from an excess to a deficit. Returns reached_from_excess().
   CellSet run();
-  std::size_t bytes() const { return level_.capacity() * 4 + parent_.capacity(); }
+  std::size_t bytes() const { return place_.capacity() * sizeof(Place); }
 
  private:
   enum class Side : std::uint8_t { source, sink };
@@ -69,8 +69,12 @@ class SearchTrees {
   }
 
   CutGraph& graph_;
-  std::vector<std::int32_t> level_;
-  std::vector<std::uint8_t> parent_;
+  // Of a cell in a tree: asked for together.
+  struct Place {
+    std::int32_t level = 0;
+    std::uint8_t parent = none;
+  };
+  std::vector<Place> place_;
   Tree source_, sink_;
 };
 
