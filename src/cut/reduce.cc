@@ -17,6 +17,13 @@ CellSet smallest_source_set(CutGraph graph, const Change& change) {
 }  // namespace
 
 std::vector<Decided> decide(const CutGraph& graph) {
+  if (graph.borders.empty()) {
+    const CellSet source = reached_from_excess(graph);
+    std::vector<Decided> decided(graph.cells());
+    for (std::uint32_t cell = 0; cell < graph.cells(); ++cell)
+      decided[cell] = source.contains(cell) ? Decided::source : Decided::sink;
+    return decided;
+  }
   const CellSet least = smallest_source_set(
       graph, [](CutGraph& g, const CutGraph::Border& border) { g.excess[border.arc >> 2u] -= g.capacity[border.arc]; });
   const CellSet most = smallest_source_set(

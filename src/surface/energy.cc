@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "src/base/ieee_arithmetic.h"
 #include "src/cut/cut_graph.h"
@@ -49,19 +50,32 @@ double cosine(const std::array<Corner, 3>& facet, const Corner& apex) {
 double exp_of_minus(double x) {
   if (!(x < 40)) return 0;
   if (x <= 0) return 1;
-  // e^-x = 2^-n e^-r, 0 <= r < ln 2; the series of e^r has 18 terms, the rest is below a unit of the last place.
+  // e^-x = 2^-n e^-r, 0 <= r < ln 2; the series has 18 terms, the rest is below a unit of the last place.
   // ln 2 is a sum of which n times the first is exact.
   constexpr double ln2 = 0x1.62e42feep-1, ln2_rest = 0x1.a39ef35793c76p-33;
   const auto n = static_cast<int>(x / (ln2 + ln2_rest));
-  const double r = (x - n * ln2) - n * ln2_rest;
-  double series = 1;
-  for (int i = 18; i > 0; --i) series = 1 + series * r / i;
-  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 - n) << 52u) / series;
+  const double r = n * ln2_rest - (x - n * ln2);
+  constexpr auto coefficients = [] {
+    std::array<double, 19> all{};
+    double factorial = 1;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      all[i] = 1 / factorial;
+      factorial *= static_cast<double>(i + 1);
+    }
+    return all;
+  }();
+  double series = coefficients.back();
+  for (std::size_t i = coefficients.size() - 1; i-- > 0;) series = coefficients[i] + series * r;
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 - n) << 52u) * series;
 }
 
 std::uint32_t visibility_weight(double distance, double sigma, std::uint32_t vote) {
   const double q = distance / sigma;
-  return static_cast<std::uint32_t>(vote * (1 - exp_of_minus(q * q / 2)) + 0.5);
+  const double x = q * q / 2;
+  // What is left of the vote then is less than a half.
+  static_assert(full_vote <= 4096);
+  if (x > 9.02) return vote;
+  return static_cast<std::uint32_t>(vote * (1 - exp_of_minus(x)) + 0.5);
 }
 
 std::uint32_t quality_weight(std::span<const Corner, 3> corners, const Corner& apex, const Corner* other,
@@ -73,11 +87,13 @@ std::uint32_t quality_weight(std::span<const Corner, 3> corners, const Corner& a
   return static_cast<std::uint32_t>(full_vote * energy.lambda / energy.alpha * (1 - least) + 0.5);
 }
 
-double distance_to_plane(const Point& from, const Point& towards, std::array<Corner, 3> facet) {
-  sort_by_id(facet);
-  const Point normal = cross(minus(facet[1].at, facet[0].at), minus(facet[2].at, facet[0].at));
-  const Point way = minus(towards, from);
-  return std::abs(dot(normal, minus(facet[0].at, from)) / dot(normal, way)) * std::sqrt(dot(way, way));
+double part_to_plane(const Point& from, const Point& way, const Corner& p, const Corner& q, const Corner& r) {
+  const Corner *a = &p, *b = &q, *c = &r;
+  if (b->id < a->id) std::swap(a, b);
+  if (c->id < b->id) std::swap(b, c);
+  if (b->id < a->id) std::swap(a, b);
+  const Point normal = cross(minus(b->at, a->at), minus(c->at, a->at));
+  return std::abs(dot(normal, minus(a->at, from)) / dot(normal, way));
 }
 
 std::uint32_t saturating(std::uint32_t a, std::uint32_t b) {

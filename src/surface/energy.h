@@ -42,9 +42,9 @@ struct Corner {
 std::uint32_t quality_weight(std::span<const Corner, 3> facet, const Corner& apex, const Corner* other,
                              const Energy& energy);
 
-// How far from `from` on the way to `towards` (or, behind, away from it) the plane of the facet is; not finite when
-// rounding leaves no answer.
-double distance_to_plane(const Point& from, const Point& towards, std::array<Corner, 3> facet);
+// Which part of `way` from `from` on, or back, leads to the plane of a facet, whose corners may come in any order; not
+// finite when rounding leaves no answer.
+double part_to_plane(const Point& from, const Point& way, const Corner& p, const Corner& q, const Corner& r);
 
 // Sums that stop at what a capacity holds, and so are the same in any order.
 std::uint32_t saturating(std::uint32_t a, std::uint32_t b);

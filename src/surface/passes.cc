@@ -133,6 +133,7 @@ Status Passes::find_scales(std::size_t, SurfaceTile& tile) {
     scales.push_back(scale);
     of[static_cast<std::size_t>(v)] = std::bit_cast<std::uint64_t>(scale) >> bin_shift;
   }
+  tile.forget_marks();
   const std::lock_guard lock(mutex_);
   for (const std::size_t bin : of) ++histogram_[bin];
   return success();

@@ -46,13 +46,15 @@ void RayCaster::end(const RayRecord& ray, std::int32_t cell) {
 
 Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
   const double limit = ray.behind != 0 ? ray.sigma : energy_.ray_length * ray.sigma;
+  const Point way{ray.towards.x - ray.from.x, ray.towards.y - ray.from.y, ray.towards.z - ray.from.z};
+  const double length = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
   std::array<std::int32_t, 3> facet;
   for (std::size_t i = 0; i < 3; ++i) facet[i] = tile_.vertex(cell, facet_corners[exit][i]);
   const std::int32_t most = tile_.cells();
   for (std::int32_t step = 0; step <= most; ++step) {
     ++steps_;
-    const double far = distance_to_plane(ray.from, ray.towards,
-                                         {tile_.corner(facet[0]), tile_.corner(facet[1]), tile_.corner(facet[2])});
+    const double far =
+        length * part_to_plane(ray.from, way, tile_.corner(facet[0]), tile_.corner(facet[1]), tile_.corner(facet[2]));
     if (std::isfinite(far)) ray.reached = std::max(ray.reached, far);
     const std::int32_t next = tile_.neighbor(cell, exit);
     // Whether the sensor is before the facet is asked exactly: how far the facet is has been rounded.

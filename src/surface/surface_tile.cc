@@ -84,18 +84,20 @@ std::span<const std::uint32_t> SurfaceTile::star(std::int32_t v) const {
   return std::span(star_cells_).subspan(star_first_[at], star_first_[at + 1] - star_first_[at]);
 }
 
-double SurfaceTile::scale_of(std::int32_t v) const {
-  std::vector<std::int32_t> others;
-  for (const std::uint32_t cell : star(v))
-    for (std::size_t k = 0; k < 4; ++k) others.push_back(vertex(static_cast<std::int32_t>(cell), k));
-  std::sort(others.begin(), others.end());
-  others.erase(std::unique(others.begin(), others.end()), others.end());
+double SurfaceTile::scale_of(std::int32_t v) {
+  marked_.resize(mesh().points.size(), 0);
   std::vector<double> squares;
   const Point& p = point(v);
-  for (const std::int32_t other : others) {
-    if (other == v) continue;
-    const Point& q = point(other);
-    squares.push_back((q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y) + (q.z - p.z) * (q.z - p.z));
+  marked_[static_cast<std::size_t>(v)] = v + 1;
+  for (const std::uint32_t cell : star(v)) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::int32_t other = vertex(static_cast<std::int32_t>(cell), k);
+      std::int32_t& marked = marked_[static_cast<std::size_t>(other)];
+      if (marked == v + 1) continue;
+      marked = v + 1;
+      const Point& q = point(other);
+      squares.push_back((q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y) + (q.z - p.z) * (q.z - p.z));
+    }
   }
   if (squares.empty()) return 0;
   const auto middle = squares.begin() + static_cast<std::ptrdiff_t>((squares.size() - 1) / 2);

@@ -59,7 +59,8 @@ class SurfaceTile {
   // The cells around an own vertex.
   std::span<const std::uint32_t> star(std::int32_t own_vertex) const;
   // The scale of an own vertex, from the median of the lengths of its edges.
-  double scale_of(std::int32_t own_vertex) const;
+  double scale_of(std::int32_t own_vertex);
+  void forget_marks() { marked_ = {}; }  // what scale_of() keeps between calls
   // Error corrupt when there is no such cell, or when none of its vertices is the tile's own.
   Result<std::int32_t> find(const CellName& name) const;
 
@@ -91,6 +92,7 @@ class SurfaceTile {
   BigVector<std::uint32_t> arcs_;
   BigVector<std::int64_t> excess_;
   std::vector<double> scales_;
+  std::vector<std::int32_t> marked_;  // by vertex: the last own vertex, plus 1, whose edges were looked at
 };
 
 }  // namespace tessera::surface

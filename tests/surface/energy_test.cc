@@ -23,7 +23,7 @@ TEST(Energy, TheExponentialIsThatOfTheLibraryToAFewUnits) {
 // Bits that no compiler and no machine may change.
 TEST(Energy, TheExponentialHasTheseBits) {
   EXPECT_EQ(exp_of_minus(0.5), 0x1.368b2fc6f960ap-1);
-  EXPECT_EQ(exp_of_minus(1), 0x1.78b56362cef37p-2);
+  EXPECT_EQ(exp_of_minus(1), 0x1.78b56362cef38p-2);
   EXPECT_EQ(exp_of_minus(12.25), 0x1.411fb0da07713p-18);
 }
 
@@ -76,12 +76,22 @@ TEST(Energy, SumsStopAtACapacity) {
   EXPECT_EQ(saturating(cut::capacity_max, cut::capacity_max), cut::capacity_max);
 }
 
-TEST(Energy, DistanceToAPlaneIsAlongTheRay) {
-  const std::array<Corner, 3> facet{Corner{{0, 0, 2}, PointId{1}}, Corner{{1, 0, 2}, PointId{0}},
-                                    Corner{{0, 1, 2}, PointId{2}}};
-  EXPECT_EQ(distance_to_plane({0, 0, 0}, {0, 0, 10}, facet), 2);
-  EXPECT_NEAR(distance_to_plane({0, 0, 0}, {3, 0, 4}, facet), 2.5, 1e-15);
-  EXPECT_FALSE(std::isfinite(distance_to_plane({0, 0, 0}, {1, 0, 0}, facet)));
+TEST(Energy, ThePartOfAWayToAPlaneIsTheSameInAnyOrder) {
+  const Corner a{{0, 0, 2}, PointId{1}}, b{{1, 0, 2}, PointId{0}}, c{{0, 1, 2.1}, PointId{2}};
+  EXPECT_EQ(part_to_plane({0, 0, 0}, {0, 0, 10}, a, b, c), 0.2);
+  EXPECT_NEAR(part_to_plane({0, 0, 0}, {3, 0, 4}, a, b, c), 0.5, 1e-15);
+  const double part = part_to_plane({0.1, 0.2, 0.3}, {0.7, 0.1, 4}, a, b, c);
+  EXPECT_EQ(part_to_plane({0.1, 0.2, 0.3}, {0.7, 0.1, 4}, b, c, a), part);
+  EXPECT_EQ(part_to_plane({0.1, 0.2, 0.3}, {0.7, 0.1, 4}, c, b, a), part);
+  EXPECT_EQ(part_to_plane({0.1, 0.2, 0.3}, {0.7, 0.1, 4}, b, a, c), part);
+  EXPECT_FALSE(std::isfinite(part_to_plane({0, 0, 0}, {1, 0, 0}, a, b, c)));
+}
+
+// Votes that are certain are told without the exponential.
+TEST(Energy, VisibilityBecomesAWholeVoteWhereItIsNearlyOne) {
+  for (double d = 4; d < 5; d += 1e-4)
+    EXPECT_EQ(visibility_weight(d, 1, full_vote),
+              static_cast<std::uint32_t>(full_vote * (1 - exp_of_minus(d * d / 2)) + 0.5));
 }
 
 }  // namespace
