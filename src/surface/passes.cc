@@ -17,11 +17,14 @@ namespace tessera::surface {
 
 namespace {
 
-// Sixteen kinds of mail and kernels share what tiles do not take.
+// Five kinds of mail and the kernels share what tiles do not take.
 constexpr std::uint64_t mail_part = 32;
 // Bins of scales: exponent and first bits of a double, so that a bin is an eighth of a percent wide.
 constexpr unsigned bin_shift = 43;
 constexpr std::size_t bins = std::size_t{1} << (63 - bin_shift);
+
+// Of a tile that is worked on: its mesh, stars and weights, its graph, a copy of that, trees.
+constexpr std::uint64_t bytes_a_cell = 170;
 
 constexpr double scales_done = 0.1, rays_done = 0.5, arcs_done = 0.6, regions_done = 0.8, labels_done = 0.9;
 
@@ -39,7 +42,11 @@ Passes::Passes(const TileSource& source, const Sensors& sensors, const std::file
       votes_(surface_scratch(scratch, SurfaceScratch::votes), source.tiles(), options_.memory_bytes / mail_part),
       arcs_(surface_scratch(scratch, SurfaceScratch::arcs), source.tiles(), options_.memory_bytes / mail_part),
       labels_(surface_scratch(scratch, SurfaceScratch::labels), source.tiles(), options_.memory_bytes / mail_part),
-      regions_(source.tiles()) {}
+      regions_(source.tiles()) {
+  for (std::size_t i = 0; i < source.tiles(); ++i)
+    beside_ = std::max(beside_, source.entry(i).cells * bytes_a_cell -
+                                    std::min(source.entry(i).cells * bytes_a_cell, source.work_bytes(i)));
+}
 
 Result<std::unique_ptr<Passes>> Passes::begin(const TileSource& source, const Sensors& sensors,
                                               const std::filesystem::path& scratch, PassesOptions options) {
@@ -76,9 +83,7 @@ Status Passes::pass(double done, const std::function<bool(std::size_t)>& wanted,
     if (options_.progress) options_.progress(done_ + (done - done_) * part);
   });
   std::atomic<bool> failed{false};
-  // A tile's cells, what rays say of them, and its graph.
-  constexpr double tile_factor = 4;
-  const unsigned threads = queue.threads(options_.threads, options_.memory_bytes / 2, tile_factor, 0);
+  const unsigned threads = queue.threads(options_.threads, options_.memory_bytes / 2, 1, beside_);
   BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
     while (!failed) {
       BOOST_OUTCOME_TRY(index, queue.next());
@@ -234,6 +239,7 @@ Status Passes::decide(std::size_t index, SurfaceTile& tile) {
   BOOST_OUTCOME_TRYV(take_votes(index, tile));
   BOOST_OUTCOME_TRY(arcs, arcs_.take(index));
   BOOST_OUTCOME_TRY(region, region_of(tile, options_.energy, options_.rule, arcs));
+  tile.forget_weights();
   regions_[index] = kernel_of(std::move(region));
   counts_.undecided += regions_[index].kernel.cells.size();
   return success();

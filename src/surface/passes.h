@@ -86,6 +86,7 @@ class Passes {
   Post<VoteRecord> votes_;
   Post<ArcRecord> arcs_;
   Post<LabelRecord> labels_;
+  std::uint64_t beside_ = 0;  // what a tile takes while it is worked on, beside what reading it takes
   std::mutex mutex_;
   std::vector<std::uint64_t> histogram_;  // of scales
   double done_ = 0;

@@ -14,6 +14,7 @@
 
 #include "src/base/result.h"
 #include "src/files/disk_file.h"
+#include "src/files/surface_names.h"
 #include "src/files/whole_file.h"
 
 namespace tessera::surface {
@@ -74,7 +75,7 @@ class Post {
     std::uint64_t on_disk = 0;
     std::atomic<std::uint64_t> waiting{0};
   };
-  std::filesystem::path path(std::size_t to) const { return folder_ / (std::to_string(to) + ".bin"); }
+  std::filesystem::path path(std::size_t to) const { return surface_mail_file(folder_, to); }
 
   std::filesystem::path folder_;
   std::vector<Box> boxes_;

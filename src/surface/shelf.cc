@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "src/files/there.h"
 #include "src/files/whole_file.h"
 
 namespace tessera::surface {
@@ -30,8 +31,12 @@ Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
       return from_result(index);
     }
   }
-  BOOST_OUTCOME_TRY(tile, SurfaceTile::load(source_.entry(index).tile, source_.file(index).string(), path(index),
-                                            source_.manifest().schema));
+  BOOST_OUTCOME_TRY(tile, SurfaceTile::load_cells(source_.entry(index).tile, source_.file(index).string(),
+                                                  cells_path(index), source_.manifest().schema));
+  BOOST_OUTCOME_TRY(weights, is_there(weights_path(index)));
+  if (weights) {
+    BOOST_OUTCOME_TRYV(tile.load_weights(weights_path(index)));
+  }
   return std::make_unique<SurfaceTile>(std::move(tile));
 }
 
@@ -55,7 +60,7 @@ Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
   }
   Status all = success();
   for (const auto& [number, one] : leaving) {
-    Status saved = one->save(path(number));
+    Status saved = put_down(number, *one);
     if (!saved && all) all = std::move(saved);
     const std::lock_guard lock(mutex_);
     on_disk_[number] = OnDisk::yes;  // or the error ends all
@@ -64,14 +69,12 @@ Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
   return all;
 }
 
-Status Shelf::drop(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
-  tile.reset();
-  {
-    const std::lock_guard lock(mutex_);
-    if (on_disk_[index] == OnDisk::no) return success();
-    on_disk_[index] = OnDisk::no;
+Status Shelf::put_down(std::size_t index, const SurfaceTile& tile) const {
+  BOOST_OUTCOME_TRY(cells, is_there(cells_path(index)));
+  if (!cells) {
+    BOOST_OUTCOME_TRYV(tile.save_cells(cells_path(index)));
   }
-  return remove_file(path(index));
+  return tile.has_weights() ? tile.save_weights(weights_path(index)) : remove_file(weights_path(index));
 }
 
 }  // namespace tessera::surface

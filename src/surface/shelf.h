@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "src/base/result.h"
+#include "src/files/surface_names.h"
 #include "src/result/tile_source.h"
 #include "src/surface/surface_tile.h"
 
@@ -29,13 +30,12 @@ class Shelf {
   // As it was given back, or, the first time, as the result has it, with weights of 0. Errors: of reading.
   Result<std::unique_ptr<SurfaceTile>> take(std::size_t index);
   Status give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile);
-  // What waits on the shelf is not needed any more, nor is the tile.
-  Status drop(std::size_t index, std::unique_ptr<SurfaceTile> tile);
-
   const TileSource& source() const { return source_; }
 
  private:
-  std::filesystem::path path(std::size_t index) const { return folder_ / (std::to_string(index) + ".bin"); }
+  std::filesystem::path cells_path(std::size_t index) const { return surface_cells_file(folder_, index); }
+  std::filesystem::path weights_path(std::size_t index) const { return surface_weights_file(folder_, index); }
+  Status put_down(std::size_t index, const SurfaceTile& tile) const;
   Result<std::unique_ptr<SurfaceTile>> from_result(std::size_t index) const;
 
   TileSource source_;

@@ -117,6 +117,12 @@ Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {
   return corrupt("lacks a cell at vertex " + to_string(wanted[0]) + " that another tile has");
 }
 
+void SurfaceTile::forget_weights() {
+  arcs_ = {};
+  excess_ = {};
+  scales_ = {};
+}
+
 void SurfaceTile::begin_weights() {
   arcs_.assign(mesh().cells.size(), 0);
   excess_.assign(mesh().cell_ghost.size(), 0);
@@ -156,40 +162,26 @@ class Arrays {
   DiskFile file_;
 };
 
-// In the order of the file.
-template <class Tile, class Use>
-auto each_array(Tile& stored, const Use& use) {
-  auto& mesh = stored.mesh;
-  return use(mesh.points, mesh.ids, mesh.owners, mesh.point_ghost, mesh.cells, mesh.cell_ghost, mesh.neighbors,
-             stored.rows);
-}
-
-}  // namespace
-
-Status SurfaceTile::save(const std::filesystem::path& path) const {
+// All arrays that `each` calls its argument with, to a file, one after the other.
+template <class Each>
+Status save_arrays(const std::filesystem::path& path, const Each& each) {
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::replace));
   Arrays arrays(std::move(file));
   Status status = success();
-  const auto put = [&](const auto& array) {
+  each([&](const auto& array) {
     if (status) status = arrays.put(array);
-  };
-  each_array(stored_, [&](const auto&... array) { (put(array), ...); });
-  put(arcs_);
-  put(excess_);
-  put(scales_);
+  });
   BOOST_OUTCOME_TRYV(std::move(status));
   return arrays.close();
 }
 
-Result<SurfaceTile> SurfaceTile::load(TileId self, std::string name, const std::filesystem::path& path,
-                                      const std::vector<Attribute>& schema) {
+template <class Each>
+Status load_arrays(const std::filesystem::path& path, const Each& each) {
   BOOST_OUTCOME_TRY(bytes, file_bytes(path));
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
   Arrays arrays(std::move(file));
-  SurfaceTile tile(self, std::move(name), {});
-  tile.stored_.schema = schema;
   Status status = success();
-  const auto get = [&](auto& array) {
+  each([&](auto& array) {
     if (!status) return;
     auto whole = arrays.get(array, bytes);
     if (!whole) {
@@ -197,14 +189,52 @@ Result<SurfaceTile> SurfaceTile::load(TileId self, std::string name, const std::
     } else if (!whole.value()) {
       status = error(Errc::io, path.string() + ": is shorter than it was");
     }
-  };
-  each_array(tile.stored_, [&](auto&... array) { (get(array), ...); });
-  get(tile.arcs_);
-  get(tile.excess_);
-  get(tile.scales_);
-  BOOST_OUTCOME_TRYV(std::move(status));
+  });
+  return status;
+}
+
+template <class Stored, class Use>
+void cells_of(Stored& stored, const Use& use) {
+  auto& mesh = stored.mesh;
+  use(mesh.points);
+  use(mesh.ids);
+  use(mesh.owners);
+  use(mesh.point_ghost);
+  use(mesh.cells);
+  use(mesh.cell_ghost);
+  use(mesh.neighbors);
+  use(stored.rows);
+}
+
+}  // namespace
+
+Status SurfaceTile::save_cells(const std::filesystem::path& path) const {
+  return save_arrays(path, [&](const auto& use) { cells_of(stored_, use); });
+}
+
+Status SurfaceTile::save_weights(const std::filesystem::path& path) const {
+  return save_arrays(path, [&](const auto& use) {
+    use(arcs_);
+    use(excess_);
+    use(scales_);
+  });
+}
+
+Result<SurfaceTile> SurfaceTile::load_cells(TileId self, std::string name, const std::filesystem::path& path,
+                                            const std::vector<Attribute>& schema) {
+  SurfaceTile tile(self, std::move(name), {});
+  tile.stored_.schema = schema;
+  BOOST_OUTCOME_TRYV(load_arrays(path, [&](const auto& use) { cells_of(tile.stored_, use); }));
   BOOST_OUTCOME_TRYV(tile.index());
   return tile;
+}
+
+Status SurfaceTile::load_weights(const std::filesystem::path& path) {
+  return load_arrays(path, [&](const auto& use) {
+    use(arcs_);
+    use(excess_);
+    use(scales_);
+  });
 }
 
 }  // namespace tessera::surface

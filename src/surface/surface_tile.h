@@ -68,13 +68,17 @@ class SurfaceTile {
   std::uint32_t& arc(std::int32_t cell, std::size_t facet) { return arcs_[4 * static_cast<std::size_t>(cell) + facet]; }
   std::int64_t& excess(std::int32_t cell) { return excess_[static_cast<std::size_t>(cell)]; }
   void begin_weights();
+  void forget_weights();  // when nobody needs them any more
+  bool has_weights() const { return !excess_.empty(); }
   // Of own vertices, once set: what scale_of() gave.
   std::vector<double>& scales() { return scales_; }
 
-  // What begin_weights() and rays have made, to a file and back: between these calls the tile may be thrown away.
-  Status save(const std::filesystem::path& file) const;
-  static Result<SurfaceTile> load(TileId self, std::string name, const std::filesystem::path& file,
-                                  const std::vector<Attribute>& schema);
+  // To files, and back: between these calls the tile may be thrown away. Cells stay as they are, weights change.
+  Status save_cells(const std::filesystem::path& file) const;
+  Status save_weights(const std::filesystem::path& file) const;
+  static Result<SurfaceTile> load_cells(TileId self, std::string name, const std::filesystem::path& file,
+                                        const std::vector<Attribute>& schema);
+  Status load_weights(const std::filesystem::path& file);
   std::size_t bytes() const;
 
   Error corrupt(const std::string& reason) const;
