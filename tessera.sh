@@ -10,7 +10,7 @@ usage() {
   cat <<'TEXT'
 ./tessera.sh build            the programs, some 8 minutes on two cores: build/release/src/apps/tessera, .../src/daemon/tesserad
 ./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
-./tessera.sh demo             triangulate the bundled IGN block, verify it, draw it: demo-out/tiles.png
+./tessera.sh demo             triangulate the bundled IGN block, verify it, make its surface, draw both: demo-out/surface.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
 ./tessera.sh test [ARGS]      build and run all tests (ARGS go to ctest: -R splay); the last line says what was skipped, and why
 ./tessera.sh nightly          the engine against CGAL: every set x partition x tiles x threads (many hours)
@@ -35,10 +35,12 @@ demo() {
   local out=demo-out
   mkdir -p $out
   local tessera=$build_folder/src/apps/tessera
-  $tessera triangulate 'data/ign/*.las' -o $out/result --tiles 12 --attributes intensity,classification --overwrite
+  $tessera triangulate 'data/ign/*.las' -o $out/result --tiles 12 --attributes intensity,classification,return_number,number_of_returns --overwrite
   $tessera verify $out/result
   xvfb-run -a /usr/bin/python3 scripts/draw_tiles.py $out/result $out/tiles.png
-  echo "picture: $out/tiles.png    report: $out/result/report.html"
+  $tessera surface $out/result -o $out/surface/ --format vtu --overwrite
+  xvfb-run -a /usr/bin/python3 scripts/draw_surface.py $out/surface $out/surface.png
+  echo "pictures: $out/surface.png, $out/tiles.png    report: $out/result/report.html"
 }
 
 serve() {
