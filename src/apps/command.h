@@ -33,6 +33,7 @@ Command add_query(CLI::App& root);
 Command add_dem(CLI::App& root);
 Command add_surface(CLI::App& root);
 Command add_tileset(CLI::App& root);
+Command add_track(CLI::App& root);
 Command add_materialise(CLI::App& root);
 Command add_measure(CLI::App& root);
 Command add_columns(CLI::App& root);

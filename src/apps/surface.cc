@@ -24,15 +24,19 @@ namespace {
 
 using Bottom = SurfaceOptions::Bottom;
 
-// auto, vertical, fields, or point:X,Y,Z;X,Y,Z;...
+// auto, vertical, fields, track:FILE, or point:X,Y,Z;X,Y,Z;...
 Result<SensorOptions> parse_sensor(const std::string& text) {
   SensorOptions sensor;
-  constexpr std::string_view point = "point:";
+  constexpr std::string_view point = "point:", track = "track:";
   if (text == "auto") return sensor;
   if (text == "vertical") {
     sensor.kind = SensorOptions::Kind::vertical;
   } else if (text == "fields") {
     sensor.kind = SensorOptions::Kind::fields;
+  } else if (text.starts_with(track)) {
+    sensor.kind = SensorOptions::Kind::track;
+    BOOST_OUTCOME_TRY(read, Track::read(text.substr(track.size())));
+    sensor.track = std::make_shared<const Track>(std::move(read));
   } else if (text.starts_with(point)) {
     sensor.kind = SensorOptions::Kind::positions;
     for (std::size_t at = point.size(); at <= text.size();) {
@@ -42,8 +46,9 @@ Result<SensorOptions> parse_sensor(const std::string& text) {
       at = end + 1;
     }
   } else {
-    return error(Errc::usage,
-                 "'" + text + "' tells no sensors; there are auto, vertical, fields and point:X,Y,Z;X,Y,Z;...");
+    return error(Errc::usage, "'" + text +
+                                  "' tells no sensors; there are auto, vertical, fields, track:FILE.csv and "
+                                  "point:X,Y,Z;X,Y,Z;...");
   }
   return sensor;
 }
@@ -151,7 +156,8 @@ Command add_surface(CLI::App& root) {
   add_value(
       command, "sensor", "WHICH",
       "where the light came from: auto (default), vertical, fields (x_origin, y_origin, z_origin or nx, ny, nz of "
-      "the points), or point:X,Y,Z;X,Y,Z;... (of these the nearest)");
+      "the points), track:FILE.csv (by gps_time; 'tessera track' makes one), or point:X,Y,Z;X,Y,Z;... (of these "
+      "the nearest)");
   add_value(command, "lambda", "NUMBER", "how much the quality of facets counts: more is smoother; default: 1");
   add_value(command, "alpha", "NUMBER", "how much a ray counts; default: 32");
   add_value(command, "sigma", "LENGTH",

@@ -58,6 +58,42 @@ Status Sensors::find(const std::vector<Attribute>& schema, bool wanted) {
   return success();
 }
 
+// The time of a point, and its flight line if there is such a field, in this order.
+Status Sensors::find_times(const std::vector<Attribute>& schema) {
+  const auto time = find_field(schema, "gps_time"), line = find_field(schema, "point_source_id");
+  if (!time) return error(Errc::usage, "the points have no gps_time, by which a track tells where their sensor was");
+  if (track_->tells_lines() && !line)
+    return error(Errc::usage,
+                 "the track has several flight lines, and the points have no point_source_id to tell theirs");
+  fields_ = {{time->type, time->offset}};
+  if (line) fields_.push_back({line->type, line->offset});
+  how_ = How::track;
+  return success();
+}
+
+Status Sensors::use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema) {
+  std::size_t refused = 0;
+  for (const TrackLine& line : estimate.lines) refused += line.refused.empty() ? 0 : 1;
+  if (refused == estimate.lines.size()) {
+    used_ = "sensors: straight above each point, as pulses with several returns do not tell where they were";
+    return success();
+  }
+  track_ = std::make_shared<const Track>(estimate.track);
+  BOOST_OUTCOME_TRYV(find_times(schema));
+  double median = 0, height = 0;
+  for (const TrackLine& line : estimate.lines) {
+    median = std::max(median, line.median_degrees);
+    height = std::max(height, line.height);
+  }
+  const auto whole = [](double value) { return std::to_string(static_cast<long long>(value + 0.5)); };
+  used_ = "sensors: where pulses with several returns come together, " + whole(height) + " above the points, off by " +
+          std::to_string(static_cast<int>(median * 100 + 0.5)) + "/100 of a degree at the median";
+  if (refused > 0)
+    used_ += "; straight above the points of " + std::to_string(refused) + " of " +
+             std::to_string(estimate.lines.size()) + " flight lines, which do not tell";
+  return success();
+}
+
 Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<Attribute>& schema,
                               const Bounds& bounds) {
   Sensors sensors;
@@ -81,7 +117,15 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
       BOOST_OUTCOME_TRYV(sensors.find(schema, true));
       return sensors;
     }
+    case SensorOptions::Kind::track: {
+      sensors.track_ = options.track;
+      if (!sensors.track_) return error(Errc::usage, "no track is given");
+      sensors.used_ = "sensors: by the track, at each point's gps_time";
+      BOOST_OUTCOME_TRYV(sensors.find_times(schema));
+      return sensors;
+    }
     case SensorOptions::Kind::automatic: {
+      sensors.automatic_ = true;
       BOOST_OUTCOME_TRYV(sensors.find(schema, false));
       if (!sensors.fields_.empty()) return sensors;
       sensors.used_ = "sensors: straight above each point, as no attribute tells where they were";
@@ -118,6 +162,14 @@ Result<std::optional<Point>> Sensors::of(const Point& p, PointId id, const std::
       if (!std::isfinite(length) || length == 0) return std::optional<Point>();
       const double scale = far_ / length;
       sensor = {p.x + n.x * scale, p.y + n.y * scale, p.z + n.z * scale};
+      break;
+    }
+    case How::track: {
+      const double time = as_double(fields_[0].type, row + fields_[0].offset);
+      const double line = fields_.size() > 1 ? as_double(fields_[1].type, row + fields_[1].offset) : 0;
+      const auto at = line >= 0 && line < 4e9 ? track_->at(static_cast<std::uint32_t>(line), time) : std::nullopt;
+      if (!at && !automatic_) return std::optional<Point>();
+      sensor = at.value_or(Point{p.x, p.y, top_});
       break;
     }
     case How::positions: {

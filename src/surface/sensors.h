@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,18 +11,22 @@
 #include "src/base/attribute.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
+#include "src/track/estimate.h"
+#include "src/track/track.h"
 
 namespace tessera {
 
 struct SensorOptions {
   enum class Kind : std::uint8_t {
-    automatic,  // of the fields, if there are any, else vertical
+    automatic,  // of the fields, if there are any; else where pulses with several returns say; else vertical
     vertical,   // from straight above
     fields,     // x_origin, y_origin, z_origin of the point, or the direction nx, ny, nz of its normal
-    positions   // the nearest of some
+    positions,  // the nearest of some
+    track       // where the scanner was at the point's gps_time
   };
   Kind kind = Kind::automatic;
   std::vector<Point> positions = {};
+  std::shared_ptr<const Track> track = {};
 };
 
 namespace surface {
@@ -33,6 +38,11 @@ class Sensors {
   // finite.
   static Result<Sensors> make(const SensorOptions& options, const std::vector<Attribute>& schema, const Bounds& bounds);
 
+  // The same with the track that was found from the points themselves; where it is not known, vertical. `told`: of it.
+  Status use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema);
+  // Whether an estimate would be used.
+  bool wants_estimate() const { return how_ == How::vertical && automatic_; }
+
   // Of a point and the row of its attributes; nothing when the row says nothing: not finite, or no direction.
   // Error usage when the sensor is at the point.
   Result<std::optional<Point>> of(const Point& point, PointId id, const std::byte* row) const;
@@ -41,17 +51,20 @@ class Sensors {
   const std::string& used() const { return used_; }
 
  private:
-  enum class How : std::uint8_t { vertical, origin, normal, positions };
+  enum class How : std::uint8_t { vertical, origin, normal, positions, track };
   struct Field {
     AttributeType type = AttributeType::f64;
     std::size_t offset = 0;
   };
   Status find(const std::vector<Attribute>& schema, bool wanted);
+  Status find_times(const std::vector<Attribute>& schema);
   Point read(const std::byte* row) const;
 
   How how_ = How::vertical;
   std::vector<Field> fields_;
   std::vector<Point> positions_;
+  std::shared_ptr<const Track> track_;
+  bool automatic_ = false;
   double far_ = 0;  // more than any two points are apart
   double top_ = 0;
   std::string used_;

@@ -1,16 +1,22 @@
 #include "src/surface/surface.h"
 
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <utility>
 
+#include "src/base/on_threads.h"
 #include "src/base/option.h"
 #include "src/files/names.h"
 #include "src/files/surface_names.h"
 #include "src/files/temporary.h"
+#include "src/result/tile_queue.h"
 #include "src/store/tile_store.h"
 #include "src/surface/passes.h"
+#include "src/track/estimate.h"
+#include "src/track/pulses.h"
 
 namespace tessera {
 
@@ -49,6 +55,33 @@ Status check_result(const fs::path& in, const Manifest& manifest) {
   return success();
 }
 
+// From the points' own pulses, if their attributes tell of such.
+Status estimate_sensors(const TileSource& source, unsigned threads, surface::Sensors& sensors, std::stop_token stop) {
+  const auto& schema = source.manifest().schema;
+  Pulses all(schema);
+  if (!all.missing().empty()) return success();
+  std::mutex mutex;
+  std::vector<std::size_t> tiles(source.tiles());
+  std::iota(tiles.begin(), tiles.end(), std::size_t{0});
+  TileQueue queue(source, std::move(tiles), std::move(stop), {});
+  std::atomic<bool> failed{false};
+  BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
+    while (!failed) {
+      BOOST_OUTCOME_TRY(index, queue.next());
+      if (!index) break;
+      BOOST_OUTCOME_TRY(tile, source.read(*index, {.cells = false, .rows = true}));
+      Pulses pulses(schema);
+      const std::size_t width = row_bytes(schema);
+      for (std::size_t v = 0; v < tile.mesh.points.size(); ++v)
+        if (tile.mesh.point_ghost[v] == 0) pulses.add(tile.mesh.points[v], tile.rows.data() + v * width);
+      const std::lock_guard lock(mutex);
+      all.add(pulses);
+    }
+    return success();
+  }));
+  return sensors.use_estimate(estimate_track(all.take()), schema);
+}
+
 // What export reads: triangles as a 2D result with heights.
 Manifest manifest_of_triangles(const Manifest& from) {
   Manifest manifest = from;
@@ -80,6 +113,9 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   BOOST_OUTCOME_TRYV(check_result(in, source.manifest()));
   BOOST_OUTCOME_TRY(sensors,
                     surface::Sensors::make(options.sensors, source.manifest().schema, source.manifest().bounds));
+  if (sensors.wants_estimate()) {
+    BOOST_OUTCOME_TRYV(estimate_sensors(source, options.threads, sensors, stop));
+  }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(place.path.string() + ".surface")));
 
   constexpr double passes_part = 0.9;
