@@ -49,6 +49,7 @@ Status work_in(Settings& settings, const OneStep& what, const fs::path& out, con
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
   if (what.dimension != 0) job.cloud.dimension = what.dimension;
+  if (what.carry_all && !settings.text("attributes")) job.cloud.attributes = {"all"};
   job.memory_bytes -= beside_bytes;
   job.store = StoreAs::points;
   job.resumable = false;

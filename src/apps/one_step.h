@@ -22,6 +22,7 @@ struct OneStep {
   int dimension = 2;
   std::string beside;  // what is made: the result stands beside it meanwhile, unless it is kept elsewhere
   std::vector<std::string> command_line;
+  bool carry_all = false;  // all attributes of points, unless --attributes says which
 };
 // Calls `use` with the result folder, which is made first when the sources are point files, and removed afterwards
 // unless --keep-result says where it shall stay. Errors: usage, those of a job, those of `use`.

@@ -188,7 +188,8 @@ Command add_surface(CLI::App& root) {
     return run_surface(*settings, {.sources = *sources,
                                    .dimension = 3,
                                    .beside = settings->text("output").value_or(""),
-                                   .command_line = command_line});
+                                   .command_line = command_line,
+                                   .carry_all = true});
   };
   return command;
 }

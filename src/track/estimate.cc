@@ -21,6 +21,8 @@ constexpr double height_min = 20, height_max = 20'000;
 constexpr double uncertain_max = 0.15;  // of the height: its standard deviation
 constexpr double apart_max = 0.1;       // of the height: from the line's straight way, or its median height
 constexpr double kept_min = 0.3;        // of a line's windows
+constexpr std::size_t pairs = 300;
+constexpr int rounds = 10;
 constexpr double degree = 0.017453292519943295;
 
 Point minus(const Point& a, const Point& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -88,11 +90,44 @@ struct Window {
   std::vector<double> degrees;
 };
 
-// Least absolute angles, by weights from the last round, so that wrong pulses do not count much; then least squares of
-// those that agree.
+// Where two lines come nearest to each other; nothing when they are all but parallel.
+std::optional<Point> between(const Line& a, const Line& b) {
+  const double c = dot(a.way, b.way), apart = 1 - c * c;
+  if (apart < 1e-4) return std::nullopt;
+  const Point from = minus(b.from, a.from);
+  const double s = (dot(from, a.way) - c * dot(from, b.way)) / apart,
+               t = (c * dot(from, a.way) - dot(from, b.way)) / apart;
+  return Point{(a.from.x + s * a.way.x + b.from.x + t * b.way.x) / 2,
+               (a.from.y + s * a.way.y + b.from.y + t * b.way.y) / 2,
+               (a.from.z + s * a.way.z + b.from.z + t * b.way.z) / 2};
+}
+
+// Of the places where some pairs of pulses meet, the one with which most of the others agree: wrong pulses, which pull
+// sums of any kind to the ground, only do not agree.
+std::optional<Point> start(const std::vector<Line>& lines) {
+  std::optional<Point> best;
+  std::size_t most = 0;
+  const std::size_t n = lines.size(), stride = std::max<std::size_t>(n / 200, 1);
+  for (std::size_t k = 0; k < pairs; ++k) {
+    const std::size_t i = k * 7919 % n, j = (i + 1 + k * 104'729 % (n - 1)) % n;
+    const auto at = between(lines[i], lines[j]);
+    if (!at || !is_finite(*at)) continue;
+    std::size_t agree = 0;
+    for (std::size_t l = 0; l < n; l += stride) agree += degrees_between(lines[l], *at) < degrees_max ? 1 : 0;
+    if (agree <= most) continue;
+    most = agree;
+    best = at;
+  }
+  return best;
+}
+
+// Least squares of the pulses that agree, from that start on.
 std::optional<Window> solve(const std::vector<Line>& lines, double time) {
-  std::vector<double> degrees(lines.size(), 1);
-  Point at;
+  const auto begin = start(lines);
+  if (!begin) return std::nullopt;
+  Point at = *begin;
+  std::vector<double> degrees;
+  for (const Line& line : lines) degrees.push_back(degrees_between(line, at));
   double variance = 0;
   const auto fit = [&](const auto& weight) {
     Squares squares;
@@ -105,11 +140,9 @@ std::optional<Window> solve(const std::vector<Line>& lines, double time) {
     return true;
   };
   const auto square = [&](std::size_t i) { return lines[i].length * lines[i].length; };
-  for (int round = 0; round < 30; ++round)
-    if (!fit([&](std::size_t i) { return square(i) / std::max(degrees[i], 0.05); })) return std::nullopt;
   std::size_t agree = 0;
   double sum = 0;
-  for (int round = 0; round < 3; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     const double most = std::max(3 * middle_of(degrees), 0.2);
     const std::vector<double> before = degrees;
     if (!fit([&](std::size_t i) { return before[i] <= most ? square(i) : 0; })) return std::nullopt;
