@@ -18,63 +18,12 @@
 #include "src/apps/percent_line.h"
 #include "src/apps/say.h"
 #include "src/job/arguments.h"
+#include "src/job/surface_arguments.h"
 
 namespace tessera {
 namespace {
 
 using Bottom = SurfaceOptions::Bottom;
-
-// auto, vertical, fields, track:FILE, or point:X,Y,Z;X,Y,Z;...
-Result<SensorOptions> parse_sensor(const std::string& text) {
-  SensorOptions sensor;
-  constexpr std::string_view point = "point:", track = "track:";
-  if (text == "auto") return sensor;
-  if (text == "vertical") {
-    sensor.kind = SensorOptions::Kind::vertical;
-  } else if (text == "fields") {
-    sensor.kind = SensorOptions::Kind::fields;
-  } else if (text.starts_with(track)) {
-    sensor.kind = SensorOptions::Kind::track;
-    BOOST_OUTCOME_TRY(read, Track::read(text.substr(track.size())));
-    sensor.track = std::make_shared<const Track>(std::move(read));
-  } else if (text.starts_with(point)) {
-    sensor.kind = SensorOptions::Kind::positions;
-    for (std::size_t at = point.size(); at <= text.size();) {
-      const std::size_t end = std::min(text.find(';', at), text.size());
-      BOOST_OUTCOME_TRY(position, parse_point(text.substr(at, end - at), 3));
-      sensor.positions.push_back(position);
-      at = end + 1;
-    }
-  } else {
-    return error(Errc::usage, "'" + text +
-                                  "' tells no sensors; there are auto, vertical, fields, track:FILE.csv and "
-                                  "point:X,Y,Z;X,Y,Z;...");
-  }
-  return sensor;
-}
-
-Result<Bottom> parse_bottom(const std::string& text) {
-  if (text == "closed") return Bottom::closed;
-  if (text == "open") return Bottom::open;
-  if (text == "free") return Bottom::free;
-  return error(Errc::usage, "'" + text + "' is no bottom; there are closed, open and free");
-}
-
-Result<bool> parse_unknown(const std::string& text) {
-  if (text == "solid") return true;
-  if (text == "empty") return false;
-  return error(Errc::usage, "'" + text + "' is neither solid nor empty");
-}
-
-Result<double> parse_ray_length(const std::string& text) {
-  if (text == "full") return std::numeric_limits<double>::infinity();
-  return parse_distance(text);
-}
-
-Result<double> parse_sigma(const std::string& text) {
-  if (text == "auto") return 0.0;
-  return parse_distance(text);
-}
 
 template <class Value, class Parse>
 Status read(Settings& settings, const char* key, const Parse& parse, Value& to) {
@@ -85,7 +34,8 @@ Status read(Settings& settings, const char* key, const Parse& parse, Value& to) 
 
 Result<SurfaceOptions> read_options(Settings& settings, const OutputOptions& output) {
   SurfaceOptions options;
-  BOOST_OUTCOME_TRYV(read(settings, "sensor", parse_sensor, options.sensors));
+  BOOST_OUTCOME_TRYV(read(
+      settings, "sensor", [](const std::string& text) { return parse_sensors(text, true); }, options.sensors));
   BOOST_OUTCOME_TRYV(read(settings, "lambda", parse_finite, options.energy.lambda));
   BOOST_OUTCOME_TRYV(read(settings, "alpha", parse_finite, options.energy.alpha));
   BOOST_OUTCOME_TRYV(read(settings, "sigma", parse_sigma, options.energy.sigma));

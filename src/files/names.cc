@@ -204,6 +204,7 @@ fs::path exports_folder(const fs::path& out) { return out / "exports"; }
 fs::path tileset_of_result(const fs::path& out) { return exports_folder(out) / "3dtiles"; }
 fs::path dem_of_result(const fs::path& out) { return exports_folder(out) / "dem.tif"; }
 fs::path contours_of_result(const fs::path& out) { return exports_folder(out) / "contours.gpkg"; }
+fs::path surface_of_result(const fs::path& out) { return exports_folder(out) / "surface.ply"; }
 fs::path uploads_folder(const fs::path& data) { return data / "uploads"; }
 fs::path answers_folder(const fs::path& data) { return data / "answers"; }
 fs::path answer_file(const fs::path& folder, const std::string& ending) { return folder / ("answer" + ending); }

@@ -166,6 +166,7 @@ std::filesystem::path tileset_of_result(const std::filesystem::path& out);
 // Where the processes of these names write when they are not told, and maps look.
 std::filesystem::path dem_of_result(const std::filesystem::path& out);
 std::filesystem::path contours_of_result(const std::filesystem::path& out);
+std::filesystem::path surface_of_result(const std::filesystem::path& out);
 std::filesystem::path uploads_folder(const std::filesystem::path& data);
 std::filesystem::path answers_folder(const std::filesystem::path& data);
 // `ending`: with its point.

@@ -16,8 +16,8 @@ using nlohmann::ordered_json;
 
 constexpr const char* version = "1.0.0";
 
-const std::array<Process, 7>& all() {
-  static const std::array<Process, 7> list{
+const std::array<Process, 8>& all() {
+  static const std::array<Process, 8> list{
       {{"triangulate", "Triangulate", "The exact Delaunay triangulation of point clouds, in tiles.",
         proto::TriangulateInputs::descriptor(), false, "The triangulation, by reference", true},
        {"region", "Region",
@@ -34,6 +34,10 @@ const std::array<Process, 7>& all() {
        {"contours", "Contour lines",
         "The contour lines of a 2D result. Called contours.gpkg they are a collection of features, too.",
         proto::ContoursInputs::descriptor(), false, "The file, by reference", true},
+       {"surface", "Surface",
+        "A closed surface of a 3D result, every triangle a facet of the triangulation. surface.ply when no name is "
+        "given.",
+        proto::SurfaceInputs::descriptor(), false, "The file, by reference", true},
        {"info", "Info",
         "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
         proto::InfoInputs::descriptor(), true, "What they hold", false}}};
@@ -90,6 +94,15 @@ const char* help_of(const std::string& field) {
       {"base", "A level; 0 when it is not given."},
       {"smooth", "Lines of a smooth surface: means of the surface in squares of this size."},
       {"min_length", "Lines that are shorter in the plane are left out."},
+      {"sensor",
+       "Where the light came from: auto (the best that the points tell), vertical, fields, or point:X,Y,Z;X,Y,Z;..."},
+      {"lambda", "How much the quality of triangles counts: more is smoother; 1 when it is not given."},
+      {"alpha", "How much a ray counts; 32 when it is not given."},
+      {"sigma", "How far a point may be from the surface; each has its own when it is not given."},
+      {"ray_length", "How many sigma a ray goes towards its sensor, or full; 100 when it is not given."},
+      {"bottom", "Below all points: closed (inside, with a bottom), open (without one), or free (outside)."},
+      {"unknown", "Where no ray tells: solid or empty."},
+      {"trim", "Triangles with a longer edge are left out: the surface is not closed then."},
       {"index_every", "Every N-th level, from base on, is an index line; 5 when it is not given."}};
   const auto text = texts.find(field);
   return text == texts.end() ? nullptr : text->second;

@@ -99,7 +99,8 @@ const std::map<std::string, std::vector<std::string>>& required_fields() {
       {"TriangulateInputs", {"inputs"}},
       {"RegionInputs", {"inputs"}},
       {"DemInputs", {"triangulation", "res"}},
-      {"ContoursInputs", {"triangulation", "interval"}}};
+      {"ContoursInputs", {"triangulation", "interval"}},
+      {"SurfaceInputs", {"triangulation"}}};
   return fields;
 }
 

@@ -158,6 +158,7 @@ std::string beyond_share(const proto::Inputs& inputs, const Share& share) {
   if (inputs.has_region()) look(inputs.region());
   if (inputs.has_dem()) look(inputs.dem());
   if (inputs.has_contours()) look(inputs.contours());
+  if (inputs.has_surface()) look(inputs.surface());
   return told;
 }
 

@@ -1,8 +1,8 @@
 // Who holds a data folder now changes it; who held it before does not, however late a call of his comes.
 //
-// Each daemon that takes the lock of a data folder has a term, one more than all before (src/exchange/terms.h). In each area
-// that it changes it has a desk, the folder AREA/.desk-TERM. Whatever appears in the area, is replaced or goes, passes
-// over the desk, and takes its place by one rename from there. So does what a job has made, a folder.
+// Each daemon that takes the lock of a data folder has a term, one more than all before (src/exchange/terms.h). In each
+// area that it changes it has a desk, the folder AREA/.desk-TERM. Whatever appears in the area, is replaced or goes,
+// passes over the desk, and takes its place by one rename from there. So does what a job has made, a folder.
 //
 //   write    a new file is written on the desk, and renamed to its name
 //   move     a file or folder is renamed to the desk, and from there to its new name

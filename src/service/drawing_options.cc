@@ -1,10 +1,15 @@
 #include "src/service/drawing_options.h"
 
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "src/base/option.h"
+#include "src/export/export.h"
+#include "src/files/names.h"
 #include "src/job/job_options.h"
+#include "src/job/surface_arguments.h"
 
 namespace tessera {
 namespace {
@@ -79,6 +84,55 @@ Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, cons
       return refuse("index-every", "must be from 1 to " + std::to_string(index_every_max));
     options.index_every = inputs.index_every();
   }
+  return options;
+}
+
+namespace {
+
+// Of an option that is text.
+template <class Value>
+Status read(const char* key, Result<Value> parsed, Value& to) {
+  if (!parsed) return refuse(key, parsed.error().where);
+  to = std::move(parsed).value();
+  return success();
+}
+
+}  // namespace
+
+Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const Share& share) {
+  SurfaceOptions options;
+  // Files of tracks are not read: callers have none here.
+  if (inputs.has_sensor()) {
+    BOOST_OUTCOME_TRYV(read("sensor", parse_sensors(inputs.sensor(), false), options.sensors));
+  }
+  if (inputs.has_lambda()) options.energy.lambda = inputs.lambda();
+  if (inputs.has_alpha()) options.energy.alpha = inputs.alpha();
+  if (inputs.has_sigma()) {
+    BOOST_OUTCOME_TRY(sigma, length_of("sigma", inputs.sigma()));
+    options.energy.sigma = sigma;
+  }
+  if (inputs.has_ray_length()) {
+    BOOST_OUTCOME_TRYV(read("ray-length", parse_ray_length(inputs.ray_length()), options.energy.ray_length));
+  }
+  if (inputs.has_bottom()) {
+    BOOST_OUTCOME_TRYV(read("bottom", parse_bottom(inputs.bottom()), options.bottom));
+  }
+  if (inputs.has_unknown()) {
+    BOOST_OUTCOME_TRYV(read("unknown", parse_unknown(inputs.unknown()), options.unknown_inside));
+  }
+  if (inputs.has_trim()) {
+    BOOST_OUTCOME_TRY(longest, length_of("trim", inputs.trim()));
+    options.trim = longest;
+  }
+  options.output.format = inputs.format();
+  options.output.local = inputs.local();
+  BOOST_OUTCOME_TRYV(check_surface_options(options));
+  const std::string output = inputs.output().empty() ? surface_of_result("").filename().string() : inputs.output();
+  BOOST_OUTCOME_TRYV(
+      find_export_target(output, {.format = options.output.format, .local = options.output.local, .overwrite = true}));
+  BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
+  options.memory_bytes = own.memory_bytes;
+  options.threads = own.threads;
   return options;
 }
 

@@ -1,9 +1,10 @@
-// What the processes dem and contours are asked to do, from fields to options.
+// What the processes dem, contours and surface are asked to do, from fields to options.
 #pragma once
 
 #include "service.pb.h"
 #include "src/base/result.h"
 #include "src/service/convert.h"
+#include "src/surface/surface.h"
 #include "src/terrain/contours.h"
 #include "src/terrain/dem.h"
 
@@ -12,5 +13,6 @@ namespace tessera {
 // Errors usage, with options marked. `overwrite` is left to the caller.
 Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& share);
 Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const Share& share);
+Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const Share& share);
 
 }  // namespace tessera

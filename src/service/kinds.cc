@@ -22,6 +22,7 @@ std::optional<std::string> export_output(const proto::Inputs& inputs) {
   if (inputs.has_export_()) return inputs.export_().output();
   if (inputs.has_dem()) return or_usual(inputs.dem().output(), dem_of_result(""));
   if (inputs.has_contours()) return or_usual(inputs.contours().output(), contours_of_result(""));
+  if (inputs.has_surface()) return or_usual(inputs.surface().output(), surface_of_result(""));
   return std::nullopt;
 }
 
@@ -37,6 +38,8 @@ std::string result_read(const proto::Inputs& inputs) {
       return inputs.dem().triangulation();
     case proto::Inputs::kContours:
       return inputs.contours().triangulation();
+    case proto::Inputs::kSurface:
+      return inputs.surface().triangulation();
     default:
       return "";
   }
@@ -54,6 +57,8 @@ bool overwrites(const proto::Inputs& inputs) {
       return inputs.dem().overwrite();
     case proto::Inputs::kContours:
       return inputs.contours().overwrite();
+    case proto::Inputs::kSurface:
+      return inputs.surface().overwrite();
     default:
       return false;
   }

@@ -92,6 +92,8 @@ std::optional<proto::Problem> Service::Impl::check_options(const proto::Inputs& 
     case proto::Inputs::kContours:
       if (const auto bad = told(contour_options(inputs.contours(), share))) return bad;
       return ends(".gpkg", ".geojson");
+    case proto::Inputs::kSurface:
+      return told(surface_options(inputs.surface(), share));
     default:
       return std::nullopt;  // of a triangulation they are looked at with its costs
   }

@@ -210,6 +210,8 @@ Reply<JobDone> work_of_kind(const Workshop& shop, const JobWork& work) {
       return do_dem(shop, work);
     case proto::Inputs::kContours:
       return do_contours(shop, work);
+    case proto::Inputs::kSurface:
+      return do_surface(shop, work);
     case proto::Inputs::kRegion:
       return do_region(shop, work);
     default: {

@@ -155,4 +155,25 @@ Reply<JobDone> do_contours(const Workshop& shop, const JobWork& work) {
   return draw(shop, work, contour_options(work.job.inputs().contours(), shop.share), write_contours);
 }
 
+Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
+  const auto& inputs = work.job.inputs();
+  auto options = surface_options(inputs.surface(), shop.share);
+  if (!options) return problem_of(options.error());
+  options.value().output.overwrite = true;  // as above
+  options.value().progress = percentage(work);
+  const std::string name = result_read(inputs), output = *export_output(inputs);
+  const auto folder = shop.results.unfinished_export(name, work.job.id());
+  const auto made = written_aside(shop, folder, work, [&] {
+    return make_surface(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
+  });
+  if (!made) return problem_of(made.error());
+  auto written = written_files(folder);
+  if (!written) return problem_of(written.error());
+  work.log(made.value().sensors);
+  if (!made.value().mesh.note.empty()) work.log("note: " + made.value().mesh.note);
+  Json outcome = Json::parse(to_json(made.value(), output));
+  outcome["written"] = std::move(written).value();
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
 }  // namespace tessera

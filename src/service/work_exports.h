@@ -8,5 +8,6 @@ namespace tessera {
 Reply<JobDone> do_export(const Workshop& shop, const JobWork& work);
 Reply<JobDone> do_dem(const Workshop& shop, const JobWork& work);
 Reply<JobDone> do_contours(const Workshop& shop, const JobWork& work);
+Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work);
 
 }  // namespace tessera

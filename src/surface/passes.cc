@@ -17,8 +17,10 @@ namespace tessera::surface {
 
 namespace {
 
-// Five kinds of mail and the kernels share what tiles do not take.
-constexpr std::uint64_t mail_part = 32;
+// Of the memory three eighths are for tiles that wait, as much for those that are worked on; five kinds of mail and
+// what tiles leave undecided share the rest.
+constexpr std::uint64_t mail_part = 64;
+constexpr std::uint64_t tiles_part(std::uint64_t memory) { return memory / 8 * 3; }
 // Bins of scales: exponent and first bits of a double, so that a bin is an eighth of a percent wide.
 constexpr unsigned bin_shift = 43;
 constexpr std::size_t bins = std::size_t{1} << (63 - bin_shift);
@@ -36,7 +38,7 @@ Passes::Passes(const TileSource& source, const Sensors& sensors, const std::file
       options_(std::move(options)),
       solidity_(source.manifest().schema),
       shelf_(source.stopped_by(options_.stop), surface_scratch(scratch, SurfaceScratch::tiles),
-             options_.memory_bytes / 2),
+             tiles_part(options_.memory_bytes)),
       rays_(surface_scratch(scratch, SurfaceScratch::rays), source.tiles(), options_.memory_bytes / mail_part),
       sums_(surface_scratch(scratch, SurfaceScratch::sums), source.tiles(), options_.memory_bytes / mail_part),
       votes_(surface_scratch(scratch, SurfaceScratch::votes), source.tiles(), options_.memory_bytes / mail_part),
@@ -83,7 +85,7 @@ Status Passes::pass(double done, const std::function<bool(std::size_t)>& wanted,
     if (options_.progress) options_.progress(done_ + (done - done_) * part);
   });
   std::atomic<bool> failed{false};
-  const unsigned threads = queue.threads(options_.threads, options_.memory_bytes / 2, 1, beside_);
+  const unsigned threads = queue.threads(options_.threads, tiles_part(options_.memory_bytes), 1, beside_);
   BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
     while (!failed) {
       BOOST_OUTCOME_TRY(index, queue.next());

@@ -24,22 +24,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-Status check_options(const SurfaceOptions& options) {
-  const surface::Energy& energy = options.energy;
-  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-  if (!std::isfinite(energy.lambda) || energy.lambda < 0)
-    return error(Errc::usage, option("lambda") + " is not a number of at least 0");
-  if (!positive(energy.alpha)) return error(Errc::usage, option("alpha") + " is not a number above 0");
-  if (energy.lambda / energy.alpha > 1e4)
-    return error(Errc::usage,
-                 option("lambda") + " is more than 10,000 times " + option("alpha") + ": no ray would count any more");
-  if (!(energy.ray_length > 0)) return error(Errc::usage, option("ray-length") + " is not above 0");
-  if (energy.sigma != 0 && !positive(energy.sigma))
-    return error(Errc::usage, option("sigma") + " is not a length above 0");
-  if (options.trim && !positive(*options.trim)) return error(Errc::usage, option("trim") + " is not a length above 0");
-  return success();
-}
-
 Status check_result(const fs::path& in, const Manifest& manifest) {
   if (manifest.dimension != 3)
     return error(Errc::usage, in.string() +
@@ -105,9 +89,25 @@ Manifest manifest_of_triangles(const Manifest& from) {
 
 }  // namespace
 
+Status check_surface_options(const SurfaceOptions& options) {
+  const surface::Energy& energy = options.energy;
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  if (!std::isfinite(energy.lambda) || energy.lambda < 0)
+    return error(Errc::usage, option("lambda") + " is not a number of at least 0");
+  if (!positive(energy.alpha)) return error(Errc::usage, option("alpha") + " is not a number above 0");
+  if (energy.lambda / energy.alpha > 1e4)
+    return error(Errc::usage,
+                 option("lambda") + " is more than 10,000 times " + option("alpha") + ": no ray would count any more");
+  if (!(energy.ray_length > 0)) return error(Errc::usage, option("ray-length") + " is not above 0");
+  if (energy.sigma != 0 && !positive(energy.sigma))
+    return error(Errc::usage, option("sigma") + " is not a length above 0");
+  if (options.trim && !positive(*options.trim)) return error(Errc::usage, option("trim") + " is not a length above 0");
+  return success();
+}
+
 Result<Surface> make_surface(const fs::path& in, const fs::path& target, const SurfaceOptions& options,
                              std::stop_token stop) {
-  BOOST_OUTCOME_TRYV(check_options(options));
+  BOOST_OUTCOME_TRYV(check_surface_options(options));
   BOOST_OUTCOME_TRY(place, find_export_target(target, options.output));
   BOOST_OUTCOME_TRY(source, TileSource::open(in));
   BOOST_OUTCOME_TRYV(check_result(in, source.manifest()));

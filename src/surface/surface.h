@@ -36,6 +36,9 @@ struct SurfaceOptions {
   std::function<void(double)> progress = {};
 };
 
+// Error usage when a number makes no sense.
+Status check_surface_options(const SurfaceOptions& options);
+
 struct Surface {
   Exported mesh;
   Digest digest;                  // of its triangles and vertices: a function of the points, sensors and options alone
