@@ -43,8 +43,7 @@ std::optional<proto::Problem> Service::Impl::check_inputs(const proto::Inputs& i
     return problem(422, "triangulation: there is none called '" + name + "'", Errc::usage);
   };
   if (inputs.of_case() == proto::Inputs::OF_NOT_SET)
-    return problem(400, "inputs: none is given of triangulate, region, verify, export, dem, contours and info",
-                   Errc::usage);
+    return problem(400, "inputs: those of no process are given", Errc::usage);
   if (const auto bad = check_size(inputs)) return bad;
   if (const auto bad = check_options(inputs)) return bad;
   if (makes_result(inputs)) {
@@ -189,9 +188,8 @@ std::optional<proto::Problem> Service::Impl::conflict(const proto::JobRecord& jo
                    "the inputs of jobs of " + job.caller() + " that wait or run take " + human_bytes(bytes_of_caller) +
                        ", more than may be",
                    Errc::io);
-  if (of_caller >= options.limits.jobs_of_a_caller) {
+  if (of_caller >= options.limits.jobs_of_a_caller)
     return problem(429, grouped(of_caller) + " jobs of " + job.caller() + " wait or run, as many as may", Errc::io);
-  }
   return in_its_place(job, caller);
 }
 
