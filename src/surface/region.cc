@@ -4,14 +4,28 @@
 #include <utility>
 
 #include "src/cut/search_trees.h"
-#include "src/predicates/exact/predicates.h"
 
 namespace tessera::surface {
 
+namespace {
+
+constexpr double down_min = 0.25;  // the square of the cosine of 60 degrees
+
+}  // namespace
+
+// Sides of the hull lean over as well, where trees stand at the edge of a block: what is beyond those is not ground. So
+// a facet must look down more than it looks aside. The corners stand in one order, whatever the tile.
 bool is_inside_beyond(const SurfaceTile& tile, std::int32_t cell, std::size_t facet, const CutRule& rule) {
   if (!rule.lower_inside) return false;
-  const auto corners = tile.facet(cell, facet);
-  return exact::orientation_2(corners[0].at, corners[1].at, corners[2].at) < 0;
+  auto corners = tile.facet(cell, facet);
+  std::rotate(
+      corners.begin(),
+      std::min_element(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; }),
+      corners.end());
+  const Point &o = corners[0].at, &p = corners[1].at, &q = corners[2].at;
+  const double ax = p.x - o.x, ay = p.y - o.y, az = p.z - o.z, bx = q.x - o.x, by = q.y - o.y, bz = q.z - o.z;
+  const double x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
+  return z < 0 && z * z >= down_min * (x * x + y * y + z * z);
 }
 
 void give_sums(SurfaceTile& tile, const std::function<void(TileId, const SumRecord&)>& sum,

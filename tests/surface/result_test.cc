@@ -112,6 +112,27 @@ TEST(Surface, ThatIsOpenBelowEndsOnlyAtTheHull) {
   EXPECT_TRUE(triangles_of(folder.path() / "out", {}, options).main.empty());
 }
 
+TEST(Surface, HasGroundBelowButNotBeyondLeaningSides) {
+  const std::vector<Point> points{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}, {10, 10, 0.125}, {13, 5, 10}};
+  StoredTile stored;
+  stored.mesh = test::sample_tiles(points, 3, 1).front();
+  const SurfaceTile tile = SurfaceTile::make(TileId{0}, "all", std::move(stored)).value();
+  int below = 0, leaning = 0;
+  for (std::int32_t cell = 0; cell < tile.cells(); ++cell) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (tile.neighbor(cell, k) != SurfaceTile::outside) continue;
+      const auto corners = tile.facet(cell, k);
+      const bool has_top = std::any_of(corners.begin(), corners.end(), [](const Corner& c) { return c.at.z > 9; });
+      const bool inside = is_inside_beyond(tile, cell, k, {});
+      EXPECT_FALSE(is_inside_beyond(tile, cell, k, {.lower_inside = false, .unknown_inside = true}));
+      if (!has_top) below += inside ? 1 : 0;
+      if (has_top) leaning += inside ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(below, 2);
+  EXPECT_EQ(leaning, 0);
+}
+
 TEST(Surface, IsRefusedWithASentence) {
   const test::TemporaryFolder folder;
   store(folder.path() / "out", test::sample_points(Shape::uniform, 3, 50), 2, 0);
