@@ -57,6 +57,12 @@ class Bounds : public ServiceTest {
       lines.set_output(output);
       lines.set_interval(0.05);
     }
+    for (const char* memory : {"1M", "1G"}) {  // tiles on disk, and in memory
+      auto& surface = *add().mutable_surface();
+      surface.set_triangulation("large");
+      surface.set_output("mesh.ply");
+      surface.set_memory(memory);
+    }
     return all;
   }
 
