@@ -43,7 +43,7 @@ surface::Region region_of(const std::string& folder, const surface::Energy& ener
   auto tile = value(
       surface::SurfaceTile::make(source.entry(0).tile, source.file(0).string(), value(source.read(0, {.rows = true}))));
   tile.begin_weights();
-  surface::RayCaster caster(tile, energy);
+  surface::RayCaster caster(tile, energy, static_cast<std::uint64_t>(tile.cells()));
   const auto& stored = tile.stored();
   const std::size_t width = row_bytes(stored.schema);
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {

@@ -161,7 +161,7 @@ Status Passes::find_sigma() {
 }
 
 Status Passes::cast(std::size_t index, SurfaceTile& tile) {
-  RayCaster caster(tile, options_.energy);
+  RayCaster caster(tile, options_.energy, shelf_.source().manifest().cells);
   const StoredTile& stored = tile.stored();
   const std::size_t width = row_bytes(stored.schema);
   std::uint64_t rays = 0, none = 0;
@@ -191,7 +191,7 @@ Status Passes::cast(std::size_t index, SurfaceTile& tile) {
 
 Status Passes::follow(std::size_t index, SurfaceTile& tile) {
   BOOST_OUTCOME_TRY(rays, rays_.take(index));
-  RayCaster caster(tile, options_.energy);
+  RayCaster caster(tile, options_.energy, shelf_.source().manifest().cells);
   for (const RayRecord& ray : rays) {
     BOOST_OUTCOME_TRYV(caster.go_on(ray));
   }

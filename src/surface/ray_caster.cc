@@ -50,8 +50,7 @@ Status RayCaster::follow(RayRecord ray, std::int32_t cell, std::size_t exit) {
   const double length = std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
   std::array<std::int32_t, 3> facet;
   for (std::size_t i = 0; i < 3; ++i) facet[i] = tile_.vertex(cell, facet_corners[exit][i]);
-  const std::int32_t most = tile_.cells();
-  for (std::int32_t step = 0; step <= most; ++step) {
+  for (; ray.steps < cells_; ++ray.steps) {
     ++steps_;
     const double far =
         length * part_to_plane(ray.from, way, tile_.corner(facet[0]), tile_.corner(facet[1]), tile_.corner(facet[2]));

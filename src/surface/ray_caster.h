@@ -22,8 +22,10 @@ namespace tessera::surface {
 
 class RayCaster {
  public:
-  // `tile` outlives this, and has weights.
-  RayCaster(SurfaceTile& tile, const Energy& energy) : tile_(tile), energy_(energy) {}
+  // `tile` outlives this, and has weights. `cells`: of the whole triangulation. A ray comes through each once at most:
+  // damaged neighbours cannot send it round for ever.
+  RayCaster(SurfaceTile& tile, const Energy& energy, std::uint64_t cells)
+      : tile_(tile), energy_(energy), cells_(cells) {}
 
   // Both rays of an own vertex. `vote`: of what is behind it, full_vote or less. REQUIRES: the sensor is elsewhere.
   Status cast(std::int32_t vertex, const Point& sensor, double sigma, std::uint32_t vote);
@@ -42,6 +44,7 @@ class RayCaster {
 
   SurfaceTile& tile_;
   const Energy& energy_;
+  std::uint64_t cells_;
   std::vector<std::pair<TileId, RayRecord>> leaving_;
   std::uint64_t steps_ = 0;
 };

@@ -76,7 +76,7 @@ std::vector<IdTriangle> expected(const std::vector<Point>& points, const SensorO
   const Sensors sensors = Sensors::make(where, {}, bounds).value();
   SurfaceTile tile = SurfaceTile::make(TileId{0}, "all", std::move(stored)).value();
   tile.begin_weights();
-  RayCaster caster(tile, energy);
+  RayCaster caster(tile, energy, static_cast<std::uint64_t>(tile.cells()));
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
     const auto sensor = sensors.of(tile.point(v), tile.id(v), nullptr).value();
     EXPECT_TRUE(caster.cast(v, *sensor, sigma, full_vote));

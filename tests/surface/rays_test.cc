@@ -60,13 +60,15 @@ Said cast(const std::vector<TileMesh>& meshes, const std::vector<Point>& sensors
   Energy energy;
   energy.ray_length = std::numeric_limits<double>::infinity();
   std::vector<SurfaceTile> tiles;
+  std::uint64_t cells = 0;
+  for (const TileMesh& mesh : meshes) cells += static_cast<std::uint64_t>(std::ranges::count(mesh.cell_ghost, 0));
   for (std::uint32_t t = 0; t < meshes.size(); ++t) tiles.push_back(tile_of(TileId{t}, meshes[t]));
   std::vector<std::pair<TileId, RayRecord>> mail;
   const auto take = [&](RayCaster& caster) {
     for (auto& leaving : caster.take_leaving()) mail.push_back(leaving);
   };
   for (SurfaceTile& tile : tiles) {
-    RayCaster caster(tile, energy);
+    RayCaster caster(tile, energy, cells);
     for (std::int32_t v = 0; v < tile.own_vertices(); ++v)
       EXPECT_TRUE(caster.cast(v, sensors[tile.id(v).value], scale, full_vote));
     take(caster);
@@ -76,7 +78,7 @@ Said cast(const std::vector<TileMesh>& meshes, const std::vector<Point>& sensors
     const auto [to, ray] = mail.back();
     mail.pop_back();
     ++handed_over;
-    RayCaster caster(tiles[to.value], energy);
+    RayCaster caster(tiles[to.value], energy, cells);
     const auto status = caster.go_on(ray);
     EXPECT_TRUE(status) << status.error().where;
     take(caster);
@@ -201,6 +203,21 @@ TEST(Rays, CrossTheFacetsThatALookAtAllOfThemFinds) {
     rays += cloud.points.size();
   }
   EXPECT_GT(handed_over, rays / 8);
+}
+
+// Two cells that are each other's neighbours across all of their facets.
+TEST(Rays, DoNotGoRoundForEver) {
+  auto mesh = test::sample_tiles(test::sample_points(test::Shape::uniform, 3, 30), 3, 1).front();
+  for (std::size_t i = 0; i < mesh.neighbors.size(); ++i)
+    if (mesh.neighbors[i] >= 0) mesh.neighbors[i] = static_cast<std::int32_t>(i / 4) == 0 ? 1 : 0;
+  SurfaceTile tile = tile_of(TileId{0}, mesh);
+  Energy energy;
+  energy.ray_length = std::numeric_limits<double>::infinity();
+  RayCaster caster(tile, energy, mesh.cell_ghost.size());
+  bool refused = false;
+  for (std::int32_t v = 0; v < tile.own_vertices(); ++v)
+    refused = !caster.cast(v, {0.5, 0.5, 100}, scale, full_vote) || refused;
+  EXPECT_TRUE(refused);
 }
 
 TEST(Rays, ThePerturbationDecidesWhatPlanesLeaveOpen) {
