@@ -35,7 +35,7 @@ demo() {
   local out=demo-out
   mkdir -p $out
   local tessera=$build_folder/src/apps/tessera
-  $tessera triangulate 'data/block/*.laz' -o $out/result --tiles 12 --attributes all --overwrite
+  $tessera triangulate 'tests/data/clouds/ign_770*.laz' -o $out/result --tiles 12 --attributes all --overwrite
   $tessera verify $out/result
   xvfb-run -a /usr/bin/python3 scripts/draw_tiles.py $out/result $out/tiles.png
   $tessera surface $out/result -o $out/surface/ --format vtu --overwrite

@@ -29,6 +29,7 @@ test=(
   iproute2 iptables                         # networks of a test's own, that lose packets
   libfaketime python3-owslib                # sets clocks; a client of OGC API Processes
   strace                                    # shows what is opened
+  libmaxflow-dev                            # what minimum cuts are compared with
   spin                                      # searches the models of the cluster
   chromium chromium-driver python3-selenium node-typescript  # look at the dashboard, check its types
 )

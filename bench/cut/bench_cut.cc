@@ -49,7 +49,7 @@ surface::Region region_of(const std::string& folder, const surface::Energy& ener
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
     const std::byte* row = stored.rows.data() + static_cast<std::size_t>(v) * width;
     if (const auto sensor = value(sensors.of(tile.point(v), tile.id(v), row)))
-      (void)caster.cast(v, *sensor, tile.scale_of(v), surface::full_vote);
+      (void)caster.cast(v, sensor->at, tile.scale_of(v), surface::full_vote);
   }
   return value(surface::region_of(tile, energy, {}, {}));
 }

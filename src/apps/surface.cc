@@ -3,10 +3,8 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -72,6 +70,9 @@ void print(const Surface& made, const SurfaceOptions& options, const OutputOptio
   say("%s; median scale %.4g\n", made.sensors.c_str(), made.sigma);
   if (made.no_rays > 0)
     say("%llu points have no direction to a sensor, and no ray\n", static_cast<unsigned long long>(made.no_rays));
+  if (made.guessed > 0)
+    say("%llu points have no place on the track; their sensors are taken to be straight above\n",
+        static_cast<unsigned long long>(made.guessed));
   say("digest %s\n", digest_text(made.digest).c_str());
   if (!made.mesh.note.empty()) say("%s\n", made.mesh.note.c_str());
 }

@@ -45,19 +45,15 @@ void print(const EstimatedTrack& found, const std::string& target, const OutputO
   if (output.quiet) return;
   for (const TrackLine& line : found.lines) {
     if (line.refused.empty()) {
-      say("line %u: %.0f above the points; %zu of %zu half seconds agree; pulses are off by %.2f degrees at the "
-          "median, "
-          "99 %% by less than %.2f\n",
-          line.line, line.height, line.kept, line.windows, line.median_degrees, line.most_degrees);
+      say("line %u: %.0f above the points; %zu of %zu half seconds agree\n"
+          "line %u: pulses are off by %.2f degrees at the median, 99 %% of them by less than %.2f\n",
+          line.line, line.height, line.kept, line.windows, line.line, line.median_degrees, line.most_degrees);
     } else {
       say("line %u: no track, %s (%zu pulses)\n", line.line, line.refused.c_str(), line.pulses);
     }
   }
   say("%s: %zu of %zu flight lines\n", target.c_str(), found.track.lines().size(), found.lines.size());
 }
-
-// The attributes that are needed, and point_source_id if any file has it.
-void carry(JobOptions& job) { job.cloud.attributes = {"all"}; }
 
 Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   const std::string target = settings.text("output").value_or("");
@@ -70,7 +66,7 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   if (there && !overwrite) return error(Errc::usage, target + ": exists; --overwrite replaces it");
   JobOptions job;
   BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
-  carry(job);
+  job.cloud.attributes = {"all"};  // none need be there: what is missing is told below
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, job, interrupt.token()));
   Pulses pulses(cloud.schema());
@@ -99,7 +95,7 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
 Command add_track(CLI::App& root) {
   auto command = new_command(root, "track", "Finds where the scanner was, from pulses with several returns",
                              "  tessera track block/*.laz -o track.csv\n"
-                             "  tessera surface block/*.laz -o mesh.ply --attributes all --sensor track:track.csv");
+                             "  tessera surface block/*.laz -o mesh.ply --sensor track:track.csv");
   add_cloud_options(command);
   add_value(command, "output", "PATH", "the file to write: time,x,y,z,line", 'o', true);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);

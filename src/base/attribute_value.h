@@ -4,6 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <optional>
+#include <string_view>
+#include <vector>
 
 #include "src/base/attribute.h"
 
@@ -43,6 +46,23 @@ auto visit_value(AttributeType type, const std::byte* from, Visit&& visit) {
 
 inline double as_double(AttributeType type, const std::byte* from) {
   return visit_value(type, from, [](auto value) { return static_cast<double>(value); });
+}
+
+// Where in a row of attributes a value stands.
+struct RowColumn {
+  std::size_t offset = 0;
+  AttributeType type = AttributeType::f64;
+  double value(const std::byte* row) const { return as_double(type, row + offset); }
+};
+
+// Nothing when the rows of this schema have no attribute of this name.
+inline std::optional<RowColumn> column_of(const std::vector<Attribute>& schema, std::string_view name) {
+  std::size_t offset = 0;
+  for (const Attribute& attribute : schema) {
+    if (attribute.name == name) return RowColumn{offset, attribute.type};
+    offset += size_of(attribute.type);
+  }
+  return std::nullopt;
 }
 
 }  // namespace tessera

@@ -101,7 +101,7 @@ Status read(const char* key, Result<Value> parsed, Value& to) {
 
 Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const Share& share) {
   SurfaceOptions options;
-  // Files of tracks are not read: callers have none here.
+  // A track would be a file of this machine, which is not the caller's to read.
   if (inputs.has_sensor()) {
     BOOST_OUTCOME_TRYV(read("sensor", parse_sensors(inputs.sensor(), false), options.sensors));
   }

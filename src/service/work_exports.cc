@@ -100,6 +100,16 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
 }
 
+// `told`: JSON of what was made in `folder`, which is called `output`.
+Reply<JobDone> done_with(const std::filesystem::path& folder, const std::string& told, const std::string& output) {
+  auto written = written_files(folder);
+  if (!written) return problem_of(written.error());
+  Json outcome = Json::parse(told);
+  outcome["output"] = output;
+  outcome["written"] = std::move(written).value();
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
 // A file that terrain draws: `write` is given the result's folder and the file to make.
 template <class Options, class Write>
 Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> options, const Write& write) {
@@ -113,13 +123,8 @@ Reply<JobDone> draw(const Workshop& shop, const JobWork& work, Result<Options> o
     return write(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
   });
   if (!made) return problem_of(made.error());
-  auto written = written_files(folder);
-  if (!written) return problem_of(written.error());
   if (!made.value().note.empty()) work.log("note: " + made.value().note);
-  Json outcome = Json::parse(to_json(made.value()));
-  outcome["output"] = output;
-  outcome["written"] = std::move(written).value();
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  return done_with(folder, to_json(made.value()), output);
 }
 
 }  // namespace
@@ -138,13 +143,10 @@ Reply<JobDone> do_export(const Workshop& shop, const JobWork& work) {
                          work.ledger.token());
   });
   if (!exported) return problem_of(exported.error());
-  auto written = written_files(folder);
-  if (!written) return problem_of(written.error());
   const auto& made = exported.value();
   if (!made.note.empty()) work.log("note: " + made.note);
-  Json outcome = Json::parse(to_json(made, made.path.filename().string()));
-  outcome["written"] = std::move(written).value();
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  const std::string output = made.path.filename().string();
+  return done_with(folder, to_json(made, output), output);
 }
 
 Reply<JobDone> do_dem(const Workshop& shop, const JobWork& work) {
@@ -159,7 +161,7 @@ Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs();
   auto options = surface_options(inputs.surface(), shop.share);
   if (!options) return problem_of(options.error());
-  options.value().output.overwrite = true;  // as above
+  options.value().output.overwrite = true;  // of what an earlier attempt has left; the queue keeps what stands
   options.value().progress = percentage(work);
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
@@ -167,13 +169,9 @@ Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
     return make_surface(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
   });
   if (!made) return problem_of(made.error());
-  auto written = written_files(folder);
-  if (!written) return problem_of(written.error());
   work.log(made.value().sensors);
   if (!made.value().mesh.note.empty()) work.log("note: " + made.value().mesh.note);
-  Json outcome = Json::parse(to_json(made.value(), output));
-  outcome["written"] = std::move(written).value();
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  return done_with(folder, to_json(made.value(), output), output);
 }
 
 }  // namespace tessera

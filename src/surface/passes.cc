@@ -107,10 +107,10 @@ Status Passes::run(const Take& take) {
     counts_.sigma = options_.energy.sigma;
   } else {
     histogram_.assign(bins, 0);
-    BOOST_OUTCOME_TRYV(pass(scales_done, all, [&](auto i, auto& tile) { return find_scales(i, tile); }));
+    BOOST_OUTCOME_TRYV(pass(scales_done, all, [&](auto, auto& tile) { return find_scales(tile); }));
     BOOST_OUTCOME_TRYV(find_sigma());
   }
-  BOOST_OUTCOME_TRYV(pass(rays_done, all, [&](auto i, auto& tile) { return cast(i, tile); }));
+  BOOST_OUTCOME_TRYV(pass(rays_done, all, [&](auto, auto& tile) { return cast(tile); }));
   const auto waiting = [&](std::size_t i) { return rays_.any(i); };
   const auto any = [&] {
     for (std::size_t i = 0; i < shelf_.source().tiles(); ++i)
@@ -131,18 +131,13 @@ Status Passes::run(const Take& take) {
   });
 }
 
-Status Passes::find_scales(std::size_t, SurfaceTile& tile) {
+Status Passes::find_scales(SurfaceTile& tile) {
   auto& scales = tile.scales();
-  std::vector<std::size_t> of(static_cast<std::size_t>(tile.own_vertices()));
   scales.clear();
-  for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
-    const double scale = tile.scale_of(v);
-    scales.push_back(scale);
-    of[static_cast<std::size_t>(v)] = std::bit_cast<std::uint64_t>(scale) >> bin_shift;
-  }
+  for (std::int32_t v = 0; v < tile.own_vertices(); ++v) scales.push_back(tile.scale_of(v));
   tile.forget_marks();
   const std::lock_guard lock(mutex_);
-  for (const std::size_t bin : of) ++histogram_[bin];
+  for (const double scale : scales) ++histogram_[std::bit_cast<std::uint64_t>(scale) >> bin_shift];
   return success();
 }
 
@@ -155,16 +150,15 @@ Status Passes::find_sigma() {
   counts_.sigma = std::bit_cast<double>(static_cast<std::uint64_t>(bin) << bin_shift);
   histogram_ = {};
   if (!(counts_.sigma > 0) || !std::isfinite(counts_.sigma))
-    return error(Errc::usage, shelf_.source().folder().string() +
-                                  ": its points are too near to each other, or too far apart, for a scale");
+    return error(Errc::usage, "the points are too near to each other, or too far apart, for a scale");
   return success();
 }
 
-Status Passes::cast(std::size_t index, SurfaceTile& tile) {
+Status Passes::cast(SurfaceTile& tile) {
   RayCaster caster(tile, options_.energy, shelf_.source().manifest().cells);
   const StoredTile& stored = tile.stored();
   const std::size_t width = row_bytes(stored.schema);
-  std::uint64_t rays = 0, none = 0;
+  std::uint64_t rays = 0, none = 0, guessed = 0;
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
     if (v % 4096 == 0 && options_.stop.stop_requested())
       return error(Errc::interrupted, "interrupted while casting rays");
@@ -176,16 +170,17 @@ Status Passes::cast(std::size_t index, SurfaceTile& tile) {
       continue;
     }
     ++rays;
+    guessed += sensor->guessed ? 1 : 0;
     // Sparse and dense places have their own scale, but within bounds: an outlier's would reach through everything.
     const double sigma = options_.energy.sigma > 0
                              ? options_.energy.sigma
                              : std::clamp(tile.scales()[at], counts_.sigma / 4, counts_.sigma * 4);
-    BOOST_OUTCOME_TRYV(caster.cast(v, *sensor, sigma, solidity_.vote(row)));
+    BOOST_OUTCOME_TRYV(caster.cast(v, sensor->at, sigma, solidity_.vote(row)));
   }
   counts_.rays += rays;
   counts_.no_rays += none;
+  counts_.guessed += guessed;
   tile.scales() = {};
-  (void)index;
   return send_rays(tile, caster);
 }
 

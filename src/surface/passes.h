@@ -41,7 +41,7 @@ struct PassesOptions {
 
 struct Counts {
   double sigma = 0;
-  std::atomic<std::uint64_t> rays{0}, no_rays{0}, steps{0}, undecided{0}, outside{0};
+  std::atomic<std::uint64_t> rays{0}, no_rays{0}, guessed{0}, steps{0}, undecided{0}, outside{0};
   std::uint64_t handed_over = 0;
 };
 
@@ -58,12 +58,12 @@ class Passes {
  private:
   Passes(const TileSource& source, const Sensors& sensors, const std::filesystem::path& scratch, PassesOptions options);
   using Work = std::function<Status(std::size_t index, SurfaceTile& tile)>;
-  // On all tiles for which `wanted` holds. The part of all work that is done then.
+  // Calls `work` for each tile for which `wanted` holds. `done`: the part of all work that has been done afterwards.
   Status pass(double done, const std::function<bool(std::size_t)>& wanted, const Work& work);
 
-  Status find_scales(std::size_t index, SurfaceTile& tile);
+  Status find_scales(SurfaceTile& tile);
   Status find_sigma();
-  Status cast(std::size_t index, SurfaceTile& tile);
+  Status cast(SurfaceTile& tile);
   Status follow(std::size_t index, SurfaceTile& tile);
   Status send_rays(SurfaceTile& tile, RayCaster& caster);
   Status tell_arcs(std::size_t index, SurfaceTile& tile);
@@ -90,9 +90,9 @@ class Passes {
   std::mutex mutex_;
   std::vector<std::uint64_t> histogram_;  // of scales
   double done_ = 0;
-  std::vector<RegionKernel> regions_;  // by index
-  std::vector<cut::CellSet>
-      of_kernels_;  // by index: outside, of the kernel's cells; with the rule turned round, inside
+  // By index: what a tile has decided, and of the cells that it has not, which are on the source's side.
+  std::vector<RegionKernel> regions_;
+  std::vector<cut::CellSet> of_kernels_;
   Counts counts_;
 };
 

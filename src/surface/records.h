@@ -31,7 +31,7 @@ struct VoteRecord {
 struct SumRecord {
   CellName cell;
   PointId opposite;
-  std::uint64_t weight = 0;
+  std::uint32_t weight = 0, unused = 0;
 };
 
 // From the facet's main tile, which has heard of all sums, to the cell's main tile.

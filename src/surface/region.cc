@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/cut/search_trees.h"
-
 namespace tessera::surface {
 
 namespace {
@@ -50,7 +48,7 @@ Status take_sum(SurfaceTile& tile, const SumRecord& sum) {
   BOOST_OUTCOME_TRY(cell, tile.find(sum.cell));
   BOOST_OUTCOME_TRY(facet, tile.corner_of(cell, sum.opposite));
   std::uint32_t& arc = tile.arc(cell, facet);
-  arc = saturating(arc, static_cast<std::uint32_t>(std::min<std::uint64_t>(sum.weight, cut::capacity_max)));
+  arc = saturating(arc, sum.weight);
   return success();
 }
 
@@ -79,10 +77,9 @@ std::int64_t hull_vote(const SurfaceTile& tile, std::int32_t cell, std::size_t k
 
 }  // namespace
 
-Status give_arcs(const SurfaceTile& const_tile, const Energy& energy, const CutRule& rule,
+Status give_arcs(const SurfaceTile& tile, const Energy& energy, const CutRule& rule,
                  const std::function<void(TileId, const ArcRecord&)>& arc,
                  const std::function<void(TileId, const VoteRecord&)>& vote) {
-  auto& tile = const_cast<SurfaceTile&>(const_tile);
   for (std::int32_t cell = 0; cell < tile.cells(); ++cell) {
     for (std::size_t k = 0; k < 4; ++k) {
       const std::int32_t across = tile.neighbor(cell, k);

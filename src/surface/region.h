@@ -16,7 +16,7 @@
 namespace tessera::surface {
 
 struct CutRule {
-  bool lower_inside = true;    // beyond facets of the hull that look down, at most 60 degrees aside
+  bool lower_inside = true;    // beyond facets of the hull that look down, 60 degrees aside at most
   bool unknown_inside = true;  // of all minimum cuts the one with the fewest cells outside; else with the most
 };
 

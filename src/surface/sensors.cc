@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string_view>
 #include <utility>
 
-#include "src/base/attribute_value.h"
 #include "src/surface/energy.h"
 
 namespace tessera::surface {
@@ -18,19 +16,6 @@ constexpr std::array<std::string_view, 3> origin_names{"x_origin", "y_origin", "
     normal_names{"nx", "ny", "nz"};
 // A return with others behind it votes so much less: leaves and twigs.
 constexpr std::uint32_t intermediate_vote = full_vote / 8;
-
-struct Found {
-  AttributeType type;
-  std::size_t offset;
-};
-std::optional<Found> find_field(const std::vector<Attribute>& schema, std::string_view name) {
-  std::size_t offset = 0;
-  for (const Attribute& attribute : schema) {
-    if (attribute.name == name) return Found{attribute.type, offset};
-    offset += size_of(attribute.type);
-  }
-  return std::nullopt;
-}
 
 double squared(const Point& a, const Point& b) {
   const double x = b.x - a.x, y = b.y - a.y, z = b.z - a.z;
@@ -43,7 +28,7 @@ Status Sensors::find(const std::vector<Attribute>& schema, bool wanted) {
   for (const auto& [names, how] : {std::pair(origin_names, How::origin), std::pair(normal_names, How::normal)}) {
     fields_.clear();
     for (const std::string_view name : names)
-      if (const auto field = find_field(schema, name)) fields_.push_back({field->type, field->offset});
+      if (const auto field = column_of(schema, name)) fields_.push_back(*field);
     if (fields_.size() < names.size()) continue;
     how_ = how;
     used_ = how == How::origin ? "sensors: of each point, from x_origin, y_origin, z_origin"
@@ -60,13 +45,13 @@ Status Sensors::find(const std::vector<Attribute>& schema, bool wanted) {
 
 // The time of a point, and its flight line if there is such a field, in this order.
 Status Sensors::find_times(const std::vector<Attribute>& schema) {
-  const auto time = find_field(schema, "gps_time"), line = find_field(schema, "point_source_id");
+  const auto time = column_of(schema, "gps_time"), line = column_of(schema, "point_source_id");
   if (!time) return error(Errc::usage, "the points have no gps_time, by which a track tells where their sensor was");
   if (track_->tells_lines() && !line)
     return error(Errc::usage,
                  "the track has several flight lines, and the points have no point_source_id to tell theirs");
-  fields_ = {{time->type, time->offset}};
-  if (line) fields_.push_back({line->type, line->offset});
+  fields_ = {*time};
+  if (line) fields_.push_back(*line);
   how_ = How::track;
   return success();
 }
@@ -140,15 +125,13 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
 
 Point Sensors::read(const std::byte* row) const {
   Point at;
-  for (int axis = 0; axis < 3; ++axis) {
-    const Field& field = fields_[static_cast<std::size_t>(axis)];
-    at[axis] = as_double(field.type, row + field.offset);
-  }
+  for (int axis = 0; axis < 3; ++axis) at[axis] = fields_[static_cast<std::size_t>(axis)].value(row);
   return at;
 }
 
-Result<std::optional<Point>> Sensors::of(const Point& p, PointId id, const std::byte* row) const {
+Result<std::optional<Sensors::Sensor>> Sensors::of(const Point& p, PointId id, const std::byte* row) const {
   Point sensor;
+  bool guessed = false;
   switch (how_) {
     case How::vertical:
       sensor = {p.x, p.y, top_};
@@ -159,16 +142,17 @@ Result<std::optional<Point>> Sensors::of(const Point& p, PointId id, const std::
     case How::normal: {
       const Point n = read(row);
       const double length = std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
-      if (!std::isfinite(length) || length == 0) return std::optional<Point>();
+      if (!std::isfinite(length) || length == 0) return std::optional<Sensor>();
       const double scale = far_ / length;
       sensor = {p.x + n.x * scale, p.y + n.y * scale, p.z + n.z * scale};
       break;
     }
     case How::track: {
-      const double time = as_double(fields_[0].type, row + fields_[0].offset);
-      const double line = fields_.size() > 1 ? as_double(fields_[1].type, row + fields_[1].offset) : 0;
+      const double time = fields_[0].value(row);
+      const double line = fields_.size() > 1 ? fields_[1].value(row) : 0;
       const auto at = line >= 0 && line < 4e9 ? track_->at(static_cast<std::uint32_t>(line), time) : std::nullopt;
-      if (!at && !automatic_) return std::optional<Point>();
+      if (!at && !automatic_) return std::optional<Sensor>();
+      guessed = !at;
       sensor = at.value_or(Point{p.x, p.y, top_});
       break;
     }
@@ -178,23 +162,21 @@ Result<std::optional<Point>> Sensors::of(const Point& p, PointId id, const std::
       break;
     }
   }
-  if (!is_finite(sensor)) return std::optional<Point>();
+  if (!is_finite(sensor)) return std::optional<Sensor>();
   if (sensor == p) return error(Errc::usage, "point " + to_string(id) + " is where its sensor is said to be");
-  return std::optional(sensor);
+  return std::optional(Sensor{sensor, guessed});
 }
 
 Solidity::Solidity(const std::vector<Attribute>& schema) {
-  const auto number = find_field(schema, "return_number"), count = find_field(schema, "number_of_returns");
+  const auto number = column_of(schema, "return_number"), count = column_of(schema, "number_of_returns");
   if (!number || !count) return;
-  number_ = Field{number->type, number->offset};
-  count_ = Field{count->type, count->offset};
+  number_ = number;
+  count_ = count;
 }
 
 std::uint32_t Solidity::vote(const std::byte* row) const {
   if (!number_) return full_vote;
-  const double number = as_double(number_->type, row + number_->offset);
-  const double count = as_double(count_->type, row + count_->offset);
-  return number < count ? intermediate_vote : full_vote;
+  return number_->value(row) < count_->value(row) ? intermediate_vote : full_vote;
 }
 
 }  // namespace tessera::surface

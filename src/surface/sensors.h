@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/attribute_value.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/track/estimate.h"
@@ -38,30 +39,31 @@ class Sensors {
   // finite.
   static Result<Sensors> make(const SensorOptions& options, const std::vector<Attribute>& schema, const Bounds& bounds);
 
-  // The same with the track that was found from the points themselves; where it is not known, vertical. `told`: of it.
+  // From then on sensors are where the points' own pulses say; straight above where these do not say it. When they say
+  // nothing at all, sensors stay straight above. REQUIRES: wants_estimate(). Error usage as of make().
   Status use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema);
-  // Whether an estimate would be used.
+  // Whether nothing better than straight above was found.
   bool wants_estimate() const { return how_ == How::vertical && automatic_; }
 
+  struct Sensor {
+    Point at;
+    bool guessed = false;  // its track does not reach to the point's time: it is taken to be straight above
+  };
   // Of a point and the row of its attributes; nothing when the row says nothing: not finite, or no direction.
   // Error usage when the sensor is at the point.
-  Result<std::optional<Point>> of(const Point& point, PointId id, const std::byte* row) const;
+  Result<std::optional<Sensor>> of(const Point& point, PointId id, const std::byte* row) const;
 
   // A sentence on what is used, and why.
   const std::string& used() const { return used_; }
 
  private:
   enum class How : std::uint8_t { vertical, origin, normal, positions, track };
-  struct Field {
-    AttributeType type = AttributeType::f64;
-    std::size_t offset = 0;
-  };
   Status find(const std::vector<Attribute>& schema, bool wanted);
   Status find_times(const std::vector<Attribute>& schema);
   Point read(const std::byte* row) const;
 
   How how_ = How::vertical;
-  std::vector<Field> fields_;
+  std::vector<RowColumn> fields_;  // as how_ wants them
   std::vector<Point> positions_;
   std::shared_ptr<const Track> track_;
   bool automatic_ = false;
@@ -78,11 +80,7 @@ class Solidity {
   std::uint32_t vote(const std::byte* row) const;
 
  private:
-  struct Field {
-    AttributeType type = AttributeType::u8;
-    std::size_t offset = 0;
-  };
-  std::optional<Field> number_, count_;
+  std::optional<RowColumn> number_, count_;
 };
 
 }  // namespace surface

@@ -40,7 +40,8 @@ Status check_result(const fs::path& in, const Manifest& manifest) {
 }
 
 // From the points' own pulses, if their attributes tell of such.
-Status estimate_sensors(const TileSource& source, unsigned threads, surface::Sensors& sensors, std::stop_token stop) {
+Status estimate_sensors(const TileSource& source, const SurfaceOptions& options, surface::Sensors& sensors,
+                        std::stop_token stop) {
   const auto& schema = source.manifest().schema;
   Pulses all(schema);
   if (!all.missing().empty()) return success();
@@ -49,6 +50,7 @@ Status estimate_sensors(const TileSource& source, unsigned threads, surface::Sen
   std::iota(tiles.begin(), tiles.end(), std::size_t{0});
   TileQueue queue(source, std::move(tiles), std::move(stop), {});
   std::atomic<bool> failed{false};
+  const unsigned threads = queue.threads(options.threads, options.memory_bytes, 1, 0);
   BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
     while (!failed) {
       BOOST_OUTCOME_TRY(index, queue.next());
@@ -114,7 +116,7 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   BOOST_OUTCOME_TRY(sensors,
                     surface::Sensors::make(options.sensors, source.manifest().schema, source.manifest().bounds));
   if (sensors.wants_estimate()) {
-    BOOST_OUTCOME_TRYV(estimate_sensors(source, options.threads, sensors, stop));
+    BOOST_OUTCOME_TRYV(estimate_sensors(source, options, sensors, stop));
   }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(place.path.string() + ".surface")));
 
@@ -146,8 +148,7 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
     manifest.tiles.push_back(std::move(entry));
     return success();
   }));
-  if (manifest.cells == 0)
-    return error(Errc::usage, in.string() + ": there is no surface: all cells are on one side of it");
+  if (manifest.cells == 0) return error(Errc::usage, "there is no surface: all cells are on one side of it");
   BOOST_OUTCOME_TRYV(finish_store(triangles, manifest, std::span<const DuplicatePair>()));
   ExportOptions output = options.output;
   output.progress = [&](double part) {
@@ -160,6 +161,7 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   made.sigma = counts.sigma;
   made.rays = counts.rays;
   made.no_rays = counts.no_rays;
+  made.guessed = counts.guessed;
   made.handed_over = counts.handed_over;
   made.steps = counts.steps;
   made.cells = source.manifest().cells;
@@ -180,6 +182,7 @@ std::string to_json(const Surface& surface, const std::string& output) {
                     {"sigma", surface.sigma},
                     {"rays", surface.rays},
                     {"points_without_ray", surface.no_rays},
+                    {"sensors_guessed", surface.guessed},
                     {"rays_handed_over", surface.handed_over},
                     {"ray_steps", surface.steps},
                     {"cells", surface.cells},

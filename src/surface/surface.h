@@ -46,6 +46,7 @@ struct Surface {
   double sigma = 0;               // the median scale of the vertices, in units of the coordinates
   std::uint64_t rays = 0;         // vertices with a sensor
   std::uint64_t no_rays = 0;      // without one
+  std::uint64_t guessed = 0;      // of the rays, those whose sensor is taken to be straight above
   std::uint64_t handed_over = 0;  // rays from tile to tile
   std::uint64_t steps = 0;        // of rays, through a cell each
   std::uint64_t cells = 0;        // of the result

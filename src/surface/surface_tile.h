@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -64,8 +63,11 @@ class SurfaceTile {
   // Error corrupt when there is no such cell, or when none of its vertices is the tile's own.
   Result<std::int32_t> find(const CellName& name) const;
 
-  // The values of vertices and of cells, by which a ray adds: to arcs out of a cell, across a facet, and to the excess.
+  // What rays add to: the arc out of a cell across a facet, and the excess of a cell.
   std::uint32_t& arc(std::int32_t cell, std::size_t facet) { return arcs_[4 * static_cast<std::size_t>(cell) + facet]; }
+  std::uint32_t arc(std::int32_t cell, std::size_t facet) const {
+    return arcs_[4 * static_cast<std::size_t>(cell) + facet];
+  }
   std::int64_t& excess(std::int32_t cell) { return excess_[static_cast<std::size_t>(cell)]; }
   void begin_weights();
   void forget_weights();  // when nobody needs them any more

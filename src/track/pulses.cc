@@ -6,48 +6,33 @@
 #include <tuple>
 #include <utility>
 
-#include "src/base/attribute_value.h"
+#include "src/base/random.h"
 
 namespace tessera {
 
 namespace {
 
 std::uint64_t hash_of(std::uint32_t line, double time) {
-  std::uint64_t h = std::bit_cast<std::uint64_t>(time) + 0x9e3779b97f4a7c15u * (line + 1);
-  h = (h ^ (h >> 30u)) * 0xbf58476d1ce4e5b9u;
-  h = (h ^ (h >> 27u)) * 0x94d049bb133111ebu;
-  return h ^ (h >> 31u);
+  return mixed_bits(std::bit_cast<std::uint64_t>(time) ^ mixed_bits(line));
 }
 
 }  // namespace
 
 Pulses::Pulses(const std::vector<Attribute>& schema, std::size_t most) : most_(most) {
-  const auto find = [&](const char* name) -> std::optional<Field> {
-    std::size_t offset = 0;
-    for (const Attribute& attribute : schema) {
-      if (attribute.name == name) return Field{attribute.type, offset};
-      offset += size_of(attribute.type);
-    }
-    return std::nullopt;
-  };
-  line_ = find("point_source_id");
+  line_ = column_of(schema, "point_source_id");
   for (const auto& [name, field] :
        {std::pair("gps_time", &time_), std::pair("return_number", &number_), std::pair("number_of_returns", &count_)}) {
-    const auto found = find(name);
+    const auto found = column_of(schema, name);
     if (!found && missing_.empty()) missing_ = name;
     if (found) *field = *found;
   }
 }
 
-double Pulses::value(const Field& field, const std::byte* row) const {
-  return as_double(field.type, row + field.offset);
-}
-
 void Pulses::add(const Point& at, const std::byte* row) {
-  const double number = value(number_, row), count = value(count_, row);
+  const double number = number_.value(row), count = count_.value(row);
   if (!(count > 1) || (number != 1 && number != count)) return;
-  const double line = line_ ? value(*line_, row) : 0;
-  const double time = value(time_, row);
+  const double line = line_ ? line_->value(row) : 0;
+  const double time = time_.value(row);
   if (!std::isfinite(time) || !(line >= 0 && line < 4e9)) return;
   keep({static_cast<std::uint32_t>(line), number == 1, time, at});
 }

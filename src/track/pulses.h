@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/attribute_value.h"
 #include "src/base/point.h"
 
 namespace tessera {
@@ -40,16 +41,11 @@ class Pulses {
     double time = 0;
     Point at;
   };
-  struct Field {
-    AttributeType type = AttributeType::u8;
-    std::size_t offset = 0;
-  };
-  double value(const Field& field, const std::byte* row) const;
   void keep(const Return& one);
 
   std::string missing_;
-  Field number_, count_, time_;
-  std::optional<Field> line_;
+  RowColumn number_, count_, time_;
+  std::optional<RowColumn> line_;
   std::size_t most_;
   std::uint64_t limit_ = ~std::uint64_t{0};  // of the hashes of pulses that are kept
   std::vector<Return> returns_;

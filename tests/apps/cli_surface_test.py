@@ -8,7 +8,7 @@ import unittest
 
 from cli import BAD_INPUT, CORRUPT, IGN, INTERRUPTED, IO, TESSERA, USAGE, CliTest
 
-BLOCK = pathlib.Path(IGN).parent / "block"
+CLOUDS = pathlib.Path(__file__).parent.parent / "data" / "clouds"
 
 
 def triangles_of_obj(data):
@@ -22,7 +22,7 @@ class Surface(CliTest):
         return self.json_lines(self.ok("surface", *args, "--json"))[-1]
 
     def test_it_is_the_same_in_one_step_and_in_any_tiles_memory_and_threads(self):
-        cloud = BLOCK / "ign_77050_627760.laz"
+        cloud = CLOUDS / "ign_77050_627760.laz"
         one = self.told(cloud, "-o", "one.ply", "--threads", "1")
         self.assertIn("where pulses with several returns come together", one["sensors"])
         self.assertEqual([p.name for p in self.folder.iterdir()], ["one.ply"])

@@ -79,7 +79,7 @@ std::vector<IdTriangle> expected(const std::vector<Point>& points, const SensorO
   RayCaster caster(tile, energy, static_cast<std::uint64_t>(tile.cells()));
   for (std::int32_t v = 0; v < tile.own_vertices(); ++v) {
     const auto sensor = sensors.of(tile.point(v), tile.id(v), nullptr).value();
-    EXPECT_TRUE(caster.cast(v, *sensor, sigma, full_vote));
+    EXPECT_TRUE(caster.cast(v, sensor->at, sigma, full_vote));
   }
   const Region region = region_of(tile, energy, rule, {}).value();
   const auto source = smallest_source_set(region.graph);
