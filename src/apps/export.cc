@@ -92,7 +92,7 @@ Command add_export(CLI::App& root) {
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
   add_switch(
       command, "local",
-      "ply, obj, off: coordinates count from the corner of the result's box, rounded down to whole numbers, which is "
+      "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole numbers, which is "
       "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
   add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
              false, true);

@@ -2,7 +2,9 @@
 #include "src/surface/surface.h"
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -42,6 +44,12 @@ Result<SurfaceOptions> read_options(Settings& settings, const OutputOptions& out
   BOOST_OUTCOME_TRYV(read(settings, "unknown", parse_unknown, options.unknown_inside));
   BOOST_OUTCOME_TRY(trim, settings.get("trim", [](const std::string& text) { return parse_distance(text); }));
   options.trim = trim;
+  BOOST_OUTCOME_TRY(manifold, settings.on("manifold"));
+  options.manifold = manifold;
+  BOOST_OUTCOME_TRY(smooth, settings.get("smooth", [](const std::string& text) {
+    return parse_integer(text, 0, std::numeric_limits<std::uint32_t>::max());
+  }));
+  options.smooth = static_cast<unsigned>(smooth.value_or(0));
   options.output.format = settings.text("format").value_or("");
   BOOST_OUTCOME_TRY(local, settings.on("local"));
   options.output.local = local;
@@ -68,6 +76,8 @@ void print(const Surface& made, const SurfaceOptions& options, const OutputOptio
       : options.bottom == Bottom::open ? "; closed but at the hull's lower side"
                                        : "; closed");
   say("%s; median scale %.4g\n", made.sensors.c_str(), made.sigma);
+  if (made.split > 0)
+    say("%llu vertices were added where the surface touches itself\n", static_cast<unsigned long long>(made.split));
   if (made.no_rays > 0)
     say("%llu points have no direction to a sensor, and no ray\n", static_cast<unsigned long long>(made.no_rays));
   if (made.guessed > 0)
@@ -124,12 +134,17 @@ Command add_surface(CLI::App& root) {
   add_choices(command, "unknown", "solid, empty");
   add_value(command, "trim", "LENGTH",
             "leave out triangles with a longer edge, which bridge what was not seen: the surface is not closed then");
+  add_switch(
+      command, "manifold",
+      "split vertices and edges where the surface touches itself, for programs that take no other; nothing moves");
+  add_value(command, "smooth", "N", "so many rounds of smoothing, which move the vertices (Taubin's); default: 0");
   add_value(command, "format", "NAME", "as of 'tessera export'; default: as the ending of --output says");
   add_choices(command, "format", export_format_names());
   add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
             'o', true);
-  add_switch(command, "local",
-             "ply, obj, off: coordinates count from the corner of the result's box, rounded down to whole numbers");
+  add_switch(
+      command, "local",
+      "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole numbers");
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);

@@ -8,13 +8,20 @@
 
 namespace tessera::exports {
 
-double longest_edge(const TileMesh& mesh, std::size_t cell) {
+namespace {
+
+double longest_edge_of(const TileMesh& mesh, std::size_t cell, bool flat) {
   const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
   std::array<Point, 4> at;
   for (std::size_t k = 0; k < corners; ++k)
     at[k] = mesh.points[static_cast<std::size_t>(mesh.cells[cell * corners + k])];
-  return longest_edge(std::span(at).first(corners), mesh.dimension == 2);
+  return longest_edge(std::span(at).first(corners), flat);
 }
+
+}  // namespace
+
+double longest_edge(const TileMesh& mesh, std::size_t cell) { return longest_edge_of(mesh, cell, mesh.dimension == 2); }
+double longest_edge_in_space(const TileMesh& mesh, std::size_t cell) { return longest_edge_of(mesh, cell, false); }
 
 double longest_edge(std::span<const Point> corners, bool flat) {
   const auto longest = [&](auto length) {

@@ -14,6 +14,8 @@ namespace tessera::exports {
 // The length of a cell's longest edge, in units of the coordinates, right to the last bit but two; infinite when it is
 // more than a double holds. In 2D it is that in the plane: heights do not count.
 double longest_edge(const TileMesh& mesh, std::size_t cell);
+// Where heights, which are the vertices' z then, count in 2D, too.
+double longest_edge_in_space(const TileMesh& mesh, std::size_t cell);
 // The same of any points: in the plane if `flat`.
 double longest_edge(std::span<const Point> corners, bool flat);
 

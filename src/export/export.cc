@@ -3,6 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 #include <functional>
 #include <set>
 #include <utility>
@@ -149,6 +152,25 @@ Result<Exported> export_merged(const MeshSource& source, const Selection& select
                        : export_file(source.format, head, target, give);
 }
 
+// What the format could not keep.
+std::string note_of(const MeshSource& source) {
+  const Manifest& manifest = source.manifest;
+  if (source.format.crs) return crs_note(manifest.crs);
+  if (!source.format.floats || source.options.local) return {};
+  double size = 0, far = 0;
+  for (int axis = 0; axis < manifest.dimension; ++axis) {
+    size = std::max(size, manifest.bounds.hi[axis] - manifest.bounds.lo[axis]);
+    far = std::max({far, std::abs(manifest.bounds.lo[axis]), std::abs(manifest.bounds.hi[axis])});
+  }
+  const double step = std::ldexp(far, -23);
+  if (step < size * 1e-5) return {};
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(),
+                "%s holds floats of 32 bits, in steps of up to %.2g here: local coordinates would be finer",
+                source.format.name, step);
+  return text.data();
+}
+
 }  // namespace
 }  // namespace exports
 
@@ -180,7 +202,7 @@ Result<Exported> export_result(const fs::path& out, const fs::path& path, const 
   exported.cells = selection.cells;
   exported.left_out = manifest.cells - selection.cells;
   exported.corner = exports::corner_of(source);
-  if (target.format->crs) exported.note = crs_note(manifest.crs);
+  exported.note = exports::note_of(source);
   return exported;
 }
 
@@ -221,7 +243,7 @@ Result<Exported> export_cells(const fs::path& out, const Manifest& manifest, Sto
   exported.path = target.path;
   exported.vertices = selection.vertices;
   exported.cells = selection.cells;
-  if (target.format->crs) exported.note = crs_note(manifest.crs);
+  exported.note = exports::note_of(source);
   return exported;
 }
 

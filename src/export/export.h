@@ -25,8 +25,12 @@ struct ExportOptions {
   // has then. In 2D edges are measured in the plane.
   std::optional<double> max_edge = {};
   // Coordinates count from the corner of the result's box, rounded down to whole numbers, for readers that keep floats
-  // of 32 bits. Formats that nothing places on a map: ply, obj, off.
+  // of 32 bits. Formats that nothing places on a map: ply, obj, off, stl.
   bool local = false;
+  // Formats that hold values of cells get one more, "longest_edge", with the heights; and the tile, if they do not tell
+  // it anyway.
+  bool longest_edges = false;
+  std::string comment = {};                   // ply: one line of its head
   bool overwrite = false;                     // replace files
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1, now and then; or null
 };

@@ -24,16 +24,18 @@ struct Format {
   const char* summary;       // for --help
   bool in_3d = true;         // 2D all of them hold
   Shape shape = Shape::file;
-  bool corners = false;        // cells carry coordinates and rows; there is no list of vertices
-  bool vertex_layer = false;   // but one of those with attributes, if there are any
-  bool crs = false;            // tells the coordinate system
-  bool attributes = false;     // holds those of the vertices
-  bool heights_apart = false;  // in 2D, z stays an attribute
-  bool neighbors = false;      // wants CellView::neighbors
-  bool edge_lengths = false;   // wants CellView::longest_edge
-  bool final = false;          // holds CellView::final
-  bool cell_columns = false;   // holds CellView::values
-  bool local = false;          // ExportOptions::local makes sense: it has a list of vertices, and no place on a map
+  bool corners = false;         // cells carry coordinates and rows; there is no list of vertices
+  bool vertex_layer = false;    // but one of those with attributes, if there are any
+  bool crs = false;             // tells the coordinate system
+  bool attributes = false;      // holds those of the vertices
+  bool heights_apart = false;   // in 2D, z stays an attribute
+  bool neighbors = false;       // wants CellView::neighbors
+  bool edge_lengths = false;    // wants CellView::longest_edge
+  bool final = false;           // holds CellView::final
+  bool cell_columns = false;    // holds CellView::values
+  bool tile_as_column = false;  // and has no other place for a cell's tile
+  bool floats = false;          // coordinates are of 32 bits
+  bool local = false;           // ExportOptions::local makes sense: the format has no place on a map
   // Vertices, and cells, that its readers can number; `instead` is what to take for more, or for 3D.
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
   const char* instead;
@@ -51,6 +53,8 @@ OpenedWriter open_ply(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_vtu(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_off(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_obj(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_stl(const std::filesystem::path& path, const MeshHead& head);
+OpenedWriter open_glb(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_medit(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh(const std::filesystem::path& path, const MeshHead& head);
 OpenedWriter open_gmsh_binary(const std::filesystem::path& path, const MeshHead& head);

@@ -117,6 +117,31 @@ struct Corners {
   const Rows& rows;
 };
 
+// Values of cells that are told beside those of the result: ExportOptions::longest_edges.
+class Facts {
+ public:
+  explicit Facts(const MeshSource& source)
+      : edge_(source.options.longest_edges && source.format.cell_columns),
+        tile_(edge_ && source.format.tile_as_column) {}
+  void declare(std::vector<Attribute>& columns) const {
+    if (edge_) columns.push_back({"longest_edge", AttributeType::f64});
+    if (tile_) columns.push_back({"tile", AttributeType::u32});
+  }
+  void add_to(CellView& cell) {
+    if (edge_) cell.values.push_back(reinterpret_cast<const std::byte*>(&length_));
+    if (tile_) cell.values.push_back(reinterpret_cast<const std::byte*>(&cell.tile));
+  }
+  bool any() const { return edge_; }
+  // Of a cell, whose vertices have been lifted.
+  void look_at(const TileMesh& mesh, std::size_t cell) {
+    if (edge_) length_ = longest_edge_in_space(mesh, cell);
+  }
+
+ private:
+  bool edge_, tile_;
+  double length_ = 0;
+};
+
 // Gives the writer the cells of a tile that are exported; the first has the number `first`. `tile_of`: the main tile of
 // each.
 template <class TileOf>
@@ -135,13 +160,17 @@ Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf
   CellView cell;
   cell.neighbors.fill(CellView::elsewhere);
   cell.values.resize(source.format.cell_columns ? tile.cell_columns.size() : 0);
+  const std::size_t stored = cell.values.size();
+  Facts facts(source);
+  facts.add_to(cell);
   for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
     if (!source.filter.keeps(mesh, i)) continue;
     if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
     cell.tile = tile_of(i);
     cell.own = 0;
     cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
-    for (std::size_t c = 0; c < cell.values.size(); ++c)
+    facts.look_at(mesh, i);
+    for (std::size_t c = 0; c < stored; ++c)
       cell.values[c] = tile.cell_columns[c].data() + i * size_of(tile.cell_schema[c].type);
     for (std::size_t k = 0; k < corners; ++k) {
       const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
@@ -221,11 +250,13 @@ MeshHead head_of(const MeshSource& source, const Selection& selection) {
   head.final = source.manifest.region && !source.manifest.region->complete;
   head.corner = corner_of(source);
   head.spatial_index = source.options.spatial_index;
+  head.comment = source.options.comment;
   head.crs = crs_or_none(manifest.crs);
   head.software_version = manifest.software_version;
   head.columns = columns_of(source);
   // Cells in memory, which a question has found, have none.
   if (source.format.cell_columns && source.tiles != nullptr) head.cell_columns = cell_schema_of(manifest);
+  Facts(source).declare(head.cell_columns);
   head.heights = Rows(source).heights();
   return head;
 }
@@ -241,14 +272,16 @@ Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& w
     BOOST_OUTCOME_TRYV(give_vertices(source, selection, rows, writer, watch));
   }
   std::uint64_t cells = 0;
+  const bool places_wanted = source.format.corners || Facts(source).any();
   for (std::size_t index = 0; index < selection.parts.size(); ++index) {
     BOOST_OUTCOME_TRYV(watch.look());
-    BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = source.format.corners && rows.wanted(),
+    BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = places_wanted && rows.wanted(),
                                                        .cell_columns = source.format.cell_columns}));
     std::vector<std::uint64_t> numbers;
-    if (source.format.corners) {
+    if (places_wanted) {
       BOOST_OUTCOME_TRYV(rows.lift(source, tile));
-    } else {
+    }
+    if (!source.format.corners) {
       const fs::path file = source.tiles->file(index);
       BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
       numbers = std::move(found);

@@ -40,6 +40,7 @@ struct MeshHead {
   std::optional<Point> corner = {};  // that coordinates count from, for a comment
   std::vector<Column> columns;
   std::vector<Attribute> cell_columns = {};  // formats that hold values of cells
+  std::string comment = {};                  // of one line; often empty
   std::string crs;
   std::string software_version;
   // A sentence about the corner for a comment of one line; empty without one.

@@ -95,7 +95,7 @@ Result<Target> find_free_target(const fs::path& path, const ExportOptions& optio
   BOOST_OUTCOME_TRYV(check_free(target, options.overwrite));
   BOOST_OUTCOME_TRYV(check_max_edge(options.max_edge));
   if (options.local && !target.format->local)
-    return error(Errc::usage, option("local", "true") + ": is for ply, obj and off; " + target.format->name +
+    return error(Errc::usage, option("local", "true") + ": is for ply, obj, off and stl; " + target.format->name +
                                   " keeps coordinates as they are");
   return std::move(target);
 }

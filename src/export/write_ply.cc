@@ -49,11 +49,13 @@ class PlyWriter : public StreamWriter {
   PlyWriter(OutputFile file, const MeshHead& head)
       : StreamWriter(std::move(file)),
         columns_(head.columns),
+        cell_columns_(head.cell_columns),
         corners_(head.corners()),
         small_ids_(head.ids <= std::uint64_t{1} << 32) {
     std::set<std::string> taken;
     stream_.text("ply\nformat binary_little_endian 1.0\ncomment tessera " + ply_name(head.software_version, taken) +
-                 (head.corner ? "\ncomment " + head.corner_comment() : "") + "\nelement vertex " +
+                 (head.corner ? "\ncomment " + head.corner_comment() : "") +
+                 (head.comment.empty() ? "" : "\ncomment " + head.comment) + "\nelement vertex " +
                  std::to_string(head.vertices) +
                  "\nproperty double x\nproperty double y\nproperty double z\nproperty " +
                  (small_ids_ ? "uint" : "double") + " id\n");
@@ -61,7 +63,11 @@ class PlyWriter : public StreamWriter {
     for (const auto& column : columns_)
       stream_.text(std::string("property ") + ply_type(column.type) + " " + ply_name(column.name, taken) + "\n");
     stream_.text(std::string("element ") + (head.dimension == 2 ? "face " : "cell ") + std::to_string(head.cells) +
-                 "\nproperty list uchar uint vertex_indices\nend_header\n");
+                 "\nproperty list uchar uint vertex_indices\n");
+    taken = {"vertex_indices"};
+    for (const auto& column : cell_columns_)
+      stream_.text(std::string("property ") + ply_type(column.type) + " " + ply_name(column.name, taken) + "\n");
+    stream_.text("end_header\n");
   }
 
   void vertex(const VertexView& vertex) override {
@@ -71,22 +77,24 @@ class PlyWriter : public StreamWriter {
     } else {
       stream_.value(static_cast<double>(vertex.id.value));
     }
-    for (const auto& column : columns_) {
-      const std::byte* from = vertex.row + column.offset;
-      if (column.type == AttributeType::u64 || column.type == AttributeType::i64) {
-        stream_.value(as_double(column.type, from));
-      } else {
-        stream_.bytes({from, size_of(column.type)});
-      }
-    }
+    for (const auto& column : columns_) put(column.type, vertex.row + column.offset);
   }
   void cell(const CellView& cell) override {
     stream_.value(static_cast<std::uint8_t>(corners_));
     for (std::size_t k = 0; k < corners_; ++k) stream_.value(static_cast<std::uint32_t>(cell.numbers[k]));
+    for (std::size_t c = 0; c < cell_columns_.size(); ++c) put(cell_columns_[c].type, cell.values[c]);
   }
 
  private:
+  void put(AttributeType type, const std::byte* from) {
+    if (type == AttributeType::u64 || type == AttributeType::i64) {
+      stream_.value(as_double(type, from));
+    } else {
+      stream_.bytes({from, size_of(type)});
+    }
+  }
   std::vector<Column> columns_;
+  std::vector<Attribute> cell_columns_;
   std::size_t corners_;
   bool small_ids_;
 };

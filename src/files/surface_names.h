@@ -25,5 +25,11 @@ inline std::filesystem::path surface_mail_file(const std::filesystem::path& mail
 }
 // A surface's triangles, as a result is stored, until they are written as they are wanted.
 inline std::filesystem::path surface_triangles(const std::filesystem::path& scratch) { return scratch / "triangles"; }
+inline std::filesystem::path surface_split_triangles(const std::filesystem::path& scratch) { return scratch / "split"; }
+inline std::filesystem::path surface_smooth_triangles(const std::filesystem::path& scratch) {
+  return scratch / "smooth";
+}
+// Of smoothing, while it goes on: tiles and mail, as above.
+inline std::filesystem::path surface_smoothing(const std::filesystem::path& scratch) { return scratch / "smoothing"; }
 
 }  // namespace tessera

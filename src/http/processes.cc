@@ -103,6 +103,8 @@ const char* help_of(const std::string& field) {
       {"bottom", "Below all points: closed (inside, with a bottom), open (without one), or free (outside)."},
       {"unknown", "Where no ray tells: solid or empty."},
       {"trim", "Triangles with a longer edge are left out: the surface is not closed then."},
+      {"manifold", "Where the surface touches itself, vertices and edges are split; nothing moves."},
+      {"smoothing", "Rounds of smoothing, which move the vertices; none when it is not given."},
       {"index_every", "Every N-th level, from base on, is an index line; 5 when it is not given."}};
   const auto text = texts.find(field);
   return text == texts.end() ? nullptr : text->second;

@@ -124,6 +124,8 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
     BOOST_OUTCOME_TRY(longest, length_of("trim", inputs.trim()));
     options.trim = longest;
   }
+  options.manifold = inputs.manifold();
+  options.smooth = inputs.smoothing();
   options.output.format = inputs.format();
   options.output.local = inputs.local();
   BOOST_OUTCOME_TRYV(check_surface_options(options));

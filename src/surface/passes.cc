@@ -125,10 +125,7 @@ Status Passes::run(const Take& take) {
   BOOST_OUTCOME_TRYV(pass(regions_done, all, [&](auto i, auto& tile) { return decide(i, tile); }));
   BOOST_OUTCOME_TRYV(solve());
   BOOST_OUTCOME_TRYV(pass(labels_done, all, [&](auto i, auto& tile) { return tell_labels(i, tile); }));
-  return pass(1, all, [&](auto i, auto& tile) -> Status {
-    BOOST_OUTCOME_TRY(stored, triangles(i, tile));
-    return take(i, stored);
-  });
+  return pass(1, all, [&](auto i, auto& tile) { return give_triangles(i, tile, take); });
 }
 
 Status Passes::find_scales(SurfaceTile& tile) {
@@ -278,14 +275,20 @@ Status Passes::tell_labels(std::size_t index, SurfaceTile& tile) {
   return labels.send();
 }
 
-Result<StoredTile> Passes::triangles(std::size_t index, const SurfaceTile& tile) {
+Status Passes::give_triangles(std::size_t index, const SurfaceTile& tile, const Take& take) {
   BOOST_OUTCOME_TRY(labels, own_labels(index, tile));
   BOOST_OUTCOME_TRY(told, labels_.take(index));
   for (const LabelRecord& record : told) {
     BOOST_OUTCOME_TRY(cell, tile.find(record.cell));
     labels[static_cast<std::size_t>(cell)] = record.outside != 0 ? Label::outside : Label::inside;
   }
-  return triangles_of(tile, labels, options_.rule, options_.boundary);
+  BOOST_OUTCOME_TRY(facets, facets_of(tile, labels, options_.rule, options_.boundary));
+  Splits splits;
+  if (options_.splits) {
+    BOOST_OUTCOME_TRY(found, splits_of(tile, labels, options_.rule, options_.boundary, facets));
+    splits = std::move(found);
+  }
+  return take(index, triangles_of(tile, facets), std::move(splits));
 }
 
 }  // namespace tessera::surface

@@ -26,6 +26,7 @@
 #include "src/surface/sensors.h"
 #include "src/surface/shelf.h"
 #include "src/surface/triangles.h"
+#include "src/surface/umbrellas.h"
 
 namespace tessera::surface {
 
@@ -33,6 +34,7 @@ struct PassesOptions {
   Energy energy;
   CutRule rule;
   Boundary boundary;
+  bool splits = false;  // tells what is to be split where the surface is not manifold
   std::uint64_t memory_bytes = 0;
   unsigned threads = 1;
   std::function<void(double)> progress = {};
@@ -50,8 +52,8 @@ class Passes {
   // `scratch`: an empty folder.
   static Result<std::unique_ptr<Passes>> begin(const TileSource& source, const Sensors& sensors,
                                                const std::filesystem::path& scratch, PassesOptions options);
-  // Called by several threads, for each tile once.
-  using Take = std::function<Status(std::size_t index, const StoredTile& triangles)>;
+  // Called by several threads, for each tile once. `splits`: if they were asked for.
+  using Take = std::function<Status(std::size_t index, const StoredTile& triangles, Splits splits)>;
   Status run(const Take& take);
   const Counts& counts() const { return counts_; }
 
@@ -71,7 +73,7 @@ class Passes {
   Status solve();
   Result<std::vector<Label>> own_labels(std::size_t index, const SurfaceTile& tile);
   Status tell_labels(std::size_t index, SurfaceTile& tile);
-  Result<StoredTile> triangles(std::size_t index, const SurfaceTile& tile);
+  Status give_triangles(std::size_t index, const SurfaceTile& tile, const Take& take);
   Status take_votes(std::size_t index, SurfaceTile& tile);
   Result<std::size_t> place_of(TileId tile) const;
   template <class Record>

@@ -1,20 +1,18 @@
 #include "src/surface/surface.h"
 
-#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <utility>
 
-#include "src/base/on_threads.h"
 #include "src/base/option.h"
 #include "src/files/names.h"
 #include "src/files/surface_names.h"
 #include "src/files/temporary.h"
-#include "src/result/tile_queue.h"
-#include "src/store/tile_store.h"
+#include "src/surface/manifold.h"
 #include "src/surface/passes.h"
+#include "src/surface/smooth.h"
+#include "src/surface/triangle_store.h"
 #include "src/track/estimate.h"
 #include "src/track/pulses.h"
 
@@ -23,6 +21,8 @@ namespace tessera {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr unsigned smooth_max = 1000;
 
 Status check_result(const fs::path& in, const Manifest& manifest) {
   if (manifest.dimension != 3)
@@ -46,47 +46,18 @@ Status estimate_sensors(const TileSource& source, const SurfaceOptions& options,
   Pulses all(schema);
   if (!all.missing().empty()) return success();
   std::mutex mutex;
-  std::vector<std::size_t> tiles(source.tiles());
-  std::iota(tiles.begin(), tiles.end(), std::size_t{0});
-  TileQueue queue(source, std::move(tiles), std::move(stop), {});
-  std::atomic<bool> failed{false};
-  const unsigned threads = queue.threads(options.threads, options.memory_bytes, 1, 0);
-  BOOST_OUTCOME_TRYV(on_threads(threads, failed, [&]() -> Status {
-    while (!failed) {
-      BOOST_OUTCOME_TRY(index, queue.next());
-      if (!index) break;
-      BOOST_OUTCOME_TRY(tile, source.read(*index, {.cells = false, .rows = true}));
-      Pulses pulses(schema);
-      const std::size_t width = row_bytes(schema);
-      for (std::size_t v = 0; v < tile.mesh.points.size(); ++v)
-        if (tile.mesh.point_ghost[v] == 0) pulses.add(tile.mesh.points[v], tile.rows.data() + v * width);
-      const std::lock_guard lock(mutex);
-      all.add(pulses);
-    }
-    return success();
-  }));
+  const surface::TileWork how{options.threads, options.memory_bytes, std::move(stop)};
+  BOOST_OUTCOME_TRYV(
+      surface::for_each_tile(source, {.cells = false, .rows = true}, how, [&](auto, auto tile) -> Status {
+        Pulses pulses(schema);
+        const std::size_t width = row_bytes(schema);
+        for (std::size_t v = 0; v < tile.mesh.points.size(); ++v)
+          if (tile.mesh.point_ghost[v] == 0) pulses.add(tile.mesh.points[v], tile.rows.data() + v * width);
+        const std::lock_guard lock(mutex);
+        all.add(pulses);
+        return success();
+      }));
   return sensors.use_estimate(estimate_track(all.take()), schema);
-}
-
-// What export reads: triangles as a 2D result with heights.
-Manifest manifest_of_triangles(const Manifest& from) {
-  Manifest manifest = from;
-  manifest.version = 1;
-  manifest.dimension = 2;
-  manifest.neighbors = false;
-  manifest.columns.clear();
-  manifest.tiles.clear();
-  manifest.previous_master_xxh3.reset();
-  manifest.partition_kind = "random";  // no box of a tile says where its triangles are
-  manifest.partition =
-      nlohmann::json{
-          {"kind", "random"}, {"dimension", 2}, {"tiles", manifest.boxes.size()}, {"splits", nlohmann::json::array()}}
-          .dump();
-  manifest.duplicates = manifest.duplicates_xxh3 = 0;
-  manifest.vertices = manifest.cells = 0;
-  manifest.other_heights.reset();
-  manifest.schema.insert(manifest.schema.begin(), Attribute{"z", AttributeType::f64});
-  return manifest;
 }
 
 }  // namespace
@@ -103,6 +74,8 @@ Status check_surface_options(const SurfaceOptions& options) {
   if (!(energy.ray_length > 0)) return error(Errc::usage, option("ray-length") + " is not above 0");
   if (energy.sigma != 0 && !positive(energy.sigma))
     return error(Errc::usage, option("sigma") + " is not a length above 0");
+  if (options.smooth > smooth_max)
+    return error(Errc::usage, option("smooth") + " is more than " + std::to_string(smooth_max) + " rounds");
   if (options.trim && !positive(*options.trim)) return error(Errc::usage, option("trim") + " is not a length above 0");
   return success();
 }
@@ -120,7 +93,14 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(place.path.string() + ".surface")));
 
-  constexpr double passes_part = 0.9;
+  // How far all is when each part is done.
+  const bool smooths = options.smooth > 0;
+  const double cells_done = smooths ? 0.7 : 0.9, smooth_done = 0.9;
+  const auto tell = [&](double begin, double end) {
+    return [&options, begin, end](double part) {
+      if (options.progress) options.progress(begin + (end - begin) * part);
+    };
+  };
   const auto closed = SurfaceOptions::Bottom::closed, free = SurfaceOptions::Bottom::free;
   BOOST_OUTCOME_TRY(passes,
                     surface::Passes::begin(
@@ -128,42 +108,58 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
                         {.energy = options.energy,
                          .rule = {.lower_inside = options.bottom != free, .unknown_inside = options.unknown_inside},
                          .boundary = {.below = options.bottom == closed, .trim = options.trim},
+                         .splits = options.manifold,
                          .memory_bytes = options.memory_bytes,
                          .threads = options.threads,
-                         .progress =
-                             [&](double part) {
-                               if (options.progress) options.progress(passes_part * part);
-                             },
+                         .progress = tell(0, cells_done),
                          .stop = stop}));
-  const fs::path triangles = surface_triangles(scratch.path());
-  Manifest manifest = manifest_of_triangles(source.manifest());
-  std::mutex mutex;
-  BOOST_OUTCOME_TRYV(passes->run([&](std::size_t index, const StoredTile& tile) -> Status {
-    if (tile.mesh.cells.empty()) return success();
-    BOOST_OUTCOME_TRY(entry, write_tile(triangles, source.entry(index).tile, tile.mesh, tile.rows,
-                                        {.neighbors = false, .schema = tile.schema, .stop = stop}));
-    const std::lock_guard lock(mutex);
-    manifest.vertices += entry.own_points;
-    manifest.cells += entry.main_cells;
-    manifest.tiles.push_back(std::move(entry));
-    return success();
+  surface::TriangleStore triangles(surface_triangles(scratch.path()), source.manifest());
+  surface::Manifold manifold;
+  BOOST_OUTCOME_TRYV(passes->run([&](std::size_t index, const StoredTile& tile, surface::Splits splits) -> Status {
+    manifold.add(std::move(splits));
+    return triangles.add(source.entry(index).tile, tile, stop);
   }));
-  if (manifest.cells == 0) return error(Errc::usage, "there is no surface: all cells are on one side of it");
-  BOOST_OUTCOME_TRYV(finish_store(triangles, manifest, std::span<const DuplicatePair>()));
+  const std::uint64_t ids = source.manifest().points_read;
+  BOOST_OUTCOME_TRYV(triangles.finish(ids));
+  fs::path finished = triangles.folder();
+  Digest digest = *triangles.manifest().digest;
+  const surface::TileWork how{options.threads, options.memory_bytes, stop};
+  manifold.settle({ids});
+  if (manifold.new_vertices() > 0) {
+    BOOST_OUTCOME_TRY(whole, TileSource::open(finished));
+    surface::TriangleStore split(surface_split_triangles(scratch.path()), whole.manifest());
+    BOOST_OUTCOME_TRYV(surface::for_each_tile(whole, {.rows = true}, how, [&](std::size_t index, StoredTile tile) {
+      const TileId self = whole.entry(index).tile;
+      return split.add(self, manifold.apply(std::move(tile), self), stop);
+    }));
+    BOOST_OUTCOME_TRYV(split.finish(ids + manifold.new_vertices()));
+    finished = split.folder();
+    digest = *split.manifest().digest;
+  }
+  if (smooths) {
+    BOOST_OUTCOME_TRY(rough, TileSource::open(finished));
+    surface::TriangleStore smoothed(surface_smooth_triangles(scratch.path()), rough.manifest());
+    BOOST_OUTCOME_TRYV(
+        surface::smooth(rough, smoothed, surface_smoothing(scratch.path()),
+                        {.rounds = options.smooth, .how = how, .progress = tell(cells_done, smooth_done)}));
+    BOOST_OUTCOME_TRYV(smoothed.finish(rough.manifest().points_read));
+    finished = smoothed.folder();
+    digest = *smoothed.manifest().digest;
+  }
   ExportOptions output = options.output;
-  output.progress = [&](double part) {
-    if (options.progress) options.progress(passes_part + (1 - passes_part) * part);
-  };
-  BOOST_OUTCOME_TRY(exported, export_result(triangles, target, output, stop));
+  output.longest_edges = true;
+  output.progress = tell(smooths ? smooth_done : cells_done, 1);
+  BOOST_OUTCOME_TRY(exported, export_result(finished, target, output, stop));
 
   const surface::Counts& counts = passes->counts();
-  Surface made{.mesh = std::move(exported), .digest = *manifest.digest, .sensors = sensors.used()};
+  Surface made{.mesh = std::move(exported), .digest = digest, .sensors = sensors.used()};
   made.sigma = counts.sigma;
   made.rays = counts.rays;
   made.no_rays = counts.no_rays;
   made.guessed = counts.guessed;
   made.handed_over = counts.handed_over;
   made.steps = counts.steps;
+  made.split = manifold.new_vertices();
   made.cells = source.manifest().cells;
   made.undecided = counts.undecided;
   made.outside = counts.outside;
@@ -185,6 +181,7 @@ std::string to_json(const Surface& surface, const std::string& output) {
                     {"sensors_guessed", surface.guessed},
                     {"rays_handed_over", surface.handed_over},
                     {"ray_steps", surface.steps},
+                    {"vertices_added", surface.split},
                     {"cells", surface.cells},
                     {"cells_undecided", surface.undecided},
                     {"cells_outside", surface.outside},

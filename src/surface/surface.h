@@ -29,6 +29,8 @@ struct SurfaceOptions {
   Bottom bottom = Bottom::closed;
   bool unknown_inside = true;       // where no ray says anything
   std::optional<double> trim = {};  // leaves out triangles with a longer edge, so that the surface is not closed
+  bool manifold = false;            // splits vertices and edges where the surface touches itself; nothing moves
+  unsigned smooth = 0;              // rounds of smoothing, which move the vertices, 1,000 at most
   ExportOptions output;             // of the mesh
   std::uint64_t memory_bytes = 0;   // at least what a tile takes is used
   unsigned threads = 1;
@@ -49,6 +51,7 @@ struct Surface {
   std::uint64_t guessed = 0;      // of the rays, those whose sensor is taken to be straight above
   std::uint64_t handed_over = 0;  // rays from tile to tile
   std::uint64_t steps = 0;        // of rays, through a cell each
+  std::uint64_t split = 0;        // vertices that were added to make it manifold
   std::uint64_t cells = 0;        // of the result
   std::uint64_t undecided = 0;    // cells that no tile could decide alone
   std::uint64_t outside = 0;      // cells

@@ -5,8 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "src/files/disk_file.h"
-#include "src/files/there.h"
+#include "src/surface/arrays.h"
 
 namespace tessera::surface {
 
@@ -134,64 +133,6 @@ std::size_t SurfaceTile::bytes() const {
 }
 
 namespace {
-
-// Arrays one after the other, each with its length before it.
-class Arrays {
- public:
-  explicit Arrays(DiskFile file) : file_(std::move(file)) {}
-  template <class Array>
-  Status put(const Array& array) {
-    const std::uint64_t size = array.size();
-    BOOST_OUTCOME_TRYV(file_.write(std::as_bytes(std::span(&size, 1))));
-    return file_.write(std::as_bytes(std::span(array)));
-  }
-  // Nothing says that the file is another one than was written but that it is too short.
-  template <class Array>
-  Result<bool> get(Array& array, std::uint64_t most) {
-    std::uint64_t size = 0;
-    BOOST_OUTCOME_TRY(head, file_.read(std::as_writable_bytes(std::span(&size, 1))));
-    if (head != sizeof size || size > most) return false;
-    array.resize(size);
-    const auto bytes = std::as_writable_bytes(std::span(array));
-    BOOST_OUTCOME_TRY(read, file_.read(bytes));
-    return read == bytes.size();
-  }
-  Status close() { return file_.close(); }
-
- private:
-  DiskFile file_;
-};
-
-// All arrays that `each` calls its argument with, to a file, one after the other.
-template <class Each>
-Status save_arrays(const std::filesystem::path& path, const Each& each) {
-  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::replace));
-  Arrays arrays(std::move(file));
-  Status status = success();
-  each([&](const auto& array) {
-    if (status) status = arrays.put(array);
-  });
-  BOOST_OUTCOME_TRYV(std::move(status));
-  return arrays.close();
-}
-
-template <class Each>
-Status load_arrays(const std::filesystem::path& path, const Each& each) {
-  BOOST_OUTCOME_TRY(bytes, file_bytes(path));
-  BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
-  Arrays arrays(std::move(file));
-  Status status = success();
-  each([&](auto& array) {
-    if (!status) return;
-    auto whole = arrays.get(array, bytes);
-    if (!whole) {
-      status = std::move(whole).error();
-    } else if (!whole.value()) {
-      status = error(Errc::io, path.string() + ": is shorter than it was");
-    }
-  });
-  return status;
-}
 
 template <class Stored, class Use>
 void cells_of(Stored& stored, const Use& use) {

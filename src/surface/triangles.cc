@@ -24,45 +24,40 @@ void give_labels(const SurfaceTile& tile, std::span<const Label> labels,
 
 namespace {
 
-using Triangle = std::array<std::int32_t, 3>;  // vertices of the tile
-
 class Collector {
  public:
   Collector(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule, const Boundary& boundary)
       : tile_(tile), labels_(labels), rule_(rule), boundary_(boundary) {}
 
-  std::vector<Triangle> collect() {
+  std::vector<SurfaceFacet> collect() {
     for (std::int32_t cell = 0; cell < tile_.cells(); ++cell)
-      for (std::size_t k = 0; k < 4; ++k) look_at(cell, k);
-    return std::move(triangles_);
+      for (std::uint8_t k = 0; k < 4; ++k) look_at(cell, k);
+    return std::move(facets_);
   }
 
  private:
   bool outside(std::int32_t cell) const { return labels_[static_cast<std::size_t>(cell)] == Label::outside; }
 
-  void look_at(std::int32_t cell, std::size_t k) {
+  void look_at(std::int32_t cell, std::uint8_t k) {
     const std::int32_t across = tile_.neighbor(cell, k);
     if (across == SurfaceTile::elsewhere) return;
     if (across == SurfaceTile::outside) {
       const bool beyond = boundary_.below || !is_inside_beyond(tile_, cell, k, rule_);
-      if (outside(cell) != beyond) add(cell, k, beyond);
+      if (outside(cell) != beyond) add({cell, k, beyond});
     } else if (!outside(cell) && outside(across)) {
-      add(cell, k, true);
+      add({cell, k, true});
     }
   }
 
-  // `outwards`: the cell is inside.
-  void add(std::int32_t cell, std::size_t k, bool outwards) {
-    Triangle at;
-    for (std::size_t i = 0; i < 3; ++i) at[i] = tile_.vertex(cell, facet_corners[k][i]);
+  void add(const SurfaceFacet& facet) {
+    const auto at = vertices_of(tile_, facet);
     if (std::none_of(at.begin(), at.end(), [&](std::int32_t v) { return v < tile_.own_vertices(); })) return;
     if (boundary_.trim && longest(at) > *boundary_.trim) return;
-    if (!outwards) std::swap(at[1], at[2]);
-    triangles_.push_back(at);
+    facets_.push_back(facet);
   }
 
   // Squares are compared as they are rounded, in the order of the vertices' ids: all tiles agree.
-  double longest(Triangle at) const {
+  double longest(std::array<std::int32_t, 3> at) const {
     std::sort(at.begin(), at.end(), [&](std::int32_t a, std::int32_t b) { return tile_.id(a) < tile_.id(b); });
     double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -77,20 +72,39 @@ class Collector {
   std::span<const Label> labels_;
   const CutRule& rule_;
   const Boundary& boundary_;
-  std::vector<Triangle> triangles_;
+  std::vector<SurfaceFacet> facets_;
 };
 
 }  // namespace
 
-Result<StoredTile> triangles_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
-                                const Boundary& boundary) {
+std::array<std::int32_t, 3> vertices_of(const SurfaceTile& tile, const SurfaceFacet& facet) {
+  std::array<std::int32_t, 3> at;
+  for (std::size_t i = 0; i < 3; ++i) at[i] = tile.vertex(facet.cell, facet_corners[facet.corner][i]);
+  if (!facet.outwards) std::swap(at[1], at[2]);
+  return at;
+}
+
+TriangleName name_of(const SurfaceTile& tile, const SurfaceFacet& facet) {
+  const auto at = vertices_of(tile, facet);
+  TriangleName name{tile.id(at[0]), tile.id(at[1]), tile.id(at[2])};
+  std::sort(name.begin(), name.end());
+  return name;
+}
+
+Result<std::vector<SurfaceFacet>> facets_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
+                                            const Boundary& boundary) {
   for (std::size_t cell = 0; cell < labels.size(); ++cell)
     if (labels[cell] == Label::unknown)
       return tile.corrupt("nobody has told whether cell " + std::to_string(cell) + " is outside");
-  std::vector<Triangle> triangles = Collector(tile, labels, rule, boundary).collect();
+  return Collector(tile, labels, rule, boundary).collect();
+}
+
+StoredTile triangles_of(const SurfaceTile& tile, std::span<const SurfaceFacet> facets) {
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const SurfaceFacet& facet : facets) triangles.push_back(vertices_of(tile, facet));
   const TileMesh& from = tile.mesh();
   std::vector<std::int32_t> number(from.points.size(), -1);
-  for (const Triangle& triangle : triangles)
+  for (const auto& triangle : triangles)
     for (const std::int32_t v : triangle) number[static_cast<std::size_t>(v)] = 0;
   StoredTile out;
   out.schema = {{"z", AttributeType::f64}};
@@ -111,20 +125,26 @@ Result<StoredTile> triangles_of(const SurfaceTile& tile, std::span<const Label> 
     const auto row = std::span(tile.stored().rows).subspan(v * width, width);
     out.rows.insert(out.rows.end(), row.begin(), row.end());
   }
-  for (Triangle& triangle : triangles) {
+  for (auto& triangle : triangles)
     for (std::int32_t& v : triangle) v = number[static_cast<std::size_t>(v)];
+  put_triangles(std::move(triangles), tile.self(), mesh);
+  return out;
+}
+
+void put_triangles(std::vector<std::array<std::int32_t, 3>> triangles, TileId self, TileMesh& mesh) {
+  for (auto& triangle : triangles)
     std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
-  }
   std::sort(triangles.begin(), triangles.end());
-  for (const Triangle& triangle : triangles) {
-    TileId main = tile.self();
+  mesh.cells.clear();
+  mesh.cell_ghost.clear();
+  for (const auto& triangle : triangles) {
+    TileId main = self;
     for (const std::int32_t v : triangle) {
       mesh.cells.push_back(v);
       main = std::min(main, mesh.owners[static_cast<std::size_t>(v)]);
     }
-    mesh.cell_ghost.push_back(main == tile.self() ? 0 : 1);
+    mesh.cell_ghost.push_back(main == self ? 0 : 1);
   }
-  return out;
 }
 
 }  // namespace tessera::surface

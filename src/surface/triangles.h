@@ -1,7 +1,9 @@
 // From labels to the triangles of a surface.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -25,10 +27,27 @@ struct Boundary {
 void give_labels(const SurfaceTile& tile, std::span<const Label> labels,
                  const std::function<void(TileId, const LabelRecord&)>& label);
 
-// All triangles with a vertex of the tile's own, counterclockwise from outside, the least vertex first; those that are
-// main in another tile are ghosts, as cells are. In 2D as a result has it, with the heights as first attribute "z".
-// `labels`: of all cells. Error corrupt when one is unknown.
-Result<StoredTile> triangles_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
-                                const Boundary& boundary);
+// A triangle of the surface: the facet of a cell opposite a corner of it. `outwards`: the cell is inside; else the cell
+// is outside, and what is beyond the hull there is inside.
+struct SurfaceFacet {
+  std::int32_t cell = 0;
+  std::uint8_t corner = 0;
+  bool outwards = true;
+};
+// All that have a vertex of the tile's own. `labels`: of all cells. Error corrupt when one is unknown.
+Result<std::vector<SurfaceFacet>> facets_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
+                                            const Boundary& boundary);
+// Counterclockwise from outside.
+std::array<std::int32_t, 3> vertices_of(const SurfaceTile& tile, const SurfaceFacet& facet);
+// A triangle, whoever holds it: the source indices of its vertices, ascending.
+using TriangleName = std::array<PointId, 3>;
+TriangleName name_of(const SurfaceTile& tile, const SurfaceFacet& facet);
+
+// The facets as triangles of a 2D result with the heights as first attribute "z".
+StoredTile triangles_of(const SurfaceTile& tile, std::span<const SurfaceFacet> facets);
+
+// The triangles' vertices, by number: puts them into the mesh as a result has them, the least vertex first; those that
+// are main in another tile than `self` are ghosts, as cells are.
+void put_triangles(std::vector<std::array<std::int32_t, 3>> triangles, TileId self, TileMesh& mesh);
 
 }  // namespace tessera::surface

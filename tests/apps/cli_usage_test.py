@@ -86,7 +86,7 @@ class Arguments(CliTest):
         self.refused(USAGE, "verify", says="result folder")
         self.refused(USAGE, "info", says="given")
         self.refused(USAGE, "export", "out", says="-o")
-        self.refused(USAGE, "export", "out", "-o", "x.stl", says="stl")
+        self.refused(USAGE, "export", "out", "-o", "x.3ds", says="3ds")
         self.refused(USAGE, "generate", says="--help")
 
     def test_a_negative_crop_is_no_option(self):

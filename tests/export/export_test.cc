@@ -26,8 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const flat_formats[] = {"ply",  "vtu", "off",     "obj",     "mesh", "msh",
-                                    "mshb", "dxf", "landxml", "geojson", "gpkg", "csv"};
+const char* const flat_formats[] = {"ply", "vtu",  "off", "obj",     "stl",     "glb",  "mesh",
+                                    "msh", "mshb", "dxf", "landxml", "geojson", "gpkg", "csv"};
 
 void store_flat(const fs::path& out, std::size_t n = 200) {
   store_sample(out, sample_tiles(sample_points(Shape::uniform, 2, n), 2, 4));
@@ -38,7 +38,7 @@ void store_solid(const fs::path& out) { store_sample(out, sample_tiles(sample_po
 TEST(Export, FormatsWithoutTetrahedraRefuseThemInOneSentence) {
   const TemporaryFolder folder, target;
   store_solid(folder.path());
-  for (const std::string name : {"obj", "dxf", "landxml", "geojson", "gpkg", "csv"}) {
+  for (const std::string name : {"obj", "stl", "glb", "dxf", "landxml", "geojson", "gpkg", "csv"}) {
     const auto result = export_result(folder.path(), target.path() / ("a." + name), {}, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, Errc::usage);
@@ -48,7 +48,7 @@ TEST(Export, FormatsWithoutTetrahedraRefuseThemInOneSentence) {
 }
 
 TEST(Export, AnUnknownFormatIsRefusedBeforeAnythingIsRead) {
-  for (const std::string target : {"a.stl", "a", "tiles/", "arrays.npy"}) {
+  for (const std::string target : {"a.3ds", "a", "tiles/", "arrays.npy"}) {
     const auto result = export_result("no such folder", target, {}, {});
     ASSERT_FALSE(result) << target;
     EXPECT_EQ(result.error().code, Errc::usage) << target;
@@ -61,8 +61,9 @@ TEST(Export, ADamagedTileLeavesNothingHalfWritten) {
   const TemporaryFolder folder;
   store_flat(folder.path());
   fs::resize_file(tile_file(folder.path(), TileId{2}), 3000);
-  for (const std::string name :
-       {"ply", "vtu", "off", "obj", "mesh", "msh", "mshb", "dxf", "landxml", "geojson", "gpkg", "csv", "npy"}) {
+  std::vector<std::string> names(std::begin(flat_formats), std::end(flat_formats));
+  names.push_back("npy");
+  for (const std::string& name : names) {
     const TemporaryFolder target;
     for (const std::string& path : {"mesh." + name, std::string("tiles")}) {
       if (path == "mesh.npy") continue;

@@ -66,6 +66,36 @@ TEST_P(SurfaceOfShape, IsClosedAndTheSameWhateverTilesThreadsAndMemory) {
     }
   }
 }
+TEST_P(SurfaceOfShape, CanBeMadeManifoldWhateverTheTiles) {
+  const auto points = test::sample_points(GetParam(), 3, 1500);
+  std::uint64_t added = 0;
+  for (const double trim : {1e30, 0.2}) {
+    PassesOptions options{.energy = {}, .rule = {}, .boundary = {.below = true, .trim = trim}, .memory_bytes = enough};
+    options.energy.lambda = 0.01;  // ragged
+    const test::TemporaryFolder one;
+    store(one.path() / "out", points, 1, 0);
+    const Triangles before = triangles_of(one.path() / "out", {}, options);
+    options.splits = true;
+    const Triangles wanted = triangles_of(one.path() / "out", {}, options);
+    EXPECT_EQ(not_manifold(wanted.main), "") << trim;
+    EXPECT_EQ(not_manifold(before.main).empty(), wanted.added == 0);
+    if (trim > 1) {
+      EXPECT_EQ(open_edge(wanted.main), std::vector<PointId>());
+    }
+    EXPECT_EQ(wanted.points.size(), before.points.size() + wanted.added);
+    added += wanted.added;
+    for (const auto& [tiles, partition] : {std::pair(2u, 0), std::pair(5u, 77), std::pair(40u, 5)}) {
+      const test::TemporaryFolder some;
+      store(some.path() / "out", points, tiles, static_cast<std::uint64_t>(partition));
+      const Triangles found = triangles_of(some.path() / "out", {}, options);
+      ASSERT_EQ(found.main, wanted.main) << tiles << " tiles, partition " << partition;
+      EXPECT_EQ(found.points, wanted.points);
+      EXPECT_EQ(found.in_tiles.size(), found.main.size());
+    }
+  }
+  EXPECT_GT(added, 0u);
+}
+
 std::string name_of(const testing::TestParamInfo<Shape>& shape) {
   constexpr const char* names[] = {"uniform", "lattice", "sphere", "terrain"};
   return names[static_cast<std::size_t>(shape.param)];

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <set>
 #include <utility>
 
+#include "src/surface/manifold.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::surface {
@@ -24,8 +26,19 @@ Triangles triangles_of(const std::filesystem::path& result, const SensorOptions&
   const auto sensors = Sensors::make(where, source.manifest().schema, source.manifest().bounds).value();
   const auto passes = Passes::begin(source, sensors, scratch.path(), std::move(options)).value();
   std::mutex mutex;
-  const Status status = passes->run([&](std::size_t, const StoredTile& tile) -> Status {
+  Manifold manifold;
+  std::map<TileId, StoredTile> tiles;
+  const Status status = passes->run([&](std::size_t index, const StoredTile& tile, Splits splits) -> Status {
+    manifold.add(std::move(splits));
     const std::lock_guard lock(mutex);
+    tiles[source.entry(index).tile] = tile;
+    return success();
+  });
+  EXPECT_TRUE(status) << status.error().where;
+  manifold.settle({source.manifest().points_read});
+  found.added = manifold.new_vertices();
+  for (auto& [self, whole] : tiles) {
+    const StoredTile tile = manifold.apply(std::move(whole), self);
     const TileMesh& mesh = tile.mesh;
     const std::size_t width = row_bytes(tile.schema);
     for (std::size_t v = 0; v < mesh.points.size(); ++v) {
@@ -39,9 +52,7 @@ Triangles triangles_of(const std::filesystem::path& result, const SensorOptions&
       ++found.in_tiles[triangle];
       if (mesh.cell_ghost[i] == 0) found.main.push_back(triangle);
     }
-    return success();
-  });
-  EXPECT_TRUE(status) << status.error().where;
+  }
   std::sort(found.main.begin(), found.main.end());
   found.handed_over = passes->counts().handed_over;
   found.undecided = passes->counts().undecided;
@@ -57,6 +68,31 @@ std::vector<PointId> open_edge(const std::vector<IdTriangle>& triangles) {
     }
   for (const auto& [edge, sum] : balance)
     if (sum != 0) return {edge.first, edge.second};
+  return {};
+}
+
+std::string not_manifold(const std::vector<IdTriangle>& triangles) {
+  std::map<std::pair<PointId, PointId>, int> edges;  // with their directions
+  std::map<PointId, std::map<PointId, PointId>> around;
+  for (const IdTriangle& triangle : triangles) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const PointId a = triangle[i], b = triangle[(i + 1) % 3], c = triangle[(i + 2) % 3];
+      if (++edges[{a, b}] > 1) return "edge " + to_string(a) + "-" + to_string(b);
+      around[a][b] = c;
+    }
+  }
+  // A fan is one way round: it ends where it began, or it is open and begins where nothing leads to.
+  for (const auto& [vertex, next] : around) {
+    std::set<PointId> led_to;
+    for (const auto& [from, to] : next) led_to.insert(to);
+    PointId at = next.begin()->first;
+    for (const auto& [from, to] : next)
+      if (!led_to.contains(from)) at = from;
+    std::size_t steps = 0;
+    for (auto found = next.find(at); found != next.end() && steps < next.size(); found = next.find(found->second))
+      ++steps;
+    if (steps != next.size()) return "vertex " + to_string(vertex);
+  }
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "src/surface/passes.h"
@@ -19,10 +20,14 @@ struct Triangles {
   std::map<IdTriangle, std::size_t> in_tiles;  // how many tiles have it
   std::map<PointId, Point> points;
   std::uint64_t handed_over = 0, undecided = 0;
+  std::uint64_t added = 0;  // vertices, to make it manifold
 };
 Triangles triangles_of(const std::filesystem::path& result, const SensorOptions& sensors, PassesOptions options);
 
 // Nothing when each edge has as many triangles one way as the other; else an edge where that is not so.
 std::vector<PointId> open_edge(const std::vector<IdTriangle>& triangles);
+
+// Empty when each edge has one triangle on each side at most and each vertex one fan of triangles; else what does not.
+std::string not_manifold(const std::vector<IdTriangle>& triangles);
 
 }  // namespace tessera::surface

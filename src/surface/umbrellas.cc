@@ -1,0 +1,177 @@
+#include "src/surface/umbrellas.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+namespace tessera::surface {
+
+namespace {
+
+constexpr std::size_t none = ~std::size_t{0};
+
+// A triangle at some vertex: its number among all facets, and the other two of its vertices.
+struct Leaf {
+  std::size_t facet = 0;
+  std::array<std::int32_t, 2> others{};
+};
+
+class Umbrellas {
+ public:
+  Umbrellas(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule, const Boundary& boundary,
+            std::span<const SurfaceFacet> facets)
+      : tile_(tile), labels_(labels), rule_(rule), boundary_(boundary), facets_(facets) {
+    for (std::size_t i = 0; i < facets.size(); ++i) by_place_.emplace_back(place(facets[i].cell, facets[i].corner), i);
+    std::sort(by_place_.begin(), by_place_.end());
+  }
+
+  Result<Splits> find() {
+    for (const auto& [vertex, leaves] : at_own_vertices()) {
+      BOOST_OUTCOME_TRYV(look_at(vertex, leaves));
+    }
+    return std::move(splits_);
+  }
+
+ private:
+  static std::uint64_t place(std::int32_t cell, std::size_t corner) {
+    return 4 * static_cast<std::uint64_t>(cell) + corner;
+  }
+  bool outside(std::int32_t cell) const { return labels_[static_cast<std::size_t>(cell)] == Label::outside; }
+
+  std::vector<std::pair<std::int32_t, std::vector<Leaf>>> at_own_vertices() const {
+    std::vector<std::pair<std::int32_t, Leaf>> all;
+    for (std::size_t i = 0; i < facets_.size(); ++i) {
+      const auto at = vertices_of(tile_, facets_[i]);
+      for (std::size_t k = 0; k < 3; ++k)
+        if (at[k] < tile_.own_vertices()) all.push_back({at[k], {i, {at[(k + 1) % 3], at[(k + 2) % 3]}}});
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<std::pair<std::int32_t, std::vector<Leaf>>> out;
+    for (const auto& [vertex, leaf] : all) {
+      if (out.empty() || out.back().first != vertex) out.push_back({vertex, {}});
+      out.back().second.push_back(leaf);
+    }
+    return out;
+  }
+
+  // What is beyond a facet of the hull.
+  bool outside_beyond(std::int32_t cell, std::size_t corner) const {
+    return boundary_.below || !is_inside_beyond(tile_, cell, corner, rule_);
+  }
+
+  std::size_t number_of(std::int32_t cell, std::size_t corner) const {
+    const auto wanted = std::pair(place(cell, corner), std::size_t{0});
+    const auto found = std::lower_bound(by_place_.begin(), by_place_.end(), wanted);
+    return found != by_place_.end() && found->first == wanted.first ? found->second : none;
+  }
+
+  // Round the edge v-u from one facet of the hull to the other: it is in the star of v.
+  Result<SurfaceFacet> other_hull_facet(std::int32_t v, std::int32_t u, std::int32_t cell, std::size_t corner) const {
+    for (const std::uint32_t other : tile_.star(v)) {
+      const auto c = static_cast<std::int32_t>(other);
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (tile_.neighbor(c, k) != SurfaceTile::outside || (c == cell && k == corner)) continue;
+        bool has_v = false, has_u = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+          if (i == k) continue;
+          has_v |= tile_.vertex(c, i) == v;
+          has_u |= tile_.vertex(c, i) == u;
+        }
+        if (has_v && has_u) return SurfaceFacet{c, static_cast<std::uint8_t>(k), true};
+      }
+    }
+    return tile_.corrupt("an edge of the hull has one facet of it");
+  }
+
+  // The triangle that follows around the edge v-u where only outside lies between; `none` where the surface ends.
+  Result<std::size_t> beside(std::size_t facet, std::int32_t v, std::int32_t u) const {
+    std::int32_t cell = facets_[facet].cell;
+    std::size_t corner = facets_[facet].corner;  // of the cell, opposite the facet that was crossed
+    bool beyond = facets_[facet].outwards;       // whether that facet is crossed from the cell's inside
+    while (true) {
+      if (beyond) {
+        const std::int32_t next = tile_.neighbor(cell, corner);
+        if (next == SurfaceTile::outside) {
+          if (!outside_beyond(cell, corner)) return number_of(cell, corner);
+          BOOST_OUTCOME_TRY(other, other_hull_facet(v, u, cell, corner));
+          cell = other.cell;
+          corner = other.corner;
+          if (!outside_beyond(cell, corner)) return none;
+          if (!outside(cell)) return number_of(cell, corner);
+        } else {
+          if (next < 0) return tile_.corrupt("a facet with an own vertex has an unknown neighbour");
+          BOOST_OUTCOME_TRY(back, tile_.corner_towards(next, cell));
+          cell = next;
+          corner = back;
+          if (!outside(cell)) return number_of(cell, corner);
+        }
+      }
+      // In a cell that is outside, entered opposite `corner`: it is left opposite the vertex that is neither.
+      std::size_t out = none;
+      for (std::size_t k = 0; k < 4; ++k)
+        if (k != corner && tile_.vertex(cell, k) != v && tile_.vertex(cell, k) != u) out = k;
+      if (out == none) return tile_.corrupt("a cell at an edge lacks the edge");
+      corner = out;
+      beyond = true;
+    }
+  }
+
+  TriangleName name(const Leaf& leaf) const { return name_of(tile_, facets_[leaf.facet]); }
+
+  Status look_at(std::int32_t v, std::span<const Leaf> leaves) {
+    std::vector<std::size_t> fan(leaves.size());  // a forest; roots are fans
+    std::iota(fan.begin(), fan.end(), std::size_t{0});
+    const auto root = [&](std::size_t i) {
+      while (fan[i] != i) i = fan[i] = fan[fan[i]];
+      return i;
+    };
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      for (const std::int32_t u : leaves[i].others) {
+        BOOST_OUTCOME_TRY(facet, beside(leaves[i].facet, v, u));
+        const auto found = std::ranges::find(leaves, facet, &Leaf::facet);
+        if (found == leaves.end()) continue;  // the surface ends there, or was trimmed
+        const auto j = static_cast<std::size_t>(found - leaves.begin());
+        fan[root(i)] = root(j);
+        const bool many =
+            std::ranges::count_if(leaves, [&](const Leaf& leaf) { return std::ranges::count(leaf.others, u) > 0; }) > 2;
+        if (many && tile_.id(v) < tile_.id(u) && name(leaves[i]) < name(leaves[j]))
+          splits_.pairs.push_back({{tile_.id(v), tile_.id(u)}, name(leaves[i]), name(leaves[j])});
+      }
+    }
+    std::vector<std::pair<TriangleName, std::size_t>> least;  // by fan: its least triangle, and its root
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const auto at = std::ranges::find(least, root(i), &std::pair<TriangleName, std::size_t>::second);
+      if (at == least.end()) {
+        least.emplace_back(name(leaves[i]), root(i));
+      } else {
+        at->first = std::min(at->first, name(leaves[i]));
+      }
+    }
+    if (least.size() == 1) return success();
+    std::sort(least.begin(), least.end());
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      const auto at = std::ranges::find(least, root(i), &std::pair<TriangleName, std::size_t>::second);
+      const auto copy = static_cast<std::uint32_t>(at - least.begin());
+      if (copy > 0) splits_.corners.push_back({name(leaves[i]), tile_.id(v), copy});
+    }
+    return success();
+  }
+
+  const SurfaceTile& tile_;
+  std::span<const Label> labels_;
+  const CutRule& rule_;
+  const Boundary& boundary_;
+  std::span<const SurfaceFacet> facets_;
+  std::vector<std::pair<std::uint64_t, std::size_t>> by_place_;
+  Splits splits_;
+};
+
+}  // namespace
+
+Result<Splits> splits_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
+                         const Boundary& boundary, std::span<const SurfaceFacet> facets) {
+  return Umbrellas(tile, labels, rule, boundary, facets).find();
+}
+
+}  // namespace tessera::surface

@@ -1,0 +1,41 @@
+// How the triangles of a surface hang together where more than two of them meet at an edge, or more than one fan of
+// them at a vertex: two triangles belong together at an edge if nothing but outside lies between them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/surface/surface_tile.h"
+#include "src/surface/triangles.h"
+
+namespace tessera::surface {
+
+// A corner of a triangle that belongs to another fan than the vertex's first: its copy of the vertex, 1 for the second
+// fan. A vertex's fans are ordered by their least triangles.
+struct SplitCorner {
+  TriangleName triangle;
+  PointId vertex;
+  std::uint32_t copy = 0;
+};
+
+// Two triangles that belong together at an edge that has more of them. `edge`: ascending.
+struct PairAtEdge {
+  std::array<PointId, 2> edge;
+  TriangleName first, second;  // first < second
+};
+
+// What a tile knows of its own vertices, and of edges whose vertex with the lesser id is its own.
+struct Splits {
+  std::vector<SplitCorner> corners;
+  std::vector<PairAtEdge> pairs;
+};
+
+// `facets`: of the surface, all that have a vertex of the tile's own. Error corrupt when cells contradict each other.
+Result<Splits> splits_of(const SurfaceTile& tile, std::span<const Label> labels, const CutRule& rule,
+                         const Boundary& boundary, std::span<const SurfaceFacet> facets);
+
+}  // namespace tessera::surface
