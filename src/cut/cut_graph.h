@@ -68,6 +68,7 @@ class CellSet {
     word |= bit;
     return fresh;
   }
+  std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }
   friend bool operator==(const CellSet&, const CellSet&) = default;
 
  private:

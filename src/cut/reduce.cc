@@ -1,35 +1,22 @@
 #include "src/cut/reduce.h"
 
 #include "src/base/check.h"
-#include "src/cut/search_trees.h"
 
 namespace tessera::cut {
 
-namespace {
-
-// The smallest source set when arcs across borders lead to the sink, or come from the source.
-template <class Change>
-CellSet smallest_source_set(CutGraph graph, const Change& change) {
-  for (const CutGraph::Border& border : graph.borders) change(graph, border);
-  return SearchTrees(graph).run();
+CutGraph with_borders_to_sink(CutGraph graph) {
+  for (const CutGraph::Border& border : graph.borders) graph.excess[border.arc >> 2u] -= graph.capacity[border.arc];
+  return graph;
 }
 
-}  // namespace
+CutGraph with_borders_from_source(CutGraph graph) {
+  for (const CutGraph::Border& border : graph.borders) graph.excess[border.arc >> 2u] += border.capacity_in;
+  return graph;
+}
 
-std::vector<Decided> decide(const CutGraph& graph) {
-  if (graph.borders.empty()) {
-    const CellSet source = reached_from_excess(graph);
-    std::vector<Decided> decided(graph.cells());
-    for (std::uint32_t cell = 0; cell < graph.cells(); ++cell)
-      decided[cell] = source.contains(cell) ? Decided::source : Decided::sink;
-    return decided;
-  }
-  const CellSet least = smallest_source_set(
-      graph, [](CutGraph& g, const CutGraph::Border& border) { g.excess[border.arc >> 2u] -= g.capacity[border.arc]; });
-  const CellSet most = smallest_source_set(
-      graph, [](CutGraph& g, const CutGraph::Border& border) { g.excess[border.arc >> 2u] += border.capacity_in; });
-  std::vector<Decided> decided(graph.cells(), Decided::no);
-  for (std::uint32_t cell = 0; cell < graph.cells(); ++cell) {
+std::vector<Decided> decided_by(const CellSet& least, const CellSet& most, std::uint32_t cells) {
+  std::vector<Decided> decided(cells, Decided::no);
+  for (std::uint32_t cell = 0; cell < cells; ++cell) {
     if (least.contains(cell)) {
       decided[cell] = Decided::source;
     } else if (!most.contains(cell)) {

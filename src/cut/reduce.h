@@ -14,8 +14,15 @@ namespace tessera::cut {
 
 enum class Decided : std::uint8_t { no, source, sink };
 
-// Of each cell of a region in which no way leads from an excess to a deficit (SearchTrees::run()) any more.
-std::vector<Decided> decide(const CutGraph& graph);
+// Of a region in which no way leads from an excess to a deficit (SearchTrees::run()) any more: graphs whose smallest
+// source sets are the least and the most that the source's side can have in the region.
+CutGraph with_borders_to_sink(CutGraph graph);
+CutGraph with_borders_from_source(CutGraph graph);
+// Of each cell, by these sets; in a region without borders both are one.
+std::vector<Decided> decided_by(const CellSet& least, const CellSet& most, std::uint32_t cells);
+inline std::vector<Decided> decided_by(const CellSet& source, std::uint32_t cells) {
+  return decided_by(source, source, cells);
+}
 
 // The region without the cells that are decided: arcs from a decided source cell are excess, arcs to a decided sink
 // cell deficit.

@@ -54,8 +54,11 @@ void reduce(Split& split, std::vector<bool>& source) {
     more = false;
     for (std::uint32_t r = 0; r < regions; ++r) {
       CutGraph& graph = split.graphs[r];
-      SearchTrees(graph).run();
-      const auto decided = decide(graph);
+      const CellSet flown = SearchTrees(graph).run();
+      CutGraph least = with_borders_to_sink(graph), most = with_borders_from_source(graph);
+      const CellSet sources = SearchTrees(least).run(), no_sinks = SearchTrees(most).run();
+      const auto decided =
+          graph.borders.empty() ? decided_by(flown, graph.cells()) : decided_by(sources, no_sinks, graph.cells());
       if (std::ranges::count(decided, Decided::no) == std::ranges::ssize(decided)) continue;
       more = true;
       for (std::uint32_t cell = 0; cell < graph.cells(); ++cell)
