@@ -19,10 +19,16 @@ TemporaryFile::~TemporaryFile() {
   if (!path_.empty() && process_ == ::getpid()) ::unlink(path_.c_str());
 }
 
-Result<TemporaryFolder> TemporaryFolder::make() {
+Result<fs::path> folder_for_temporary(fs::path wished) {
+  if (!wished.empty()) return wished;
   std::error_code failed;
-  const fs::path parent = fs::temp_directory_path(failed);
-  if (failed) return error(Errc::io, "there is no temporary folder: " + failed.message());
+  fs::path folder = fs::temp_directory_path(failed);
+  if (failed) return error(Errc::io, "the system's temporary folder: " + failed.message());
+  return folder;
+}
+
+Result<TemporaryFolder> TemporaryFolder::make() {
+  BOOST_OUTCOME_TRY(parent, folder_for_temporary());
   std::string name = (parent / "tessera-XXXXXX").string();
   if (::mkdtemp(name.data()) == nullptr) return io_error(name, "cannot be made", errno);
   try {

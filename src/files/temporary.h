@@ -27,6 +27,9 @@ class TemporaryFile {
   pid_t process_ = ::getpid();
 };
 
+// Where temporary files go: the folder that was wished for, or when that is empty the system's. Error io.
+Result<std::filesystem::path> folder_for_temporary(std::filesystem::path wished = {});
+
 // A folder, removed with all that is in it.
 class TemporaryFolder {
  public:

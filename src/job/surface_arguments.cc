@@ -13,6 +13,7 @@ namespace tessera {
 
 Result<SensorOptions> parse_sensors(const std::string& text, bool files) {
   SensorOptions sensor;
+  sensor.text = text;
   constexpr std::string_view point = "point:", track = "track:";
   if (text == "auto") return sensor;
   if (text == "vertical") {

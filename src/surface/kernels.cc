@@ -1,21 +1,59 @@
 #include <algorithm>
+#include <string>
 #include <tuple>
 #include <utility>
 
+#include "src/cut/certificate.h"
 #include "src/cut/search_trees.h"
 #include "src/surface/region.h"
 
 namespace tessera::surface {
 
-RegionKernel kernel_of(Region region) {
+namespace {
+
+// Runs a flow to its end.
+Result<cut::CellSet> solve(cut::CutGraph& graph, bool prove) {
+  if (!prove) return cut::SearchTrees(graph).run();
+  const cut::CutGraph before = graph;
+  cut::CellSet source = cut::SearchTrees(graph).run();
+  const std::string why = cut::why_no_proof(before, graph, source);
+  if (!why.empty()) return error(Errc::internal, "a cut is not proved: " + why);
+  return source;
+}
+
+}  // namespace
+
+Result<RegionKernel> kernel_of(Region region, bool prove) {
   cut::CutGraph& graph = region.graph;
-  cut::SearchTrees(graph).run();
+  BOOST_OUTCOME_TRY(flown, solve(graph, prove));
+  std::vector<cut::Decided> decided;
+  if (graph.borders.empty()) {
+    decided = cut::decided_by(flown, graph.cells());
+  } else {
+    cut::CutGraph least = cut::with_borders_to_sink(graph);
+    BOOST_OUTCOME_TRY(sources, solve(least, prove));
+    least = {};
+    cut::CutGraph most = cut::with_borders_from_source(graph);
+    BOOST_OUTCOME_TRY(no_sinks, solve(most, prove));
+    decided = cut::decided_by(sources, no_sinks, graph.cells());
+  }
   RegionKernel out;
-  out.decided = cut::decide(graph);
-  out.kernel = cut::kernel_of(graph, out.decided);
+  out.kernel = cut::kernel_of(graph, decided);
   out.names = std::move(region.borders);
-  for (const auto& border : graph.borders) out.at_border.push_back(out.decided[border.arc >> 2u]);
+  for (const auto& border : graph.borders) out.at_border.push_back(decided[border.arc >> 2u]);
+  out.sources = cut::CellSet(graph.cells());
+  out.open = cut::CellSet(graph.cells());
+  for (std::uint32_t cell = 0; cell < graph.cells(); ++cell) {
+    if (decided[cell] == cut::Decided::source) out.sources.insert(cell);
+    if (decided[cell] == cut::Decided::no) out.open.insert(cell);
+  }
   return out;
+}
+
+std::uint64_t RegionKernel::bytes() const {
+  return kernel.graph.bytes() + kernel.graph.borders.size() * sizeof(kernel.graph.borders[0]) +
+         (kernel.cells.size() + kernel.borders.size()) * sizeof(std::uint32_t) + names.size() * sizeof(BorderName) +
+         at_border.size() + sources.bytes() + open.bytes();
 }
 
 namespace {
@@ -54,7 +92,8 @@ Result<std::vector<std::vector<Side>>> match(const std::vector<RegionKernel>& re
 
 }  // namespace
 
-Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles) {
+Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles,
+                                                 bool prove) {
   BOOST_OUTCOME_TRY(others, match(regions, tiles));
   std::vector<std::uint32_t> first;  // by region: its first cell in the whole
   std::size_t cells = 0;
@@ -93,8 +132,9 @@ Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regi
       }
     }
     graph = {};
+    kernel.cells = {};
   }
-  const cut::CellSet reached = cut::SearchTrees(whole).run();
+  BOOST_OUTCOME_TRY(reached, solve(whole, prove));
   std::vector<cut::CellSet> out;
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const std::size_t end = r + 1 < regions.size() ? first[r + 1] : cells;

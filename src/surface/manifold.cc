@@ -18,16 +18,10 @@ class Growing {
   explicit Growing(StoredTile tile) : tile_(std::move(tile)), width_(row_bytes(tile_.schema)) {}
 
   const StoredTile& tile() const { return tile_; }
-  std::int32_t copy(std::int32_t of, PointId id) {
-    return added(id, [&] { return add(of, id, tile_.mesh.points[static_cast<std::size_t>(of)], height(of)); });
-  }
-  // Attributes are those of `a`, the vertex with the lesser id.
-  std::int32_t middle(std::int32_t a, std::int32_t b, PointId id) {
-    return added(id, [&] {
-      const Point &p = tile_.mesh.points[static_cast<std::size_t>(a)],
-                  &q = tile_.mesh.points[static_cast<std::size_t>(b)];
-      return add(a, id, {(p.x + q.x) / 2, (p.y + q.y) / 2, 0}, (height(a) + height(b)) / 2);
-    });
+  // With the attributes of `like`.
+  std::int32_t add(std::int32_t like, PointId id, const Point& at) {
+    const auto found = added_.find(id);
+    return found != added_.end() ? found->second : added_[id] = append(like, id, at);
   }
 
   // Of these triangles those with a vertex of the tile's own, and their vertices, own ones first.
@@ -63,27 +57,17 @@ class Growing {
   }
 
  private:
-  template <class Add>
-  std::int32_t added(PointId id, const Add& add) {
-    const auto found = added_.find(id);
-    return found != added_.end() ? found->second : added_[id] = add();
-  }
-  double height(std::int32_t v) const {
-    double z = 0;
-    std::memcpy(&z, tile_.rows.data() + static_cast<std::size_t>(v) * width_, sizeof z);
-    return z;
-  }
-  std::int32_t add(std::int32_t like, PointId id, const Point& at, double z) {
+  std::int32_t append(std::int32_t like, PointId id, const Point& at) {
     TileMesh& mesh = tile_.mesh;
     const auto from = static_cast<std::size_t>(like);
-    mesh.points.push_back(at);
+    mesh.points.push_back({at.x, at.y, 0});
     mesh.ids.push_back(id);
     mesh.owners.push_back(TileId{mesh.owners[from]});
     mesh.point_ghost.push_back(std::uint8_t{mesh.point_ghost[from]});
     const std::size_t end = tile_.rows.size();
     tile_.rows.resize(end + width_);
     std::memcpy(tile_.rows.data() + end, tile_.rows.data() + from * width_, width_);
-    std::memcpy(tile_.rows.data() + end, &z, sizeof z);
+    std::memcpy(tile_.rows.data() + end, &at.z, sizeof at.z);
     return static_cast<std::int32_t>(mesh.points.size() - 1);
   }
 
@@ -125,13 +109,13 @@ void Manifold::add(Splits splits) {
   const std::lock_guard lock(mutex_);
   corners_.insert(corners_.end(), splits.corners.begin(), splits.corners.end());
   pairs_.insert(pairs_.end(), splits.pairs.begin(), splits.pairs.end());
+  for (const CopyPlace& place : splits.places) copies_[{place.vertex, place.copy}] = {{}, place.at};
 }
 
 void Manifold::settle(PointId first) {
   std::ranges::sort(corners_, {}, of_corner);
-  for (const SplitCorner& corner : corners_) copies_[{corner.vertex, corner.copy}] = {};
   std::uint64_t next = first.value;
-  for (auto& [copy, id] : copies_) id = {next++};
+  for (auto& [copy, vertex] : copies_) vertex.id = {next++};
 
   const auto end_copies = [&](const PairAtEdge& pair) {
     return std::array{copy_of(pair.first, pair.edge[0]), copy_of(pair.first, pair.edge[1])};
@@ -140,11 +124,13 @@ void Manifold::settle(PointId first) {
   for (std::size_t i = 1; i < pairs_.size(); ++i) {
     const PairAtEdge &before = pairs_[i - 1], &pair = pairs_[i];
     if (before.edge != pair.edge || end_copies(before) != end_copies(pair)) continue;
-    for (const TriangleName& triangle : {pair.first, pair.second}) {
+    const auto add = [&](const TriangleName& triangle) {
       const auto opposite =
           std::ranges::find_if(triangle, [&](PointId id) { return id != pair.edge[0] && id != pair.edge[1]; });
-      middles_.push_back({triangle, *opposite, {next}});
-    }
+      middles_.push_back({triangle, *opposite, {{next}, pair.middle}});
+    };
+    add(pair.first);
+    if (pair.second != pair.first) add(pair.second);
     ++next;
   }
   new_vertices_ = next - first.value;
@@ -162,17 +148,17 @@ std::uint32_t Manifold::copy_of(const TriangleName& triangle, PointId vertex) co
   return found != corners_.end() && found->triangle == triangle && found->vertex == vertex ? found->copy : 0;
 }
 
-std::optional<PointId> Manifold::copy_id(const TriangleName& triangle, PointId vertex) const {
+std::optional<Manifold::NewVertex> Manifold::copy_for(const TriangleName& triangle, PointId vertex) const {
   const std::uint32_t copy = copy_of(triangle, vertex);
   if (copy == 0) return std::nullopt;
   return copies_.at({vertex, copy});
 }
 
-std::optional<PointId> Manifold::middle_of(const TriangleName& triangle, PointId opposite) const {
+std::optional<Manifold::NewVertex> Manifold::middle_of(const TriangleName& triangle, PointId opposite) const {
   const auto found = std::ranges::lower_bound(middles_, std::tie(triangle, opposite), {},
                                               [](const Middle& m) { return std::tie(m.triangle, m.opposite); });
   if (found == middles_.end() || found->triangle != triangle || found->opposite != opposite) return std::nullopt;
-  return found->id;
+  return found->vertex;
 }
 
 StoredTile Manifold::apply(StoredTile tile, TileId self) const {
@@ -194,11 +180,11 @@ StoredTile Manifold::apply(StoredTile tile, TileId self) const {
     Triangle middles{-1, -1, -1};
     for (std::size_t k = 0; k < 3; ++k) {
       const auto middle = middle_of(name, ids[(k + 2) % 3]);
-      const std::size_t next = (k + 1) % 3, less = ids[k] < ids[next] ? k : next, more = less == k ? next : k;
-      if (middle) middles[k] = growing.middle(cells[at + less], cells[at + more], *middle);
+      const std::size_t next = (k + 1) % 3;
+      if (middle) middles[k] = growing.add(cells[at + (ids[k] < ids[next] ? k : next)], middle->id, middle->at);
     }
     for (std::size_t k = 0; k < 3; ++k) {
-      if (const auto copy = copy_id(name, ids[k])) corners[k] = growing.copy(cells[at + k], *copy);
+      if (const auto copy = copy_for(name, ids[k])) corners[k] = growing.add(cells[at + k], copy->id, copy->at);
     }
     cut_up(corners, middles, triangles);
   }

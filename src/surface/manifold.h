@@ -1,8 +1,8 @@
 // A surface without edges of more than two triangles, and with one fan of triangles at each vertex: for programs that
-// take no others. Nothing moves. A vertex gets a copy for each fan but its first. Where two fans that belong together
+// take no others. No vertex moves. A vertex gets a copy for each fan but its first. Where two fans that belong together
 // touch themselves along an edge, copies of its ends do not tell them apart: all pairs of triangles at it but the first
-// get a vertex of their own in the middle of the edge. After A. Gueziec, G. Taubin, F. Lazarus and W. Horn, Cutting and
-// stitching, IEEE TVCG 2001, where the outside tells what belongs together.
+// get a vertex of their own in the middle of the edge. New vertices stand a little aside. After A. Gueziec, G. Taubin,
+// F. Lazarus and W. Horn, Cutting and stitching, IEEE TVCG 2001, where the outside tells what belongs together.
 #pragma once
 
 #include <array>
@@ -28,19 +28,24 @@ class Manifold {
   StoredTile apply(StoredTile tile, TileId self) const;
 
  private:
+  struct NewVertex {
+    PointId id;
+    Point at;
+  };
   // Of a triangle's edge, which lacks the vertex `opposite`: the vertex in the middle.
   struct Middle {
     TriangleName triangle;
-    PointId opposite, id;
+    PointId opposite;
+    NewVertex vertex;
   };
   std::uint32_t copy_of(const TriangleName& triangle, PointId vertex) const;
-  std::optional<PointId> copy_id(const TriangleName& triangle, PointId vertex) const;
-  std::optional<PointId> middle_of(const TriangleName& triangle, PointId opposite) const;
+  std::optional<NewVertex> copy_for(const TriangleName& triangle, PointId vertex) const;
+  std::optional<NewVertex> middle_of(const TriangleName& triangle, PointId opposite) const;
 
   std::mutex mutex_;
   std::vector<SplitCorner> corners_;  // by triangle and vertex
   std::vector<PairAtEdge> pairs_;
-  std::map<std::pair<PointId, std::uint32_t>, PointId> copies_;
+  std::map<std::pair<PointId, std::uint32_t>, NewVertex> copies_;
   std::vector<Middle> middles_;        // by triangle and opposite vertex
   std::vector<TriangleName> touched_;  // ascending
   std::uint64_t new_vertices_ = 0;

@@ -17,8 +17,8 @@ namespace tessera::surface {
 
 namespace {
 
-// Of the memory three eighths are for tiles that wait, as much for those that are worked on; five kinds of mail and
-// what tiles leave undecided share the rest.
+// Of the memory three eighths are for tiles that wait, as much for those that are worked on, five kinds of mail share
+// the rest. What tiles leave undecided takes from what tiles that wait have.
 constexpr std::uint64_t mail_part = 64;
 constexpr std::uint64_t tiles_part(std::uint64_t memory) { return memory / 8 * 3; }
 // Bins of scales: exponent and first bits of a double, so that a bin is an eighth of a percent wide.
@@ -32,9 +32,8 @@ constexpr double scales_done = 0.1, rays_done = 0.5, arcs_done = 0.6, regions_do
 
 }  // namespace
 
-Passes::Passes(const TileSource& source, const Sensors& sensors, const std::filesystem::path& scratch,
-               PassesOptions options)
-    : sensors_(sensors),
+Passes::Passes(const TileSource& source, Sensors sensors, const std::filesystem::path& scratch, PassesOptions options)
+    : sensors_(std::move(sensors)),
       options_(std::move(options)),
       solidity_(source.manifest().schema),
       shelf_(source.stopped_by(options_.stop), surface_scratch(scratch, SurfaceScratch::tiles),
@@ -50,13 +49,13 @@ Passes::Passes(const TileSource& source, const Sensors& sensors, const std::file
                                     std::min(source.entry(i).cells * bytes_a_cell, source.work_bytes(i)));
 }
 
-Result<std::unique_ptr<Passes>> Passes::begin(const TileSource& source, const Sensors& sensors,
+Result<std::unique_ptr<Passes>> Passes::begin(const TileSource& source, Sensors sensors,
                                               const std::filesystem::path& scratch, PassesOptions options) {
   for (const auto what : {SurfaceScratch::tiles, SurfaceScratch::rays, SurfaceScratch::sums, SurfaceScratch::votes,
                           SurfaceScratch::arcs, SurfaceScratch::labels}) {
     BOOST_OUTCOME_TRYV(make_directories(surface_scratch(scratch, what)));
   }
-  return std::unique_ptr<Passes>(new Passes(source, sensors, scratch, std::move(options)));
+  return std::unique_ptr<Passes>(new Passes(source, std::move(sensors), scratch, std::move(options)));
 }
 
 Result<std::size_t> Passes::place_of(TileId tile) const {
@@ -234,15 +233,20 @@ Status Passes::decide(std::size_t index, SurfaceTile& tile) {
   BOOST_OUTCOME_TRY(arcs, arcs_.take(index));
   BOOST_OUTCOME_TRY(region, region_of(tile, options_.energy, options_.rule, arcs));
   tile.forget_weights();
-  regions_[index] = kernel_of(std::move(region));
+  BOOST_OUTCOME_TRY(kernel, kernel_of(std::move(region), options_.prove));
+  regions_[index] = std::move(kernel);
   counts_.undecided += regions_[index].kernel.cells.size();
-  return success();
+  regions_[index].kernel.cells = {};  // open tells the same
+  kernels_bytes_ += regions_[index].bytes();
+  return shelf_.give_up(regions_[index].bytes());
 }
 
 Status Passes::solve() {
+  // The whole grows while the kernels go; its search trees and the sides of borders come on top.
+  BOOST_OUTCOME_TRYV(shelf_.give_up(kernels_bytes_ / 2));
   std::vector<TileId> tiles;
   for (std::size_t i = 0; i < shelf_.source().tiles(); ++i) tiles.push_back(shelf_.source().entry(i).tile);
-  BOOST_OUTCOME_TRY(sets, solve_together(regions_, tiles));
+  BOOST_OUTCOME_TRY(sets, solve_together(regions_, tiles, options_.prove));
   of_kernels_ = std::move(sets);
   return success();
 }
@@ -253,13 +257,12 @@ Result<std::vector<Label>> Passes::own_labels(std::size_t index, const SurfaceTi
   const Label source = options_.rule.unknown_inside ? Label::outside : Label::inside;
   const Label sink = options_.rule.unknown_inside ? Label::inside : Label::outside;
   std::vector<Label> labels(static_cast<std::size_t>(tile.cells()), Label::unknown);
-  std::size_t cell = 0;
-  std::uint32_t of_kernel = 0;
+  std::uint32_t cell = 0, of_kernel = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     if (!tile.is_main(static_cast<std::int32_t>(i))) continue;
-    const cut::Decided decided = region.decided[cell++];
     const bool is_source =
-        decided == cut::Decided::no ? of_kernels_[index].contains(of_kernel++) : decided == cut::Decided::source;
+        region.open.contains(cell) ? of_kernels_[index].contains(of_kernel++) : region.sources.contains(cell);
+    ++cell;
     labels[i] = is_source ? source : sink;
   }
   return labels;

@@ -35,6 +35,7 @@ struct PassesOptions {
   CutRule rule;
   Boundary boundary;
   bool splits = false;  // tells what is to be split where the surface is not manifold
+  bool prove = false;   // each cut by its flow
   std::uint64_t memory_bytes = 0;
   unsigned threads = 1;
   std::function<void(double)> progress = {};
@@ -50,7 +51,7 @@ struct Counts {
 class Passes {
  public:
   // `scratch`: an empty folder.
-  static Result<std::unique_ptr<Passes>> begin(const TileSource& source, const Sensors& sensors,
+  static Result<std::unique_ptr<Passes>> begin(const TileSource& source, Sensors sensors,
                                                const std::filesystem::path& scratch, PassesOptions options);
   // Called by several threads, for each tile once. `splits`: if they were asked for.
   using Take = std::function<Status(std::size_t index, const StoredTile& triangles, Splits splits)>;
@@ -58,7 +59,7 @@ class Passes {
   const Counts& counts() const { return counts_; }
 
  private:
-  Passes(const TileSource& source, const Sensors& sensors, const std::filesystem::path& scratch, PassesOptions options);
+  Passes(const TileSource& source, Sensors sensors, const std::filesystem::path& scratch, PassesOptions options);
   using Work = std::function<Status(std::size_t index, SurfaceTile& tile)>;
   // Calls `work` for each tile for which `wanted` holds. `done`: the part of all work that has been done afterwards.
   Status pass(double done, const std::function<bool(std::size_t)>& wanted, const Work& work);
@@ -79,7 +80,7 @@ class Passes {
   template <class Record>
   auto to(Outgoing<Record>& outgoing, Status& status) const;
 
-  const Sensors& sensors_;
+  const Sensors sensors_;
   PassesOptions options_;
   Solidity solidity_;
   Shelf shelf_;
@@ -94,6 +95,7 @@ class Passes {
   double done_ = 0;
   // By index: what a tile has decided, and of the cells that it has not, which are on the source's side.
   std::vector<RegionKernel> regions_;
+  std::atomic<std::uint64_t> kernels_bytes_{0};
   std::vector<cut::CellSet> of_kernels_;
   Counts counts_;
 };

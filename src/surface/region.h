@@ -52,12 +52,15 @@ struct RegionKernel {
   cut::CutKernel kernel;
   std::vector<BorderName> names;        // by border of the region
   std::vector<cut::Decided> at_border;  // likewise: what has become of the cell here
-  std::vector<cut::Decided> decided;    // by cell of the region
+  cut::CellSet sources, open;           // of the region's cells: decided to be on the source's side; not decided
+  std::uint64_t bytes() const;
 };
-RegionKernel kernel_of(Region region);
+// `prove`: error internal when a cut that decides is not proved by its flow.
+Result<RegionKernel> kernel_of(Region region, bool prove);
 
 // Solves all kernels at once: by region, of each cell of its kernel whether it is a source cell of the smallest cut of
-// the whole. Forgets the graphs. Error corrupt when two regions do not name the same borders.
-Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles);
+// the whole. Forgets the graphs. `prove`: as above. Error corrupt when two regions do not name the same borders.
+Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles,
+                                                 bool prove);
 
 }  // namespace tessera::surface

@@ -26,6 +26,7 @@ struct SensorOptions {
     track       // where the scanner was at the point's gps_time
   };
   Kind kind = Kind::automatic;
+  std::string text = "auto";  // what was asked for
   std::vector<Point> positions = {};
   std::shared_ptr<const Track> track = {};
 };

@@ -1,5 +1,6 @@
 #include "src/surface/shelf.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "src/files/there.h"
@@ -41,26 +42,47 @@ Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
 }
 
 Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
-  std::vector<std::pair<std::size_t, std::unique_ptr<SurfaceTile>>> leaving;
+  Leaving leaving;
   {
     const std::lock_guard lock(mutex_);
     held_ += tile->bytes();
     here_[index] = std::move(tile);
     order_.push_back(index);
-    while (held_ > memory_bytes_) {
-      // Passes go through the tiles in one order: the one used last is needed last.
-      const std::size_t last = order_.back();
-      order_.pop_back();
-      auto found = here_.find(last);
-      held_ -= found->second->bytes();
-      leaving.emplace_back(last, std::move(found->second));
-      here_.erase(found);
-      on_disk_[last] = OnDisk::soon;
-    }
+    leaving = too_much();
   }
+  return put_down(std::move(leaving));
+}
+
+Status Shelf::give_up(std::uint64_t bytes) {
+  Leaving leaving;
+  {
+    const std::lock_guard lock(mutex_);
+    memory_bytes_ -= std::min(memory_bytes_, bytes);
+    leaving = too_much();
+  }
+  return put_down(std::move(leaving));
+}
+
+Shelf::Leaving Shelf::too_much() {
+  Leaving leaving;
+  while (held_ > memory_bytes_) {
+    // Passes go through the tiles in one order: the one used last is needed last.
+    const std::size_t last = order_.back();
+    order_.pop_back();
+    auto found = here_.find(last);
+    held_ -= found->second->bytes();
+    leaving.emplace_back(last, std::move(found->second));
+    here_.erase(found);
+    on_disk_[last] = OnDisk::soon;
+  }
+  return leaving;
+}
+
+Status Shelf::put_down(Leaving leaving) {
   Status all = success();
-  for (const auto& [number, one] : leaving) {
+  for (auto& [number, one] : leaving) {
     Status saved = put_down(number, *one);
+    one = nullptr;
     if (!saved && all) all = std::move(saved);
     const std::lock_guard lock(mutex_);
     on_disk_[number] = OnDisk::yes;  // or the error ends all

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "src/base/result.h"
@@ -30,11 +31,16 @@ class Shelf {
   // As it was given back, or, the first time, as the result has it, with weights of 0. Errors: of reading.
   Result<std::unique_ptr<SurfaceTile>> take(std::size_t index);
   Status give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile);
+  // Tiles get so much less memory from now on: something else needs it.
+  Status give_up(std::uint64_t bytes);
   const TileSource& source() const { return source_; }
 
  private:
   std::filesystem::path cells_path(std::size_t index) const { return surface_cells_file(folder_, index); }
   std::filesystem::path weights_path(std::size_t index) const { return surface_weights_file(folder_, index); }
+  using Leaving = std::vector<std::pair<std::size_t, std::unique_ptr<SurfaceTile>>>;
+  Leaving too_much();  // REQUIRES: the lock
+  Status put_down(Leaving leaving);
   Status put_down(std::size_t index, const SurfaceTile& tile) const;
   Result<std::unique_ptr<SurfaceTile>> from_result(std::size_t index) const;
 

@@ -1,20 +1,14 @@
 #include "src/surface/surface.h"
 
 #include <cmath>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "src/base/option.h"
 #include "src/files/names.h"
-#include "src/files/surface_names.h"
 #include "src/files/temporary.h"
-#include "src/surface/manifold.h"
-#include "src/surface/passes.h"
-#include "src/surface/smooth.h"
-#include "src/surface/triangle_store.h"
-#include "src/track/estimate.h"
-#include "src/track/pulses.h"
+#include "src/surface/build.h"
+#include "src/surface/recipe.h"
 
 namespace tessera {
 
@@ -23,42 +17,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr unsigned smooth_max = 1000;
-
-Status check_result(const fs::path& in, const Manifest& manifest) {
-  if (manifest.dimension != 3)
-    return error(Errc::usage, in.string() +
-                                  ": is a 2D triangulation, which is a surface already; surfaces are made "
-                                  "of 3D ones (" +
-                                  option("dim", "3") + ")");
-  if (!manifest.neighbors)
-    return error(Errc::usage, in.string() + ": was stored without neighbours, by which rays go from cell to cell");
-  if (manifest.region)
-    return error(Errc::usage, in.string() +
-                                  ": is the region of a cloud: where a surface runs in it depends on cells "
-                                  "that are not there");
-  return success();
-}
-
-// From the points' own pulses, if their attributes tell of such.
-Status estimate_sensors(const TileSource& source, const SurfaceOptions& options, surface::Sensors& sensors,
-                        std::stop_token stop) {
-  const auto& schema = source.manifest().schema;
-  Pulses all(schema);
-  if (!all.missing().empty()) return success();
-  std::mutex mutex;
-  const surface::TileWork how{options.threads, options.memory_bytes, std::move(stop)};
-  BOOST_OUTCOME_TRYV(
-      surface::for_each_tile(source, {.cells = false, .rows = true}, how, [&](auto, auto tile) -> Status {
-        Pulses pulses(schema);
-        const std::size_t width = row_bytes(schema);
-        for (std::size_t v = 0; v < tile.mesh.points.size(); ++v)
-          if (tile.mesh.point_ghost[v] == 0) pulses.add(tile.mesh.points[v], tile.rows.data() + v * width);
-        const std::lock_guard lock(mutex);
-        all.add(pulses);
-        return success();
-      }));
-  return sensors.use_estimate(estimate_track(all.take()), schema);
-}
 
 }  // namespace
 
@@ -85,81 +43,29 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   BOOST_OUTCOME_TRYV(check_surface_options(options));
   BOOST_OUTCOME_TRY(place, find_export_target(target, options.output));
   BOOST_OUTCOME_TRY(source, TileSource::open(in));
-  BOOST_OUTCOME_TRYV(check_result(in, source.manifest()));
-  BOOST_OUTCOME_TRY(sensors,
-                    surface::Sensors::make(options.sensors, source.manifest().schema, source.manifest().bounds));
-  if (sensors.wants_estimate()) {
-    BOOST_OUTCOME_TRYV(estimate_sensors(source, options, sensors, stop));
-  }
   BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(place.path.string() + ".surface")));
-
-  // How far all is when each part is done.
-  const bool smooths = options.smooth > 0;
-  const double cells_done = smooths ? 0.7 : 0.9, smooth_done = 0.9;
+  constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {
     return [&options, begin, end](double part) {
       if (options.progress) options.progress(begin + (end - begin) * part);
     };
   };
-  const auto closed = SurfaceOptions::Bottom::closed, free = SurfaceOptions::Bottom::free;
-  BOOST_OUTCOME_TRY(passes,
-                    surface::Passes::begin(
-                        source, sensors, scratch.path(),
-                        {.energy = options.energy,
-                         .rule = {.lower_inside = options.bottom != free, .unknown_inside = options.unknown_inside},
-                         .boundary = {.below = options.bottom == closed, .trim = options.trim},
-                         .splits = options.manifold,
-                         .memory_bytes = options.memory_bytes,
-                         .threads = options.threads,
-                         .progress = tell(0, cells_done),
-                         .stop = stop}));
-  surface::TriangleStore triangles(surface_triangles(scratch.path()), source.manifest());
-  surface::Manifold manifold;
-  BOOST_OUTCOME_TRYV(passes->run([&](std::size_t index, const StoredTile& tile, surface::Splits splits) -> Status {
-    manifold.add(std::move(splits));
-    return triangles.add(source.entry(index).tile, tile, stop);
-  }));
-  const std::uint64_t ids = source.manifest().points_read;
-  BOOST_OUTCOME_TRYV(triangles.finish(ids));
-  fs::path finished = triangles.folder();
-  Digest digest = *triangles.manifest().digest;
-  const surface::TileWork how{options.threads, options.memory_bytes, stop};
-  manifold.settle({ids});
-  if (manifold.new_vertices() > 0) {
-    BOOST_OUTCOME_TRY(whole, TileSource::open(finished));
-    surface::TriangleStore split(surface_split_triangles(scratch.path()), whole.manifest());
-    BOOST_OUTCOME_TRYV(surface::for_each_tile(whole, {.rows = true}, how, [&](std::size_t index, StoredTile tile) {
-      const TileId self = whole.entry(index).tile;
-      return split.add(self, manifold.apply(std::move(tile), self), stop);
-    }));
-    BOOST_OUTCOME_TRYV(split.finish(ids + manifold.new_vertices()));
-    finished = split.folder();
-    digest = *split.manifest().digest;
-  }
-  if (smooths) {
-    BOOST_OUTCOME_TRY(rough, TileSource::open(finished));
-    surface::TriangleStore smoothed(surface_smooth_triangles(scratch.path()), rough.manifest());
-    BOOST_OUTCOME_TRYV(
-        surface::smooth(rough, smoothed, surface_smoothing(scratch.path()),
-                        {.rounds = options.smooth, .how = how, .progress = tell(cells_done, smooth_done)}));
-    BOOST_OUTCOME_TRYV(smoothed.finish(rough.manifest().points_read));
-    finished = smoothed.folder();
-    digest = *smoothed.manifest().digest;
-  }
+  BOOST_OUTCOME_TRY(built, surface::build(source, options, scratch.path(), false, tell(0, built_part), stop));
   ExportOptions output = options.output;
   output.longest_edges = true;
-  output.progress = tell(smooths ? smooth_done : cells_done, 1);
-  BOOST_OUTCOME_TRY(exported, export_result(finished, target, output, stop));
+  output.comment = surface::recipe_of(options, source.manifest());
+  output.progress = tell(built_part, 1);
+  BOOST_OUTCOME_TRY(exported, export_result(built.triangles, target, output, stop));
 
-  const surface::Counts& counts = passes->counts();
-  Surface made{.mesh = std::move(exported), .digest = digest, .sensors = sensors.used()};
+  const surface::Counts& counts = built.passes->counts();
+  Surface made{.mesh = std::move(exported), .digest = built.digest, .sensors = built.sensors};
   made.sigma = counts.sigma;
   made.rays = counts.rays;
   made.no_rays = counts.no_rays;
   made.guessed = counts.guessed;
   made.handed_over = counts.handed_over;
   made.steps = counts.steps;
-  made.split = manifold.new_vertices();
+  made.split = built.split;
   made.cells = source.manifest().cells;
   made.undecided = counts.undecided;
   made.outside = counts.outside;

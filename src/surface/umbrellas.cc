@@ -10,6 +10,8 @@ namespace tessera::surface {
 namespace {
 
 constexpr std::size_t none = ~std::size_t{0};
+// Of the way to the mean: small against the triangles, and more than the steps of floats of 32 bits.
+constexpr double off = 1.0 / 64;
 
 // A triangle at some vertex: its number among all facets, and the other two of its vertices.
 struct Leaf {
@@ -119,6 +121,25 @@ class Umbrellas {
 
   TriangleName name(const Leaf& leaf) const { return name_of(tile_, facets_[leaf.facet]); }
 
+  static std::int32_t third(const Leaf& leaf, std::int32_t u) { return leaf.others[leaf.others[0] == u ? 1 : 0]; }
+
+  // From a place towards the mean of some vertices. The order of sums is that of ids.
+  Point a_little(Point from, std::vector<std::int32_t> to) const {
+    std::ranges::sort(to, {}, [&](std::int32_t v) { return tile_.id(v); });
+    const auto again = std::ranges::unique(to);
+    to.erase(again.begin(), again.end());
+    for (int axis = 0; axis < 3; ++axis) {
+      double sum = 0;
+      for (const std::int32_t v : to) sum += tile_.point(v)[axis];
+      from[axis] += (sum / static_cast<double>(to.size()) - from[axis]) * off;
+    }
+    return from;
+  }
+  Point middle_of(std::int32_t v, std::int32_t u, std::int32_t first, std::int32_t second) const {
+    const Point &p = tile_.point(v), &q = tile_.point(u);  // v has the lesser id
+    return a_little({(p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2}, {first, second});
+  }
+
   Status look_at(std::int32_t v, std::span<const Leaf> leaves) {
     std::vector<std::size_t> fan(leaves.size());  // a forest; roots are fans
     std::iota(fan.begin(), fan.end(), std::size_t{0});
@@ -130,13 +151,16 @@ class Umbrellas {
       for (const std::int32_t u : leaves[i].others) {
         BOOST_OUTCOME_TRY(facet, beside(leaves[i].facet, v, u));
         const auto found = std::ranges::find(leaves, facet, &Leaf::facet);
-        if (found == leaves.end()) continue;  // the surface ends there, or was trimmed
-        const auto j = static_cast<std::size_t>(found - leaves.begin());
+        const bool alone = found == leaves.end();  // the surface ends there, or was trimmed
+        const std::size_t j = alone ? i : static_cast<std::size_t>(found - leaves.begin());
         fan[root(i)] = root(j);
-        const bool many =
-            std::ranges::count_if(leaves, [&](const Leaf& leaf) { return std::ranges::count(leaf.others, u) > 0; }) > 2;
-        if (many && tile_.id(v) < tile_.id(u) && name(leaves[i]) < name(leaves[j]))
-          splits_.pairs.push_back({{tile_.id(v), tile_.id(u)}, name(leaves[i]), name(leaves[j])});
+        const auto at_edge =
+            std::ranges::count_if(leaves, [&](const Leaf& leaf) { return std::ranges::count(leaf.others, u) > 0; });
+        if (at_edge > (alone ? 1 : 2) && tile_.id(v) < tile_.id(u) && name(leaves[i]) <= name(leaves[j]))
+          splits_.pairs.push_back({{tile_.id(v), tile_.id(u)},
+                                   name(leaves[i]),
+                                   name(leaves[j]),
+                                   middle_of(v, u, third(leaves[i], u), third(leaves[j], u))});
       }
     }
     std::vector<std::pair<TriangleName, std::size_t>> least;  // by fan: its least triangle, and its root
@@ -150,6 +174,12 @@ class Umbrellas {
     }
     if (least.size() == 1) return success();
     std::sort(least.begin(), least.end());
+    for (std::uint32_t copy = 1; copy < least.size(); ++copy) {
+      std::vector<std::int32_t> link;
+      for (std::size_t i = 0; i < leaves.size(); ++i)
+        if (root(i) == least[copy].second) link.insert(link.end(), leaves[i].others.begin(), leaves[i].others.end());
+      splits_.places.push_back({tile_.id(v), copy, a_little(tile_.point(v), link)});
+    }
     for (std::size_t i = 0; i < leaves.size(); ++i) {
       const auto at = std::ranges::find(least, root(i), &std::pair<TriangleName, std::size_t>::second);
       const auto copy = static_cast<std::uint32_t>(at - least.begin());

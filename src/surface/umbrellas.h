@@ -22,15 +22,26 @@ struct SplitCorner {
   std::uint32_t copy = 0;
 };
 
-// Two triangles that belong together at an edge that has more of them. `edge`: ascending.
+// Where such a copy stands: a little off the vertex, towards the mean of the fan's other vertices, so that programs
+// that tell vertices by their coordinates do not take it for the vertex.
+struct CopyPlace {
+  PointId vertex;
+  std::uint32_t copy = 0;
+  Point at;
+};
+
+// Two triangles that belong together at an edge that has more of them, or one that is alone there, and twice here.
+// `edge`: ascending.
 struct PairAtEdge {
   std::array<PointId, 2> edge;
-  TriangleName first, second;  // first < second
+  TriangleName first, second;  // first <= second
+  Point middle;                // of the edge, moved a little towards the triangles' other vertices
 };
 
 // What a tile knows of its own vertices, and of edges whose vertex with the lesser id is its own.
 struct Splits {
   std::vector<SplitCorner> corners;
+  std::vector<CopyPlace> places;
   std::vector<PairAtEdge> pairs;
 };
 

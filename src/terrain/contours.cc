@@ -9,6 +9,7 @@
 #include "src/base/stopped.h"
 #include "src/crs/crs.h"
 #include "src/export/output.h"
+#include "src/files/temporary.h"
 #include "src/query/column.h"
 #include "src/query/query_tile.h"
 #include "src/store/tile_store.h"
@@ -145,9 +146,7 @@ Result<Contours> write_contours(const fs::path& out, const fs::path& target, con
 
 Status trace_contours(const fs::path& out, const ContourOptions& options,
                       const std::function<void(const ContourLine&)>& take, const std::stop_token& stop) {
-  std::error_code failed;
-  const fs::path folder = fs::temp_directory_path(failed);
-  if (failed) return error(Errc::io, "the system's temporary folder: " + failed.message());
+  BOOST_OUTCOME_TRY(folder, folder_for_temporary());
   BOOST_OUTCOME_TRY(traced, terrain::trace(
                                 out, folder, options, [](double) {}, stop));
   const auto give = [&](std::int64_t, const ContourLine& line) -> Status {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <optional>
-#include <system_error>
 #include <vector>
 
 #include "src/files/names.h"
+#include "src/files/temporary.h"
 #include "src/verify/against_cgal.h"
 #include "src/verify/boxes.h"
 #include "src/verify/cell_copies.h"
@@ -76,12 +76,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
                                   ": holds a region of a triangulation; its cells were compared, when they were made, "
                                   "with points that it does not hold, so that it cannot be proved by itself");
   VerifyReport report;
-  fs::path scratch = options.scratch;
-  if (scratch.empty()) {
-    std::error_code code;
-    scratch = fs::temp_directory_path(code);
-    if (code) return error(Errc::io, "no temporary folder is set: " + code.message());
-  }
+  BOOST_OUTCOME_TRY(scratch, folder_for_temporary(options.scratch));
   BOOST_OUTCOME_TRYV(check_files(source));
   // A tile is in memory once, and its facets when neighbours must be found; the four sorters share the rest.
   const std::uint64_t tile_bytes = largest_tile(source) * (manifest.neighbors ? 1 : 3);

@@ -112,7 +112,7 @@ def read_mesh(path):
         types = {"double": "<f8", "float": "<f4", "int": "<i4", "uint": "<u4", "uchar": "u1", "char": "i1",
                  "short": "<i2", "ushort": "<u2"}
         fields, vertices, faces, of_vertex = [], 0, 0, False
-        index = "<i4"
+        of_face = []
         for line in iter(file.readline, b"end_header\n"):
             words = line.decode().split()
             if words[:2] == ["element", "vertex"]:
@@ -120,9 +120,9 @@ def read_mesh(path):
             elif words[:2] == ["element", "face"]:
                 faces, of_vertex = int(words[2]), False
             elif words[0] == "property" and words[1] == "list":
-                index = types[words[3]]
-            elif words[0] == "property" and of_vertex:
-                fields.append((words[2], types[words[1]]))
+                of_face += [("n", "u1"), ("v", types[words[3]], 3)]
+            elif words[0] == "property":
+                (fields if of_vertex else of_face).append((words[2], types[words[1]]))
         table = np.frombuffer(file.read(vertices * np.dtype(fields).itemsize), fields)
-        rows = np.frombuffer(file.read(), [("n", "u1"), ("v", index, 3)], faces)
+        rows = np.frombuffer(file.read(), of_face, faces)
     return np.column_stack([table[c] for c in "xyz"]), rows["v"].astype(np.int64)

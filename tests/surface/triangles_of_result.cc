@@ -88,10 +88,10 @@ std::string not_manifold(const std::vector<IdTriangle>& triangles) {
     PointId at = next.begin()->first;
     for (const auto& [from, to] : next)
       if (!led_to.contains(from)) at = from;
-    std::size_t steps = 0;
-    for (auto found = next.find(at); found != next.end() && steps < next.size(); found = next.find(found->second))
-      ++steps;
-    if (steps != next.size()) return "vertex " + to_string(vertex);
+    std::set<PointId> seen;
+    for (auto found = next.find(at); found != next.end() && seen.insert(found->first).second;)
+      found = next.find(found->second);
+    if (seen.size() != next.size()) return "vertex " + to_string(vertex);
   }
   return {};
 }

@@ -9,11 +9,11 @@
 #include <array>
 #include <cerrno>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "src/base/ledger.h"
 #include "src/files/descriptor.h"
+#include "src/files/temporary.h"
 #include "src/io/format.h"
 
 namespace tessera {
@@ -95,9 +95,7 @@ Result<std::shared_ptr<Spool::File>> Spool::take() {
       return file;
     }
   }
-  std::error_code failed;
-  const auto folder = folder_.empty() ? std::filesystem::temp_directory_path(failed) : folder_;
-  if (failed) return error(Errc::io, "the system's temporary folder: " + failed.message());
+  BOOST_OUTCOME_TRY(folder, folder_for_temporary(folder_));
   BOOST_OUTCOME_TRY(file, nameless_file(folder));
   return std::make_shared<File>(std::move(file));
 }
