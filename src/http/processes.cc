@@ -74,7 +74,7 @@ const char* help_of(const std::string& field) {
       {"against_cgal", "Also compare with CGAL."},
       {"format", "The format of the file; else its ending says."},
       {"local",
-       "Coordinates that count from a corner of the result, for programs that keep floats; of ply, obj and off."},
+       "Coordinates that count from a corner of the result, for programs that keep floats; of ply, obj, off and stl."},
       {"spatial_index", "Also write a spatial index."},
       {"max_edge", "Cells with a longer edge are left out."},
       {"stats", "Also read the points, for their statistics."},

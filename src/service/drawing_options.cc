@@ -125,7 +125,9 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
     options.trim = longest;
   }
   options.manifold = inputs.manifold();
-  options.smooth = inputs.smoothing();
+  options.smooth = inputs.smoothing();  // "smooth" is another thing of another process
+  if (options.smooth > smooth_rounds_max)
+    return refuse("smoothing", "is more than " + std::to_string(smooth_rounds_max) + " rounds");
   options.output.format = inputs.format();
   options.output.local = inputs.local();
   BOOST_OUTCOME_TRYV(check_surface_options(options));

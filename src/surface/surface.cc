@@ -14,12 +14,6 @@ namespace tessera {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-constexpr unsigned smooth_max = 1000;
-
-}  // namespace
-
 Status check_surface_options(const SurfaceOptions& options) {
   const surface::Energy& energy = options.energy;
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
@@ -32,8 +26,8 @@ Status check_surface_options(const SurfaceOptions& options) {
   if (!(energy.ray_length > 0)) return error(Errc::usage, option("ray-length") + " is not above 0");
   if (energy.sigma != 0 && !positive(energy.sigma))
     return error(Errc::usage, option("sigma") + " is not a length above 0");
-  if (options.smooth > smooth_max)
-    return error(Errc::usage, option("smooth") + " is more than " + std::to_string(smooth_max) + " rounds");
+  if (options.smooth > smooth_rounds_max)
+    return error(Errc::usage, option("smooth") + " is more than " + std::to_string(smooth_rounds_max) + " rounds");
   if (options.trim && !positive(*options.trim)) return error(Errc::usage, option("trim") + " is not a length above 0");
   return success();
 }

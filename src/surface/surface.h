@@ -30,13 +30,15 @@ struct SurfaceOptions {
   bool unknown_inside = true;       // where no ray says anything
   std::optional<double> trim = {};  // leaves out triangles with a longer edge, so that the surface is not closed
   bool manifold = false;            // splits vertices and edges where the surface touches itself; nothing moves
-  unsigned smooth = 0;              // rounds of smoothing, which move the vertices, 1,000 at most
+  unsigned smooth = 0;              // rounds of smoothing, which move the vertices, smooth_rounds_max at most
   ExportOptions output;             // of the mesh
   std::uint64_t memory_bytes = 0;   // at least what a tile takes is used
   unsigned threads = 1;
   // Told the part that is done, by one thread at a time; or null.
   std::function<void(double)> progress = {};
 };
+
+inline constexpr unsigned smooth_rounds_max = 1000;
 
 // Error usage when a number makes no sense.
 Status check_surface_options(const SurfaceOptions& options);

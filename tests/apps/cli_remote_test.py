@@ -127,7 +127,7 @@ class Export(ServerTest):
     def test_what_stands_here_is_looked_at_first(self):
         self.write("mesh.off", "mine")
         self.refused(USAGE, "export", "block", "-o", "mesh.off", says=["mesh.off", "--overwrite"])
-        self.refused(USAGE, "export", "block", "-o", "mesh.stl", says="stl")
+        self.refused(USAGE, "export", "block", "-o", "mesh.3ds", says="3ds")
         self.refused(IO, "export", "block", "-o", "nowhere/mesh.off", says=["nowhere", "no such folder"])
         self.assertEqual(self.server.requests, [])
         self.server.on_submit = self.work

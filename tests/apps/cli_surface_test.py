@@ -64,6 +64,9 @@ class Surface(CliTest):
                 (USAGE, ["cells", "-o", "x.ply", "--alpha", "0"], "--alpha"),
                 (USAGE, ["cells", "-o", "x.ply", "--sigma", "0"], "--sigma"),
                 (USAGE, ["cells", "-o", "x.ply", "--trim", "-2"], "--trim"),
+                (USAGE, ["cells", "-o", "x.ply", "--smooth", "1001"], "--smooth is more than 1000 rounds"),
+                (USAGE, ["cells", "-o", "x.ply", "--smooth", "two"], "--smooth"),
+                (USAGE, ["cells", "-o", "x.vtu", "--local"], "--local"),
                 (USAGE, ["cells", "-o", "x.ply", "--trim", "1e-9"], "no surface"),
                 (USAGE, ["cells", "-o", "x.ply", "--bottom", "flat"], "--bottom"),
                 (USAGE, ["cells", "-o", "x.ply", "--unknown", "maybe"], "--unknown"),
@@ -92,8 +95,8 @@ class Surface(CliTest):
     def test_ctrl_c_leaves_nothing(self):
         self.ok("generate", "terrain", "--points", "300000", "-o", "t.las", "--quiet")
         self.ok("triangulate", "t.las", "--dim", "3", "-o", "cells", "--tiles", "4", "--quiet")
-        for seconds in (0.2, 1.5, 3):
-            process = subprocess.Popen([TESSERA, "surface", "cells", "-o", "x.ply"], cwd=self.folder, stdout=subprocess.PIPE,
+        for seconds in (0.2, 1.5, 3, 4.5):
+            process = subprocess.Popen([TESSERA, "surface", "cells", "-o", "x.ply", "--manifold", "--smooth", "100"], cwd=self.folder, stdout=subprocess.PIPE,
                                        stderr=subprocess.PIPE, text=True)
             try:
                 process.wait(seconds)
@@ -111,8 +114,8 @@ class Surface(CliTest):
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, 300_000))
 
-        for memory in ("1G", "1M"):
-            done = self.refused(IO, "surface", "cells", "-o", "x.ply", "--memory", memory, preexec_fn=limit)
+        for memory, how in (("1G", []), ("1M", []), ("1M", ["--manifold", "--smooth", "2"])):
+            done = self.refused(IO, "surface", "cells", "-o", "x.ply", "--memory", memory, *how, preexec_fn=limit)
             self.assertIn("File too large", done.stderr)
             self.assertEqual({p.name for p in self.folder.iterdir() if "x.ply" in p.name}, set())
 

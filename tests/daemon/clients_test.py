@@ -142,7 +142,7 @@ class Python(ClientsTest):
         there, here = client.info(name), tessera.info(sorted(IGN.glob("*.las"))[0])
         self.assertEqual((there["points"], there["files"][0]["bounds"]), (here["points"], here["files"][0]["bounds"]))
         for call, kind in ((lambda: client.verify("none"), tessera.UsageError), (lambda: client.info("none.las"), tessera.IoError),
-                           (lambda: client.export("block", self.folder / "x.stl"), tessera.UsageError),
+                           (lambda: client.export("block", self.folder / "x.3ds"), tessera.UsageError),
                            (lambda: client.submit("*.las", memory="1M").wait(), tessera.MemoryLimitError)):
             with self.assertRaises(kind):
                 call()

@@ -18,9 +18,9 @@ class Surfaces(_WithDaemon):
         self.assertIn("straight above", outcome["sensors"])
         self.assertGreater(outcome["triangles"], 50_000)
         self.execute("surface", triangulation="block", output="mesh.obj", bottom="free", sensor="point:770520,6277520,300",
-                     trim=3, **{"lambda": 2}, ray_length="full", unknown="empty", sigma=0.1)
+                     trim=3, **{"lambda": 2}, ray_length="full", unknown="empty", sigma=0.1, manifold=True, smoothing=2)
         self.tessera("surface", result, "--bottom", "free", "--sensor", "point:770520,6277520,300", "--trim", 3, "--lambda", 2,
-                     "--ray-length", "full", "--unknown", "empty", "--sigma", 0.1, "-o", "mesh.obj")
+                     "--ray-length", "full", "--unknown", "empty", "--sigma", 0.1, "--manifold", "--smooth", 2, "-o", "mesh.obj")
         self.assertEqual((result / "exports/mesh.obj").read_bytes(), (self.folder / "mesh.obj").read_bytes())
         self.assertEqual(self.refused("surface", triangulation="block")[0], 409)
         self.execute("surface", triangulation="block", overwrite=True)
@@ -37,6 +37,7 @@ class Surfaces(_WithDaemon):
                 ({"triangulation": "block", "ray_length": "0"}, 400, "ray_length"),
                 ({"triangulation": "block", "sigma": -1}, 400, "sigma"),
                 ({"triangulation": "block", "alpha": 0}, 400, "alpha"),
+                ({"triangulation": "block", "smoothing": 1001}, 400, "smoothing"),
                 ({"triangulation": "block", "lambda": -1}, 400, "lambda")):
             with self.subTest(f"{inputs}"):
                 told = self.refused("surface", **inputs)

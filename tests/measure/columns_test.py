@@ -111,7 +111,7 @@ class Columns(CliTest):
         file.write_bytes(data)
         self.refused(CORRUPT, "export", self.out, "-o", self.folder / "mesh.vtu", says="000001-2.vtu, CellData/area: block")
         self.refused(CORRUPT, "verify", self.out, says="000001-2.vtu: its checksum is")
-        self.ok("export", self.out, "-o", self.folder / "mesh.ply", "--quiet")  # which has no columns of cells
+        self.ok("export", self.out, "-o", self.folder / "mesh.off", "--quiet")  # which has no columns of cells
 
     def test_a_damaged_tile_gets_no_columns(self):
         self.surface()
