@@ -84,6 +84,7 @@ for name in $parts; do
       part seeds-leave run_seeds leave,join 4
       part seeds-leave-coordinator run_seeds leave,join,coordinator 4
       SECOND_STAGE_SEEDS=$((seeds / 15)) part seeds-second-stage "$build/tests/exchange/second_stage_test" '--gtest_filter=SecondStage.*'
+      SURFACE_STEPS_SEEDS=$((seeds / 15)) part seeds-surface-steps "$build/tests/surface/surface_steps_test" '--gtest_filter=SurfaceSteps.*'
       ;;
     models) part models /usr/bin/python3 "$source/tests/model/run.py" --full ;;
     fuzz) if [ -d "$fuzz/tests/fuzz" ]; then part fuzz fuzz_all; else echo "fuzz: no build in $fuzz"; fi ;;

@@ -33,7 +33,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   storage.many_nodes = setting.context.many_nodes;
   storage.memory_faults = options.memory_faults;
   if (options.faults.storage) storage.fault = draw_fault(rng);
-  const auto second = options.second_stage ? options.second_stage() : nullptr;
+  const auto later = options.later_stages ? options.later_stages() : nullptr;
   const auto fail = [&](const std::string& failure) {
     report.failed_seed = seed;
     report.failure = failure;
@@ -45,8 +45,8 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   for (std::uint64_t life = 0;; ++life) {
     const End end = life >= ends ? End::never : rng() % 2 == 0 ? End::cancel : End::kill;
     const std::uint64_t failed_before = allocations_failed();
-    const Outcome outcome =
-        Life(options, setting, storage, second.get(), rng).live(end, rng() % (second ? 3000 : 1500));
+    const Outcome outcome = Life(options, setting, storage, later.get(), rng)
+                                .live(end, rng() % (later ? 1500 + 1500 * later->count() : 1500));
     const bool out_of_memory = allocations_failed() > failed_before;
     if (out_of_memory) ++lives_max;
     report.steps += outcome.steps;
@@ -74,7 +74,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
     if (life >= lives_max) return fail("a run that was resumed fails again: " + outcome.ended->failure.text);
     ++report.restarts;
     if (storage.settled > 0) ++report.settled_restarts;
-    if (second && storage.meshes().size() == tiles_with_points(setting)) ++report.second_restarts;
+    if (later && storage.meshes().size() == tiles_with_points(setting)) ++report.later_restarts;
     if (options.restarts && rng() % 4 == 0) {
       storage.damage(rng);
       ++damages;
@@ -87,7 +87,7 @@ void run_seed(const HarnessOptions& options, std::uint64_t seed, HarnessReport& 
   for (const auto& [tile, mesh] : storage.meshes()) meshes.push_back(mesh);
   const std::string wrong = difference(global_delaunay(setting.cloud, options.dimension), main_cells(meshes));
   if (!wrong.empty()) return fail(wrong);
-  if (const std::string differs = second ? second->wrong(storage.meshes()) : ""; !differs.empty()) return fail(differs);
+  if (const std::string differs = later ? later->wrong(storage.meshes()) : ""; !differs.empty()) return fail(differs);
   ++report.seeds;
 }
 

@@ -36,13 +36,15 @@ struct HarnessFaults {
 };
 
 // What the tiles run when the triangulation stands, and how it is known that it was right.
-class SecondStage {
+class LaterStages {
  public:
-  virtual ~SecondStage() = default;
-  // `tiles`: what the first stage has left. Lives as long as the programs.
-  virtual std::shared_ptr<const TilePrograms> programs(const std::map<TileId, TileMesh>& tiles) = 0;
+  virtual ~LaterStages() = default;
+  virtual std::uint32_t count() const { return 1; }
+  // Of the stage with this number, from 0. `tiles`: what the triangulation has left. Lives as long as the programs.
+  virtual std::shared_ptr<const TilePrograms> programs(std::uint32_t stage,
+                                                       const std::map<TileId, TileMesh>& tiles) = 0;
   // What is kept of tiles that have come to its end: as a disk would keep it.
-  virtual std::vector<TileReceipt> stored() const = 0;
+  virtual std::vector<TileReceipt> stored(std::uint32_t stage) const = 0;
   // "", or what is wrong. All tiles have come to the end.
   virtual std::string wrong(const std::map<TileId, TileMesh>& tiles) const = 0;
 };
@@ -56,7 +58,7 @@ struct HarnessOptions {
   std::uint32_t nodes = 0;                      // 0: drawn, 1 to 3
   std::optional<std::uint64_t> mail_bytes_max;  // that a tile keeps in memory; else drawn
   HarnessFaults faults;
-  std::function<std::unique_ptr<SecondStage>()> second_stage;  // made for each seed; none: there is none
+  std::function<std::unique_ptr<LaterStages>()> later_stages;  // made for each seed; none: there are none
   MemoryFaults* memory_faults = nullptr;                       // memory runs out when it says so; null: never
   bool restarts = false;                          // the processes end, once or twice, and the run is resumed
   std::uint64_t first_seed = 1, last_seed = 1;    // inclusive
@@ -70,10 +72,10 @@ struct HarnessReport {
   std::uint64_t updates = 0, waves = 0, sleeps = 0, spills = 0;
   std::uint64_t failures = 0;  // runs that a fault ended, with an error
   std::uint64_t restarts = 0, settled_restarts = 0;
-  std::uint64_t second_restarts = 0;  // of them, while the second stage ran, or before it began
-  std::uint64_t epochs = 0;           // that losses and joining have begun
-  std::uint64_t nodes_lost = 0;       // in runs that ended well
-  std::uint64_t mended = 0;           // runs that were begun again for damage found late
+  std::uint64_t later_restarts = 0;  // of them, while a later stage ran, or before it began
+  std::uint64_t epochs = 0;          // that losses and joining have begun
+  std::uint64_t nodes_lost = 0;      // in runs that ended well
+  std::uint64_t mended = 0;          // runs that were begun again for damage found late
   // The first seed whose run was wrong, and how: cells that differ, quiescence believed too early, or no end.
   std::optional<std::uint64_t> failed_seed;
   std::string failure;

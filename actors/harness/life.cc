@@ -25,14 +25,14 @@ Life::Config::Config() {
       [](caf::actor_system& system) -> caf::actor_system::module* { return new SeededScheduler(system); });
 }
 
-Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, SecondStage* second,
+Life::Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, LaterStages* later,
            std::mt19937_64& rng)
     : options_(options),
       setting_(setting),
       storage_(storage),
-      second_(second),
+      later_(later),
       rng_(rng),
-      truths_(second ? 2 : 1, Truth(options.memory_faults)),
+      truths_(later ? 1 + later->count() : 1, Truth(options.memory_faults)),
       network_state_{0, options.memory_faults},
       system_(config_),
       scheduler_(dynamic_cast<SeededScheduler&>(system_.scheduler())),
@@ -106,14 +106,14 @@ void Life::add_node(NodeId home, std::uint64_t memory_bytes) {
   node.progress_interval = std::chrono::hours(24);
   node.hooks = {options_.trace, network_, home};
   nodes_[home] = system_.spawn<NodeActor>(std::move(node),
-                                          std::make_shared<MemoryParts>(setting_, storage_, watches(), home, second_));
+                                          std::make_shared<MemoryParts>(setting_, storage_, watches(), home, later_));
 }
 
 CoordinatorOptions Life::coordinator_options() {
   CoordinatorOptions job;
   const std::size_t number = coordinators_.size();
   job.spec = setting_.spec;
-  job.stages = second_ ? 2 : 1;
+  job.stages = later_ ? 1 + later_->count() : 1;
   job.spec.table.stage = first_stage();
   job.spec.grace_s = options_.faults.waits() ? grace_s : 0;
   job.term = Term{static_cast<std::uint32_t>(number)};
@@ -133,7 +133,7 @@ CoordinatorOptions Life::coordinator_options() {
   job.replaced = [this, number] { return number + 1 < owners_.size(); };
   job.is_settled = [this](std::uint32_t stage) -> Result<bool> { return storage_.settled > stage; };
   job.stored = [this](std::uint32_t stage) -> Result<std::vector<TileReceipt>> {
-    return stage == 0 ? storage_.stored() : second_->stored();
+    return stage == 0 ? storage_.stored() : later_->stored(stage - 1);
   };
   job.on_quiet = [this, number](const Table& table) {
     if (number + 1 == owners_.size()) believed_quiet(table);

@@ -34,7 +34,7 @@ enum class End : std::uint8_t { never, cancel, kill };
 class Life final : private Misfortune {
  public:
   // All outlive it.
-  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, SecondStage* second,
+  Life(const HarnessOptions& options, const Setting& setting, MemoryStorage& storage, LaterStages* later,
        std::mt19937_64& rng);
   // Once.
   Outcome live(End end, std::uint64_t end_at);
@@ -96,7 +96,7 @@ class Life final : private Misfortune {
   const HarnessOptions& options_;
   const Setting& setting_;
   MemoryStorage& storage_;
-  SecondStage* second_;  // null: there is none
+  LaterStages* later_;  // null: there is none
   std::mt19937_64& rng_;
   std::vector<Truth> truths_;  // by stage
   NetworkState network_state_;

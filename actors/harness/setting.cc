@@ -112,7 +112,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 }
 
 std::shared_ptr<const TilePrograms> MemoryParts::programs(Part& part, std::uint32_t stage) const {
-  if (stage > 0) return second_->programs(storage_.meshes());
+  if (stage > 0) return later_->programs(stage - 1, storage_.meshes());
   auto delaunay = std::make_shared<DelaunayStage>(setting_.stage);
   delaunay->storage = &storage_.at(home_);
   delaunay->store = &storage_.store_at(home_);
@@ -121,13 +121,13 @@ std::shared_ptr<const TilePrograms> MemoryParts::programs(Part& part, std::uint3
 }
 
 std::vector<TileReceipt> MemoryParts::stored(std::uint32_t stage) const {
-  return stage == 0 ? storage_.stored() : second_->stored();
+  return stage == 0 ? storage_.stored() : later_->stored(stage - 1);
 }
 
 Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
   auto part = std::make_unique<Part>();
-  for (std::uint32_t stage = 0; stage < (second_ ? 2U : 1U); ++stage) {
+  for (std::uint32_t stage = 0; stage < (later_ ? 1 + later_->count() : 1); ++stage) {
     PartStage& one = part->stages.emplace_back(PartStage{setting_.context, setting_.schedule, {}});
     one.context.storage = &storage_.at(home_, stage);
     one.context.programs = programs(*part, stage);

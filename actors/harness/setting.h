@@ -46,10 +46,10 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
 class MemoryParts final : public PartSource {
  public:
   // `home`: whose scratch it is, whatever number the node has in the job. `watches`: by stage; they may be null.
-  // `second`: null, there is none. All outlive this.
+  // `later`: null, there is none. All outlive this.
   MemoryParts(const Setting& setting, MemoryStorage& storage, std::vector<ExchangeWatch*> watches, NodeId home,
-              SecondStage* second = nullptr)
-      : setting_(setting), storage_(storage), watches_(std::move(watches)), home_(home), second_(second) {}
+              LaterStages* later = nullptr)
+      : setting_(setting), storage_(storage), watches_(std::move(watches)), home_(home), later_(later) {}
   Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
 
  private:
@@ -60,7 +60,7 @@ class MemoryParts final : public PartSource {
   MemoryStorage& storage_;
   std::vector<ExchangeWatch*> watches_;
   NodeId home_;
-  SecondStage* second_;
+  LaterStages* later_;
 };
 
 }  // namespace tessera

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "src/base/big_vector.h"
@@ -69,6 +70,15 @@ class CellSet {
     return fresh;
   }
   std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }
+  // Whether it was made for so many.
+  bool holds(std::size_t cells) const { return words_.size() == (cells + 63) / 64; }
+  // As it is kept: 64 cells a word.
+  const std::vector<std::uint64_t>& words() const { return words_; }
+  static CellSet of_words(std::vector<std::uint64_t> words) {
+    CellSet set;
+    set.words_ = std::move(words);
+    return set;
+  }
   friend bool operator==(const CellSet&, const CellSet&) = default;
 
  private:

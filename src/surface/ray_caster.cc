@@ -18,7 +18,8 @@ int side(const RayRecord& ray, const Point& a, const Point& b) {
 }  // namespace
 
 Status RayCaster::cast(std::int32_t v, const Point& sensor, double sigma, std::uint32_t vote) {
-  RayRecord ray{.from = tile_.point(v), .towards = sensor, .sigma = sigma, .cell = {}, .opposite = {}};
+  RayRecord ray{
+      .from = tile_.point(v), .towards = sensor, .sigma = sigma, .cell = {}, .opposite = {}, .of = tile_.id(v)};
   for (const std::uint32_t number : tile_.star(v)) {
     const auto cell = static_cast<std::int32_t>(number);
     std::size_t k = 0;

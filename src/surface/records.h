@@ -19,6 +19,7 @@ struct RayRecord {
   std::uint32_t vote = 0;
   std::uint32_t behind = 0;  // 1: it goes away from the sensor
   std::uint64_t steps = 0;   // through cells, so far
+  PointId of;                // the vertex that it goes from
 };
 
 // To the cell's main tile: excess.

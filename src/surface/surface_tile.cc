@@ -122,6 +122,20 @@ void SurfaceTile::forget_weights() {
   scales_ = {};
 }
 
+SurfaceTile::Weights SurfaceTile::take_weights() {
+  Weights weights{std::move(arcs_), std::move(excess_)};
+  forget_weights();
+  return weights;
+}
+
+Status SurfaceTile::put_weights(Weights weights) {
+  if (weights.arcs.size() != mesh().cells.size() || weights.excess.size() != mesh().cell_ghost.size())
+    return corrupt("has other cells than when rays went through it");
+  arcs_ = std::move(weights.arcs);
+  excess_ = std::move(weights.excess);
+  return success();
+}
+
 void SurfaceTile::begin_weights() {
   arcs_.assign(mesh().cells.size(), 0);
   excess_.assign(mesh().cell_ghost.size(), 0);

@@ -72,6 +72,14 @@ class SurfaceTile {
   void begin_weights();
   void forget_weights();  // when nobody needs them any more
   bool has_weights() const { return !excess_.empty(); }
+  struct Weights {
+    BigVector<std::uint32_t> arcs;
+    BigVector<std::int64_t> excess;
+  };
+  Weights weights() const { return {arcs_, excess_}; }
+  Weights take_weights();  // forgets them
+  // Error corrupt when they are not of so many cells.
+  Status put_weights(Weights weights);
   // Of own vertices, once set: what scale_of() gave.
   std::vector<double>& scales() { return scales_; }
 

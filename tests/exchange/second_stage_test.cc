@@ -27,9 +27,9 @@ std::vector<TileId> touched(const Tiles& tiles, TileId tile) {
   return {owners.begin(), owners.end()};
 }
 
-class GreatestOfTiles final : public SecondStage {
+class GreatestOfTiles final : public LaterStages {
  public:
-  std::shared_ptr<const TilePrograms> programs(const Tiles& tiles) override {
+  std::shared_ptr<const TilePrograms> programs(std::uint32_t, const Tiles& tiles) override {
     auto stage = std::make_shared<GreatestStage>();
     stage->number = number_of;
     stage->neighbours = [&tiles](TileId tile) -> Result<std::vector<TileId>> {
@@ -42,7 +42,7 @@ class GreatestOfTiles final : public SecondStage {
     };
     return stage;
   }
-  std::vector<TileReceipt> stored() const override {
+  std::vector<TileReceipt> stored(std::uint32_t) const override {
     std::vector<TileReceipt> stored;
     for (const auto& [tile, number] : kept_) stored.push_back({tile, {}});
     return stored;
@@ -74,7 +74,7 @@ HarnessOptions options() {
   options.points = 30;
   options.tiles = 8;
   options.partition = PartitionKind::random;
-  options.second_stage = [] { return std::make_unique<GreatestOfTiles>(); };
+  options.later_stages = [] { return std::make_unique<GreatestOfTiles>(); };
   return options;
 }
 
@@ -100,7 +100,7 @@ TEST(SecondStage, GoesOnAfterAccidentsAndRestarts) {
   o.faults.storage = o.restarts = true;
   const HarnessReport report = run(o);
   EXPECT_GT(report.failures, 0u);
-  EXPECT_GT(report.second_restarts, seeds() / 10);
+  EXPECT_GT(report.later_restarts, seeds() / 10);
 }
 
 TEST(SecondStage, SurvivesLosses) {

@@ -1,0 +1,51 @@
+// What the steps of a surface keep of a tile, as bytes (src/surface/step.h). Each reader gives false when the bytes are
+// not what its writer has made.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/cut/cut_graph.h"
+#include "src/surface/region.h"
+#include "src/surface/step_store.h"
+#include "src/surface/surface_tile.h"
+#include "src/surface/umbrellas.h"
+
+namespace tessera::surface {
+
+struct RayCounts {
+  std::uint64_t rays = 0, no_rays = 0, guessed = 0, steps = 0, handed_over = 0;
+};
+
+struct KeptRays {
+  RayCounts counts;
+  SurfaceTile::Weights weights;
+};
+Bytes bytes_of(const KeptRays& rays);
+bool read(std::span<const std::byte> bytes, KeptRays& rays);
+
+// What a tile has decided alone.
+struct KeptSides {
+  std::uint64_t undecided = 0;
+  cut::CellSet sources, open;  // of its main cells
+};
+Bytes bytes_of(const KeptSides& sides);
+bool read(std::span<const std::byte> bytes, KeptSides& sides);
+
+// The rest: a region's kernel without `sources` and `open`.
+Bytes bytes_of(const RegionKernel& kernel);
+bool read(std::span<const std::byte> bytes, RegionKernel& kernel);
+
+Bytes bytes_of(const cut::CellSet& set);
+bool read(std::span<const std::byte> bytes, cut::CellSet& set);
+
+struct KeptTriangles {
+  std::uint64_t outside = 0;  // main cells
+  Bytes entry;                // what StepStore::keep_triangles() gave
+  Splits splits;
+};
+Bytes bytes_of(const KeptTriangles& triangles);
+bool read(std::span<const std::byte> bytes, KeptTriangles& triangles);
+
+}  // namespace tessera::surface
