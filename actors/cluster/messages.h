@@ -14,7 +14,7 @@
 namespace tessera {
 
 // Changes with any message between nodes.
-inline constexpr std::uint32_t wire_version = 10;
+inline constexpr std::uint32_t wire_version = 11;
 
 // anybody -> a process of the cluster: who coordinates?
 struct WhoIs {

@@ -54,21 +54,11 @@ double seconds(std::uint64_t microseconds) { return static_cast<double>(microsec
 void RunCaller::progressed(const RunProgress& now) { show(now, opened_s_, progress_); }
 
 void RunCaller::stored(const TileDone& done) {
-  if (done.stage > 0) return;  // what later stages leave, whoever made them finds
-  take(done.tile, done.microseconds);
-}
-
-void RunCaller::know(const TileReceipt& tile) {
-  if (!known_.contains(tile.tile)) take(tile, 0);
-}
-
-void RunCaller::take(const TileReceipt& tile, std::uint64_t microseconds) {
-  const auto entry = tile_entry_of(tile.receipt);
-  if (!entry || entry->tile != tile.tile) {
-    throw std::runtime_error("tile " + std::to_string(tile.tile.value) + ": what a node says of it is no entry");
+  const auto entry = tile_entry_of(done.tile.receipt);
+  if (!entry || entry->tile != done.tile.tile) {
+    throw std::runtime_error("tile " + std::to_string(done.tile.tile.value) + ": what a node says of it is no entry");
   }
-  done_.push_back({*entry, microseconds});
-  known_.insert(tile.tile);
+  done_.push_back({*entry, done.microseconds});
   progress_.map.reached(entry->tile, TileStage::stored);
 }
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <future>
 #include <memory>
-#include <set>
 #include <vector>
 
 #include "actors/run_owner.h"
@@ -23,15 +22,11 @@ class RunCaller final : public RunOwner {
   void said(const std::string& line) override { progress_.log(line); }
   void ended(RunEnded end) noexcept override;
 
-  // What an earlier process has stored.
-  void know(const TileReceipt& tile);
   RunEnded wait() { return end_->get_future().get(); }
   // Of a run that has ended well.
   RunSummary summary(const RunEnded& ended);
 
  private:
-  void take(const TileReceipt& tile, std::uint64_t microseconds);
-
   Progress& progress_;
   const double opened_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - progress_.started).count();
   struct Stored {
@@ -39,7 +34,6 @@ class RunCaller final : public RunOwner {
     std::uint64_t microseconds = 0;
   };
   std::vector<Stored> done_;
-  std::set<TileId> known_;  // of these
   std::shared_ptr<std::promise<RunEnded>> end_ = std::make_shared<std::promise<RunEnded>>();
 };
 

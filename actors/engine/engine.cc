@@ -10,6 +10,7 @@
 #include "actors/engine/caller.h"
 #include "actors/engine/cluster_router.h"
 #include "actors/engine/membership.h"
+#include "actors/engine/stages_caller.h"
 #include "actors/failing.h"
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
@@ -17,6 +18,8 @@
 #include "src/budget/budget.h"
 #include "src/exchange/terms.h"
 #include "src/run/disk_parts.h"
+#include "src/run/result_parts.h"
+#include "src/run/settled_stages.h"
 #include "src/store/tile_store.h"
 #include "src/tiling/hilbert.h"
 
@@ -40,15 +43,27 @@ Result<std::uint32_t> first_stage(const std::filesystem::path& run, std::uint32_
   return std::max(settled, 1U) - 1;
 }
 
+// Opens parts of each job by its kind.
+class AllParts final : public PartSource {
+ public:
+  AllParts(std::filesystem::path scratch, KindsOfStages kinds)
+      : clouds(scratch), results(std::move(scratch), std::move(kinds)) {}
+  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
+    return spec.stages.empty() ? clouds.open(spec, self) : results.open(spec, self);
+  }
+  DiskParts clouds;
+  ResultParts results;
+};
+
 }  // namespace
 
 struct Engine::Impl {
-  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::unique_ptr<Membership> membership, NextStages after)
+  Impl(std::uint32_t own_threads, std::uint64_t memory_bytes, std::unique_ptr<Membership> membership,
+       KindsOfStages kinds)
       : threads(own_threads),
-        next(std::move(after)),
         seat(std::move(membership)),
         config(threads, seat.get()),
-        source(std::make_shared<DiskParts>(seat ? seat->options().scratch : std::filesystem::path(), next)),
+        source(std::make_shared<AllParts>(seat ? seat->options().scratch : std::filesystem::path(), std::move(kinds))),
         system(config) {
     if (seat && !seat->options().node) return;
     NodeOptions own;
@@ -71,14 +86,18 @@ struct Engine::Impl {
   // `again`: see RunEnded.
   Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, const std::stop_token& stop, bool& again);
-  Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const RoutedRun& run, KernelKind kernel,
-                                          const std::stop_token& stop);
+  Status run(const ResultJob& result_job, const std::function<void(double)>& part, Progress& progress,
+             const std::stop_token& stop, bool& again);
+  // What all jobs have in common; returns the nodes that the job begins with.
+  Result<std::vector<NodeHandle>> prepare(CoordinatorOptions& job, const std::stop_token& stop);
+  // From the first message to the last. `caller` hears of all but the end.
+  template <class Caller>
+  RunEnded conduct(CoordinatorOptions job, std::vector<NodeHandle> nodes, Caller& caller, const std::stop_token& stop);
 
   const std::uint32_t threads;
-  const NextStages next;
   const std::unique_ptr<Membership> seat;  // null: alone
   EngineConfig config;
-  std::shared_ptr<DiskParts> source;
+  std::shared_ptr<AllParts> source;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
   const std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   Prepared<Leave> leave;
@@ -87,31 +106,35 @@ struct Engine::Impl {
   std::atomic<std::uint64_t> jobs{0};
 };
 
-// What a job of a cluster has beyond one node's, and the nodes that it begins with.
-Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, const RoutedRun& run, KernelKind kernel,
-                                                      const std::stop_token& stop) {
-  BOOST_OUTCOME_TRY(identity, identity_of(run.folder));
-  BOOST_OUTCOME_TRY(term, claim_term(run.folder));
+namespace {
+
+std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes >> 20) + 1) + " MiB"; }
+
+}  // namespace
+
+Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, const std::stop_token& stop) {
+  job.job = JobId{++jobs};
+  const std::filesystem::path run = job.spec.run_folder;
+  BOOST_OUTCOME_TRY(first, first_stage(run, job.stages));
+  job.spec.table.stage = first;
+  job.mark_settled = [run, lock = std::filesystem::path(job.spec.lock_file)](std::uint32_t stage, bool settled) {
+    return mark_settled(run, stage, lock, settled);
+  };
+  if (!seat) {
+    job.weight_max = {};
+    return std::vector<NodeHandle>{node};
+  }
+  BOOST_OUTCOME_TRY(identity, identity_of(run));
+  BOOST_OUTCOME_TRY(term, claim_term(run));
   job.job = identity;
   job.term = term;
   job.take_over = true;
-  job.replaced = [folder = run.folder, term] { return is_replaced(folder, term); };
-  job.is_settled = [folder = run.folder](std::uint32_t stage) -> Result<bool> {
-    BOOST_OUTCOME_TRY(settled, settled_stages(folder, stage + 1));
+  job.replaced = [run, term] { return is_replaced(run, term); };
+  job.is_settled = [run](std::uint32_t stage) -> Result<bool> {
+    BOOST_OUTCOME_TRY(settled, settled_stages(run, stage + 1));
     return settled > stage;
   };
-  job.first_stage = [folder = run.folder, stages = job.stages] { return first_stage(folder, stages); };
-  job.stored = [out = std::filesystem::path(job.spec.out_folder), stages = next](std::uint32_t stage) {
-    return stored_by(stages, out, stage, [](TileId) { return true; });
-  };
-  job.weight_max = [dimension = run.dimension, kernel](std::uint32_t own, std::uint64_t bytes) {
-    return budget::tile_points_max(dimension, kernel, own, bytes);
-  };
-  job.tile_in_words = [dimension = run.dimension, kernel](std::uint64_t points) {
-    const std::uint64_t bytes = budget::tile_working_bytes(dimension, kernel, points);
-    return "a tile of " + std::to_string(points) + " points, which needs about " + std::to_string((bytes >> 20) + 1) +
-           " MiB";
-  };
+  job.first_stage = [run, stages = job.stages] { return first_stage(run, stages); };
   job.spec.shares = seat->options().jobs_at_once;
   job.spec.grace_s = seat->options().grace_s;
   job.spec.resumable = false;  // images are of use to their own node alone
@@ -122,19 +145,53 @@ Result<std::vector<NodeHandle>> Engine::Impl::prepare(CoordinatorOptions& job, c
   return nodes;
 }
 
+template <class Caller>
+RunEnded Engine::Impl::conduct(CoordinatorOptions job, std::vector<NodeHandle> nodes, Caller& caller,
+                               const std::stop_token& stop) {
+  Prepared<Cancel> prepared_cancel;
+  const auto coordinator = system.spawn<Coordinator>(std::move(job), caller, std::move(nodes));
+  if (seat) seat->follow(coordinator);
+  const std::stop_callback cancel(stop, [&] { prepared_cancel.say(coordinator); });
+  return caller.wait();
+}
+
+namespace {
+
+// Whatever a job's parts hold on to: when the last of them has let go, nothing works for the job any more.
+template <class Held>
+struct Lent {
+  // Shared: whoever lets go last may still be at it when this is gone.
+  explicit Lent(const Held& held)
+      : promise(std::make_shared<std::promise<void>>()),
+        gone(promise->get_future()),
+        lent(&held, [told = promise](const Held*) { told->set_value(); }) {}
+  std::shared_ptr<std::promise<void>> promise;
+  std::future<void> gone;
+  std::shared_ptr<const Held> lent;
+};
+
+// Takes back what was lent, also when there is no coordinator.
+template <class TakeBack>
+class AtEnd {
+ public:
+  explicit AtEnd(TakeBack take_back) : take_back_(std::move(take_back)) {}
+  AtEnd(const AtEnd&) = delete;
+  AtEnd& operator=(const AtEnd&) = delete;
+  ~AtEnd() { take_back_(); }
+
+ private:
+  TakeBack take_back_;
+};
+
+}  // namespace
+
 Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                                      Progress& progress, const std::stop_token& stop, bool& again) {
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
   progress.phase = phase_of(ProgramKind::delaunay, ProgramStep::begin);
 
-  // Tiles and writers hold on to the run: when the last of them has let go, nothing works on it any more.
-  const auto let_go = std::make_shared<std::promise<void>>();  // shared: whoever lets go last may still be at it below
-  auto gone = let_go->get_future();
-  std::shared_ptr<const RoutedRun> lent(&run, [let_go](const RoutedRun*) { let_go->set_value(); });
-
   CoordinatorOptions job;
-  job.job = JobId{++jobs};
   job.spec = spec_of(options, run.folder.string(), out.string());
   job.weights = run.tile_points;
   for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
@@ -149,50 +206,73 @@ Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem
   }
   std::stable_sort(job.order.begin(), job.order.end(),
                    [&](TileId a, TileId b) { return place[a.value] < place[b.value]; });
-  job.stages = static_cast<std::uint32_t>(next.size()) + 1;
-  BOOST_OUTCOME_TRY(first, first_stage(run.folder, job.stages));
-  job.spec.table.stage = first;
-  job.mark_settled = [&](std::uint32_t stage, bool settled) {
-    return mark_settled(run.folder, stage, options.lock_file, settled);
+  job.stored = [out](std::uint32_t) { return receipts_of(out, [](TileId) { return true; }); };
+  job.weight_max = [dimension = run.dimension, kernel = options.kernel](std::uint32_t own, std::uint64_t bytes) {
+    return budget::tile_points_max(dimension, kernel, own, bytes);
   };
-  std::vector<NodeHandle> nodes{node};
-  if (seat) {
-    BOOST_OUTCOME_TRY(free, prepare(job, run, options.kernel, stop));
-    nodes = std::move(free);
-  }
+  job.tile_in_words = [dimension = run.dimension, kernel = options.kernel](std::uint64_t points) {
+    return "a tile of " + std::to_string(points) + " points, which needs about " +
+           mebibytes(budget::tile_working_bytes(dimension, kernel, points));
+  };
+  BOOST_OUTCOME_TRY(nodes, prepare(job, stop));
 
   RunCaller caller(progress);
-  Prepared<Cancel> prepared_cancel;
-  source->offer(std::move(lent), options.taker);
   RunEnded end;
-  try {
-    const auto coordinator = system.spawn<Coordinator>(std::move(job), caller, std::move(nodes));
-    if (seat) seat->follow(coordinator);
-    const std::stop_callback cancel(stop, [&] { prepared_cancel.say(coordinator); });
-    end = caller.wait();
-  } catch (...) {  // there is no coordinator
-    source->withdraw(run);
-    throw;
+  Lent lent(run);
+  {
+    source->clouds.offer(std::move(lent.lent), options.taker);
+    const AtEnd withdraw([&] { source->clouds.withdraw(run); });
+    end = conduct(std::move(job), std::move(nodes), caller, stop);
   }
-  source->withdraw(run);
-  gone.wait();
+  lent.gone.wait();
   again = end.again;
   if (end.failure) return error_of(std::move(end.failure));
-  if (!next.empty()) {  // one that took office in a later stage has heard nothing of the first
-    BOOST_OUTCOME_TRY(stored, stored_by({}, out, 0, [](TileId) { return true; }));
-    for (const TileReceipt& tile : stored) caller.know(tile);
-  }
   return caller.summary(end);
 }
 
-Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes, NextStages next)
-    : impl_(std::make_unique<Impl>(threads, memory_bytes, nullptr, std::move(next))) {}
+Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(double)>& part, Progress& progress,
+                         const std::stop_token& stop, bool& again) {
+  BOOST_OUTCOME_TRY(stages, source->results.kind(wanted.kind));
+  BOOST_OUTCOME_TRY(result, TileSource::open(wanted.result));
+  CoordinatorOptions job;
+  static_cast<PartOptions&>(job.spec) = wanted.options;
+  job.spec.run_folder = wanted.run.string();
+  job.spec.out_folder = wanted.result.string();
+  job.spec.stages = wanted.kind;
+  job.stages = stages->count();
+  job.weights = weights_of(result);
+  for (std::size_t i = 0; i < result.tiles(); ++i) job.order.push_back(result.entry(i).tile);
+  job.stored = [stages = stages, run = wanted.run](std::uint32_t stage) { return stages->stored(run, stage); };
+  const std::uint64_t of_point = bytes_a_point(*stages, result);
+  // Half of a node's memory is for tiles that are worked on.
+  job.weight_max = [of_point](std::uint32_t, std::uint64_t bytes) { return bytes / 2 / of_point; };
+  job.tile_in_words = [of_point](std::uint64_t points) {
+    return "a tile of " + std::to_string(points) + " points, which needs about " + mebibytes(points * of_point);
+  };
+  BOOST_OUTCOME_TRY(nodes, prepare(job, stop));
+
+  StagesCaller caller(job.spec.table.stage, job.stages, job.order.size(), part, progress);
+  RunEnded end;
+  Lent lent(wanted);
+  {
+    source->results.offer(wanted.run, std::move(lent.lent));
+    const AtEnd withdraw([&] { source->results.withdraw(wanted.run); });
+    end = conduct(std::move(job), std::move(nodes), caller, stop);
+  }
+  lent.gone.wait();
+  again = end.again;
+  if (end.failure) return error_of(std::move(end.failure));
+  return success();
+}
+
+Engine::Engine(std::uint32_t threads, std::uint64_t memory_bytes, KindsOfStages kinds)
+    : impl_(std::make_unique<Impl>(threads, memory_bytes, nullptr, std::move(kinds))) {}
 
 Engine::Engine(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                             std::unique_ptr<Membership> membership, NextStages next) {
-  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(membership), std::move(next));
+                                             std::unique_ptr<Membership> membership, KindsOfStages kinds) {
+  auto impl = std::make_unique<Impl>(threads, memory_bytes, std::move(membership), std::move(kinds));
   Membership::Own own;
   own.node = caf::actor_cast<caf::actor>(impl->node);
   own.threads = threads;
@@ -212,6 +292,15 @@ Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path
   // Once: where damage follows damage, nothing should go on.
   if (again) summary = impl_->run(run, out, options, progress, stop, again);
   return summary;
+}
+
+Status Engine::run(const ResultJob& job, const std::function<void(double)>& part, Progress& progress,
+                   std::stop_token stop) {
+  bool again = false;
+  Status ended = impl_->run(job, part, progress, stop, again);
+  if (again) ended = impl_->run(job, part, progress, stop, again);
+  if (ended && part) part(1);
+  return ended;
 }
 
 std::unique_ptr<StretchRouter> Engine::router(std::uint64_t memory_bytes) const {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -15,7 +16,7 @@
 #include "src/base/result.h"
 #include "src/budget/budget.h"
 #include "src/cluster/members.h"
-#include "src/run/next_stage.h"
+#include "src/run/result_stages.h"
 #include "src/run/run_options.h"
 #include "src/run/run_summary.h"
 #include "src/tiling/routed_run.h"
@@ -27,11 +28,11 @@ class Membership;  // membership.h
 class Engine {
  public:
   // For all jobs together: threads that work on tiles, and memory.
-  // `next`: stages that each job runs after its triangulation.
-  Engine(std::uint32_t threads, std::uint64_t memory_bytes, NextStages next = {});
+  // `kinds`: of jobs over results that it runs.
+  Engine(std::uint32_t threads, std::uint64_t memory_bytes, KindsOfStages kinds = {});
   // The same as a process of a cluster. Error io when it cannot listen.
   static Result<std::unique_ptr<Engine>> join(std::uint32_t threads, std::uint64_t memory_bytes,
-                                              std::unique_ptr<Membership> membership, NextStages next = {});
+                                              std::unique_ptr<Membership> membership, KindsOfStages kinds = {});
   ~Engine();
   Engine(const Engine&) = delete;
   Engine& operator=(const Engine&) = delete;
@@ -44,6 +45,11 @@ class Engine {
   // all see; waits until there is a node.
   Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, std::stop_token stop);
+
+  // The same for a job over the tiles of a result: its stages run to their end. `part`: told how much of it is done,
+  // from 0 to 1. What it leaves stands in the job's run folder.
+  Status run(const ResultJob& job, const std::function<void(double part)>& part, Progress& progress,
+             std::stop_token stop);
 
   // Who routes a large input beside this process; null: nobody. The engine outlives it.
   std::unique_ptr<StretchRouter> router(std::uint64_t memory_bytes) const;

@@ -90,10 +90,10 @@ Command add_export(CLI::App& root) {
       command, "max-edge", "LENGTH",
       "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices left alone");
   add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
-  add_switch(
-      command, "local",
-      "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole numbers, which is "
-      "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
+  add_switch(command, "local",
+             "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole "
+             "numbers, which is "
+             "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
   add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
              false, true);
   add_switch(command, "overwrite", "replace files that exist", 0, true);

@@ -18,6 +18,7 @@
 #include "src/apps/percent_line.h"
 #include "src/apps/say.h"
 #include "src/job/arguments.h"
+#include "src/job/engine_steps.h"
 #include "src/job/surface_arguments.h"
 
 namespace tessera {
@@ -55,6 +56,8 @@ Result<SurfaceOptions> read_options(Settings& settings, const OutputOptions& out
   options.output.local = local;
   BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
   options.output.overwrite = overwrite;
+  BOOST_OUTCOME_TRY(resume, settings.on("resume"));
+  options.resume = resume;
   BOOST_OUTCOME_TRY(memory, memory_option(settings));
   options.memory_bytes = memory;
   BOOST_OUTCOME_TRY(threads, threads_option(settings));
@@ -97,7 +100,13 @@ Status run_surface(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRYV(find_export_target(target, options.output));
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
     const Interrupt interrupt;
-    auto result = make_surface(folder, target, options, interrupt.token());
+    Engine engine(options.threads, options.memory_bytes, kinds_of_stages());
+    Progress progress;
+    progress.log = log_debug;
+    EngineSteps steps(engine,
+                      {.threads = options.threads, .memory_bytes = options.memory_bytes, .resumable = options.resume},
+                      progress);
+    auto result = make_surface(folder, target, options, steps, interrupt.token());
     clear_line(output);
     BOOST_OUTCOME_TRY(made, std::move(result));
     print(made, options, output);
@@ -148,6 +157,10 @@ Command add_surface(CLI::App& root) {
   add_memory_option(command, "tiles");
   add_threads_option(command);
   add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_switch(command, "resume",
+             "go on with what an interrupted run of the same command has left in PATH.surface, and leave it there when "
+             "interrupted again; of points, keep their result (--keep-result) and name it then",
+             0, true);
   add_output_switches(command);
   auto sources = add_sources(command, 3);
   command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {

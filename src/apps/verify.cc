@@ -16,6 +16,7 @@
 #include "src/apps/server_options.h"
 #include "src/files/temporary.h"
 #include "src/job/arguments.h"
+#include "src/job/engine_steps.h"
 #include "src/job/machine.h"
 #include "src/job/surface_arguments.h"
 #include "src/surface/verify_surface.h"
@@ -34,7 +35,11 @@ Status run_verify_surface(Settings& settings, const std::string& mesh, const Ver
   options.scratch = scratch;
   if (const auto of = settings.text("of")) options.triangulation = *of;
   const Interrupt interrupt;
-  BOOST_OUTCOME_TRY(report, verify_surface(mesh, options, interrupt.token()));
+  Engine engine(options.threads, options.memory_bytes / 2, kinds_of_stages());
+  Progress progress;
+  EngineSteps steps(engine, {.threads = options.threads, .memory_bytes = options.memory_bytes / 2, .resumable = false},
+                    progress);
+  BOOST_OUTCOME_TRY(report, verify_surface(mesh, options, steps, interrupt.token()));
   if (output.json) {
     std::printf("%s\n", to_json(report, mesh).c_str());
   } else if (!output.quiet) {

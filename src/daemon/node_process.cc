@@ -24,6 +24,7 @@
 #include "src/files/whole_file.h"
 #include "src/http/node_health.h"
 #include "src/http/server.h"
+#include "src/job/engine_steps.h"
 #include "src/service/costs.h"
 #include "src/service/data_format.h"
 
@@ -113,8 +114,8 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
       context.stop();
     });
   };
-  BOOST_OUTCOME_TRY(
-      engine, Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(cluster, words.before())));
+  BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes,
+                                         std::make_unique<Seat>(cluster, words.before()), kinds_of_stages()));
   boost::asio::steady_timer until_too_late(context);
   signals.async_wait([&](const boost::system::error_code& error, int signal) {
     if (error) return;

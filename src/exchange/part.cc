@@ -10,6 +10,7 @@ std::string to_bytes(const PartSpec& spec) {
   message.set_out_folder(spec.out_folder);
   message.set_threads(spec.threads);
   message.set_memory_bytes(spec.memory_bytes);
+  message.set_stages(spec.stages);
   message.set_programs(spec.programs);
   message.set_resumable(spec.resumable);
   message.set_lock_file(spec.lock_file);
@@ -39,6 +40,7 @@ Result<PartSpec> spec_from_bytes(const std::string& bytes) {
   spec.out_folder = message.out_folder();
   spec.threads = message.threads();
   spec.memory_bytes = message.memory_bytes();
+  spec.stages = message.stages();
   spec.programs = message.programs();
   spec.resumable = message.resumable();
   spec.lock_file = message.lock_file();

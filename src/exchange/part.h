@@ -33,6 +33,7 @@ struct PartOptions {
 // Everything a node must be told of a job. Nothing in it refers to memory: it can cross a wire (proto/job.proto).
 struct PartSpec : PartOptions {
   std::string run_folder, out_folder;
+  std::string stages;    // of which kind, for a job over a result; empty: of a cloud
   std::string programs;  // what the programs of the stages must know: bytes that only they understand
   Table table;           // as it is when the part is opened
   // Of a cluster's nodes, which are of any size: each gives one of so many equal shares of its threads and memory. 0:

@@ -87,6 +87,8 @@ const char* folder_name(ScratchKind kind) {
       return "duplicates";
     case ScratchKind::settled:
       return "settled";
+    case ScratchKind::kept:
+      return "kept";
     case ScratchKind::routing:
     case ScratchKind::stretch:
       break;

@@ -129,6 +129,8 @@ enum class ScratchKind : std::uint32_t {
   // And what many nodes that route tell each other, in files of their own.
   routing = 6,
   stretch = 7,
+  // What stages of a job over a result leave of a tile.
+  kept = 8,
 };
 // Of tiles.
 inline constexpr ScratchKind scratch_kinds[] = {ScratchKind::state, ScratchKind::finals, ScratchKind::mail,

@@ -1,4 +1,4 @@
-// What the making of a surface puts down in its scratch folder (src/surface/passes.h), a file a tile.
+// What the making of a surface puts down on disk.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,27 @@
 
 namespace tessera {
 
-enum class SurfaceScratch : std::uint8_t { tiles, rays, sums, votes, arcs, labels };
-
-inline std::filesystem::path surface_scratch(const std::filesystem::path& scratch, SurfaceScratch what) {
-  constexpr const char* names[] = {"tiles", "rays", "sums", "votes", "arcs", "labels"};
-  return scratch / names[static_cast<std::size_t>(what)];
+// Where a surface is made that is written to `target`.
+inline std::filesystem::path surface_run_folder(std::filesystem::path target) {
+  if (!target.has_filename()) target = target.parent_path();  // "mesh/"
+  return target += ".surface";
 }
+// What steps leave (src/surface/step.h), a file a tile; `number`: of the kind.
+inline std::filesystem::path surface_kept_folder(const std::filesystem::path& run, std::uint32_t number) {
+  return run / "kept" / std::to_string(number);
+}
+inline std::filesystem::path surface_kept_file(const std::filesystem::path& kept, std::uint32_t tile) {
+  return kept / (std::to_string(tile) + ".bin");
+}
+
+// Tiles that a node does not have in memory.
+inline std::filesystem::path surface_tiles_folder(const std::filesystem::path& own) { return own / "cells"; }
 // Of the tile with this number.
 inline std::filesystem::path surface_cells_file(const std::filesystem::path& tiles, std::size_t number) {
   return tiles / (std::to_string(number) + ".cells");
 }
-inline std::filesystem::path surface_weights_file(const std::filesystem::path& tiles, std::size_t number) {
-  return tiles / (std::to_string(number) + ".weights");
+inline std::filesystem::path surface_mail_folder(const std::filesystem::path& scratch, unsigned turn) {
+  return scratch / ("mail-" + std::to_string(turn));
 }
 inline std::filesystem::path surface_mail_file(const std::filesystem::path& mail, std::size_t number) {
   return mail / (std::to_string(number) + ".mail");
@@ -29,7 +38,7 @@ inline std::filesystem::path surface_split_triangles(const std::filesystem::path
 inline std::filesystem::path surface_smooth_triangles(const std::filesystem::path& scratch) {
   return scratch / "smooth";
 }
-// Of smoothing, while it goes on: tiles and mail, as above.
+// Of smoothing, while it goes on: tiles as above, and mail of two turns.
 inline std::filesystem::path surface_smoothing(const std::filesystem::path& scratch) { return scratch / "smoothing"; }
 
 }  // namespace tessera

@@ -3,12 +3,9 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include "src/base/memory_pool.h"
@@ -18,23 +15,13 @@
 #include "src/exchange/disk_scratch.h"
 #include "src/files/folder.h"
 #include "src/files/folder_lock.h"
-#include "src/files/frame.h"
-#include "src/files/free_space.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 #include "src/run/early.h"
+#include "src/run/part_scratch.h"
 #include "src/run/run_options.h"
 #include "src/run/touching.h"
 #include "src/store/early_cells.h"
 
 namespace tessera {
-namespace {
-
-// A node with less is done without from the start: it would fail with its first tiles.
-constexpr std::uint64_t scratch_free_min = std::uint64_t{4} << 20;
-
-}  // namespace
-
 struct DiskParts::DiskPart final : Part {
   // `scratch`: none, or a folder that goes with the part.
   DiskPart(std::shared_ptr<const RoutedRun> routed, std::filesystem::path scratch_folder,
@@ -56,8 +43,7 @@ struct DiskParts::DiskPart final : Part {
     return store;
   }
   std::shared_ptr<const RoutedRun> run;
-  DiskScratch storage;  // of the first stage
-  std::vector<std::unique_ptr<DiskScratch>> later;
+  DiskScratch storage;
   DiskStore store;
   MemoryPoolShare pool;
 };
@@ -70,47 +56,11 @@ std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedRun>& run, co
   return {run, &of};
 }
 
-// Whether each tile that is not stored can be built by itself, from what it left when all was quiet.
-Result<bool> settled(const RoutedRun& run, const Part& part, TileStorage& storage,
-                     const std::function<bool(TileId)>& here) {
-  BOOST_OUTCOME_TRY(marked, is_there(settled_marker(stage_folder(run.folder, part.table->stage))));
-  if (!marked) return false;
-  std::set<TileId> stored;
-  for (const TileReceipt& tile : part.stored) stored.insert(tile.tile);
-  for (std::uint32_t t = 0; t < run.tile_points.size(); ++t) {
-    if (!here(TileId{t}) || stored.contains(TileId{t})) continue;
-    BOOST_OUTCOME_TRY(alone,
-                      can_be_built_alone(storage, TileId{t}, part.stages.at(part.table->stage).context.many_nodes));
-    if (!alone) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
-// Each of later stages keeps what it needs in a folder of its own, and works as the first one does.
-void DiskParts::add_later_stages(DiskPart& part, const PartSpec& spec, NodeId self) const {
-  for (std::uint32_t stage = 1; stage <= next_.size(); ++stage) {
-    const auto& run = part.run;
-    const auto own = part.scratch.empty() ? run->folder : part.scratch;
-    DiskScratch& scratch = *part.later.emplace_back(std::make_unique<DiskScratch>(DiskScratchOptions{
-        stage_folder(run->folder, stage), stage_folder(own, stage), run->seal, spec.lock_file, self}));
-    PartStage& one = part.stages.emplace_back(part.stages.front());
-    one.context.storage = &scratch;
-    one.context.programs = next_[stage - 1]->programs({run, spec.out_folder, &scratch, part.stopping.get_token()});
-    if (one.sync_settled) one.sync_settled = [&scratch] { return scratch.sync_settled(); };
-  }
-}
-
-Result<std::vector<TileReceipt>> stored_by(const NextStages& next, const std::filesystem::path& out,
-                                           std::uint32_t stage, const std::function<bool(TileId)>& wanted) {
+Result<std::vector<TileReceipt>> receipts_of(const std::filesystem::path& out,
+                                             const std::function<bool(TileId)>& wanted) {
   std::vector<TileReceipt> stored;
-  if (stage > 0) {
-    BOOST_OUTCOME_TRY(later, next.at(stage - 1)->stored(out));
-    std::copy_if(later.begin(), later.end(), std::back_inserter(stored),
-                 [&](const TileReceipt& tile) { return wanted(tile.tile); });
-    return stored;
-  }
   BOOST_OUTCOME_TRY(entries, stored_tiles(out, wanted));
   for (const TileEntry& entry : entries) stored.push_back({entry.tile, bytes_of(entry)});
   return stored;
@@ -144,7 +94,7 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
     return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
   }
-  if (spec.table.stage > next_.size()) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
   BOOST_OUTCOME_TRY(how, delaunay_options_from_bytes(spec.programs));
   std::vector<std::uint64_t> points = run->tile_points;
   for (std::uint32_t t = 0; t < points.size(); ++t) {
@@ -158,15 +108,8 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
   const bool many_nodes = spec.shares > 0;
   std::filesystem::path scratch;
   if (many_nodes) {
-    if (scratch_.empty())
-      return error(Errc::usage, "this node has no scratch folder: it cannot take part of a cluster's job");
-    static std::atomic<std::uint64_t> number{0};
-    if (const std::uint64_t free = free_bytes(scratch_); free < scratch_free_min) {
-      return error(Errc::io, scratch_.string() + ": only " + std::to_string(free >> 10) +
-                                 " KiB are free for tiles that are not in memory");
-    }
-    scratch = part_scratch_folder(scratch_, number++);
-    BOOST_OUTCOME_TRYV(make_directories(scratch));
+    BOOST_OUTCOME_TRY(folder, new_part_folder(scratch_));
+    scratch = std::move(folder);
   }
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
@@ -225,15 +168,12 @@ Result<std::unique_ptr<Part>> DiskParts::open(const PartSpec& spec, NodeId self)
       parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
   part->weights = shared(run, run->tile_points);
   part->stages.push_back(std::move(only));
-  add_later_stages(*part, spec, self);
   // Mail of an earlier process was for tiles that are no more.
-  for (const PartStage& one : part->stages) {
-    BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
-  }
+  BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
   const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
-  BOOST_OUTCOME_TRY(stored, stored_by(next_, spec.out_folder, spec.table.stage, here));
+  BOOST_OUTCOME_TRY(stored, receipts_of(spec.out_folder, here));
   part->stored = std::move(stored);
-  BOOST_OUTCOME_TRY(all_settled, settled(*run, *part, *part->stages[spec.table.stage].context.storage, here));
+  BOOST_OUTCOME_TRY(all_settled, is_settled(run->folder, *part, static_cast<std::uint32_t>(points.size()), here));
   part->settled = all_settled;
   return std::unique_ptr<Part>(std::move(part));
 }

@@ -1,4 +1,5 @@
 #include "src/service/service.h"
+#include "src/job/engine_steps.h"
 
 #include <algorithm>
 #include <map>
@@ -39,13 +40,14 @@ QuestionLimits limits_of_questions(const ServiceOptions& options) {
 }
 
 Result<std::unique_ptr<Engine>> open_engine(const ServiceOptions& options) {
-  if (!options.cluster) return std::make_unique<Engine>(options.threads, options.memory_bytes);
+  if (!options.cluster) return std::make_unique<Engine>(options.threads, options.memory_bytes, kinds_of_stages());
   auto cluster = *options.cluster;
   cluster.jobs_at_once = options.limits.running;
   BOOST_OUTCOME_TRY(identity, data_identity(options.data));
   cluster.shared = identity;
   cluster.data = options.data;
-  return Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(std::move(cluster)));
+  return Engine::join(options.threads, options.memory_bytes, std::make_unique<Seat>(std::move(cluster)),
+                      kinds_of_stages());
 }
 
 }  // namespace

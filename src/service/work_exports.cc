@@ -15,6 +15,7 @@
 #include "src/files/names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
+#include "src/job/engine_steps.h"
 #include "src/service/drawing_options.h"
 #include "src/service/kinds.h"
 #include "src/service/problem.h"
@@ -166,7 +167,9 @@ Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
   const auto made = written_aside(shop, folder, work, [&] {
-    return make_surface(shop.results.folder(name), folder / output, options.value(), work.ledger.token());
+    EngineSteps steps(shop.engine, {.threads = options.value().threads, .memory_bytes = options.value().memory_bytes},
+                      work.progress);
+    return make_surface(shop.results.folder(name), folder / output, options.value(), steps, work.ledger.token());
   });
   if (!made) return problem_of(made.error());
   work.log(made.value().sensors);

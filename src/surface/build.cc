@@ -2,12 +2,24 @@
 
 #include <mutex>
 #include <optional>
+#include <random>
 #include <utility>
 
+#include "src/base/flat_codec.h"
 #include "src/base/option.h"
+#include "src/exchange/tile_storage.h"
+#include "src/files/checksum.h"
+#include "src/files/folder.h"
+#include "src/files/names.h"
 #include "src/files/surface_names.h"
+#include "src/files/there.h"
+#include "src/files/whole_file.h"
+#include "src/run/result_stages.h"
+#include "src/surface/folder_store.h"
+#include "src/surface/kept_codec.h"
 #include "src/surface/manifold.h"
 #include "src/surface/smooth.h"
+#include "src/surface/surface_stages.h"
 #include "src/surface/triangle_store.h"
 #include "src/track/estimate.h"
 #include "src/track/pulses.h"
@@ -65,64 +77,123 @@ Result<Digest> write_split(const fs::path& triangles, const Manifold& manifold, 
   return *to.manifest().digest;
 }
 
+std::string checksum_of_tiles(const Manifest& manifest) {
+  FlatWriter all;
+  for (const TileEntry& tile : manifest.tiles) {
+    all.value(tile.tile.value);
+    all.value(tile.own_points);
+    all.value(tile.xxh3);
+  }
+  return checksum_text(checksum(all.take()));
+}
+
+SurfacePlan plan_of(const TileSource& source, const SurfaceOptions& options, const Sensors& sensors, bool prove) {
+  const auto closed = SurfaceOptions::Bottom::closed, free = SurfaceOptions::Bottom::free;
+  const auto& digest = source.manifest().digest;
+  return {.options = {.energy = options.energy,
+                      .rule = {.lower_inside = options.bottom != free, .unknown_inside = options.unknown_inside},
+                      .boundary = {.below = options.bottom == closed, .trim = options.trim},
+                      .splits = options.manifold,
+                      .prove = prove},
+          .sensors = sensors.found(),
+          .result = digest ? digest_text(*digest) : "",
+          .tiles = checksum_of_tiles(source.manifest()),
+          .number = std::uint64_t{std::random_device()()} << 32u | std::random_device()()};
+}
+
+// The plan of the run is there when this returns: that of an earlier process, or a new one.
+Status begin_run(const BuildFolder& folder, SurfacePlan plan) {
+  const fs::path file = plan_file(folder.run);
+  if (folder.resume) {
+    BOOST_OUTCOME_TRY(there, is_there(file));
+    if (there) {
+      BOOST_OUTCOME_TRY(bytes, read_whole(file));
+      BOOST_OUTCOME_TRY(earlier, read_plan(bytes, file.string()));
+      plan.number = earlier.number;
+      if (to_json(plan) == as_text(bytes)) return success();
+      return error(Errc::usage, folder.run.string() + ": cannot be resumed: the unfinished run was started with " +
+                                    (plan.result != earlier.result ? "another triangulation"
+                                     : plan.tiles != earlier.tiles ? "other tiles"
+                                                                   : "other options"));
+    }
+  }
+  return write_whole(file, to_json(plan));
+}
+
+// What tiles have left after the last step.
+Status gather(const TileSource& source, const fs::path& run, Built& built, TriangleStore& triangles,
+              Manifold& manifold) {
+  BOOST_OUTCOME_TRY(plan, read_whole(plan_file(run)));
+  const std::uint64_t seal = seal_of_plan(plan);
+  const auto kept = [&]<class What>(Kept kind, std::size_t i, What what) -> Result<What> {
+    const TileId tile = source.entry(i).tile;
+    BOOST_OUTCOME_TRY(bytes, read_kept(run, seal, kind, tile));
+    if (!read(bytes, what)) return damaged(tile, "state");
+    return what;
+  };
+  for (std::size_t i = 0; i < source.tiles(); ++i) {
+    BOOST_OUTCOME_TRY(rays, kept(Kept::ray_counts, i, RayCounts()));
+    built.rays += rays;
+    BOOST_OUTCOME_TRY(sides, kept(Kept::arcs, i, KeptSides()));
+    built.undecided += sides.undecided;
+    BOOST_OUTCOME_TRY(tile, kept(Kept::triangles, i, KeptTriangles()));
+    built.outside += tile.outside;
+    manifold.add(std::move(tile.splits));
+    if (tile.entry.empty()) continue;
+    const auto entry = tile_entry_of(tile.entry);
+    if (!entry) return damaged(source.entry(i).tile, "state");
+    triangles.add(*entry);
+  }
+  BOOST_OUTCOME_TRY(sigma, kept(Kept::scales, 0, double()));
+  built.sigma = sigma;
+  return success();
+}
+
 }  // namespace
 
-Result<Built> build(const TileSource& source, const SurfaceOptions& options, const fs::path& scratch, bool prove,
-                    const std::function<void(double)>& progress, const std::stop_token& stop) {
+Result<Built> build(const TileSource& source, const SurfaceOptions& options, const BuildFolder& folder, bool prove,
+                    StepsRunner& runner, const std::function<void(double)>& progress, const std::stop_token& stop) {
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_result(source.folder(), manifest));
   BOOST_OUTCOME_TRY(sensors, Sensors::make(options.sensors, manifest.schema, manifest.bounds));
   if (sensors.wants_estimate()) {
     BOOST_OUTCOME_TRYV(estimate_sensors(source, options, sensors, stop));
   }
-  const double passes_part = options.smooth > 0 ? 0.8 : 1;
+  const double steps_part = options.smooth > 0 ? 0.8 : 1;
   const auto tell = [&](double begin, double end) {
     return [&progress, begin, end](double part) {
       if (progress) progress(begin + (end - begin) * part);
     };
   };
-  const auto closed = SurfaceOptions::Bottom::closed, free = SurfaceOptions::Bottom::free;
-  BOOST_OUTCOME_TRY(
-      passes, Passes::begin(source, sensors, scratch,
-                            {.energy = options.energy,
-                             .rule = {.lower_inside = options.bottom != free, .unknown_inside = options.unknown_inside},
-                             .boundary = {.below = options.bottom == closed, .trim = options.trim},
-                             .splits = options.manifold,
-                             .prove = prove,
-                             .memory_bytes = options.memory_bytes,
-                             .threads = options.threads,
-                             .progress = tell(0, passes_part),
-                             .stop = stop}));
+  BOOST_OUTCOME_TRYV(begin_run(folder, plan_of(source, options, sensors, prove)));
+  BOOST_OUTCOME_TRYV(runner.run(source.folder(), folder.run, folder.lock_file, tell(0, steps_part), stop));
+  Built built{.triangles = surface_triangles(folder.run), .digest = {}, .sensors = sensors.used(), .rays = {}};
   const TileWork how{options.threads, options.memory_bytes, stop};
-  TriangleStore triangles(surface_triangles(scratch), manifest);
+  TriangleStore triangles(built.triangles, manifest);
   Manifold manifold;
-  BOOST_OUTCOME_TRYV(passes->run([&](std::size_t index, const StoredTile& tile, Splits splits) -> Status {
-    manifold.add(std::move(splits));
-    return triangles.add(source.entry(index).tile, tile, stop);
-  }));
+  BOOST_OUTCOME_TRYV(gather(source, folder.run, built, triangles, manifold));
   BOOST_OUTCOME_TRYV(triangles.finish(manifest.points_read));
+  built.digest = *triangles.manifest().digest;
   manifold.settle({manifest.points_read});
-  Built built{.triangles = triangles.folder(),
-              .digest = *triangles.manifest().digest,
-              .split = manifold.new_vertices(),
-              .sensors = sensors.used(),
-              .passes = {}};
+  built.split = manifold.new_vertices();
   if (built.split > 0) {
-    TriangleStore split(surface_split_triangles(scratch), triangles.manifest());
+    TriangleStore split(surface_split_triangles(folder.run), triangles.manifest());
+    BOOST_OUTCOME_TRYV(remove_whole(split.folder()));
     BOOST_OUTCOME_TRY(digest, write_split(built.triangles, manifold, split, how));
     built.digest = digest;
     built.triangles = split.folder();
   }
   if (options.smooth > 0) {
     BOOST_OUTCOME_TRY(rough, TileSource::open(built.triangles));
-    TriangleStore smoothed(surface_smooth_triangles(scratch), rough.manifest());
-    BOOST_OUTCOME_TRYV(smooth(rough, smoothed, surface_smoothing(scratch),
-                              {.rounds = options.smooth, .how = how, .progress = tell(passes_part, 1)}));
+    TriangleStore smoothed(surface_smooth_triangles(folder.run), rough.manifest());
+    BOOST_OUTCOME_TRYV(remove_whole(smoothed.folder()));
+    BOOST_OUTCOME_TRYV(remove_whole(surface_smoothing(folder.run)));
+    BOOST_OUTCOME_TRYV(smooth(rough, smoothed, surface_smoothing(folder.run),
+                              {.rounds = options.smooth, .how = how, .progress = tell(steps_part, 1)}));
     BOOST_OUTCOME_TRYV(smoothed.finish(rough.manifest().points_read));
     built.digest = *smoothed.manifest().digest;
     built.triangles = smoothed.folder();
   }
-  built.passes = std::move(passes);
   return built;
 }
 

@@ -9,8 +9,10 @@
 #include <string>
 
 #include "src/base/result.h"
+#include "src/result/tile_source.h"
 #include "src/store/digest.h"
-#include "src/surface/passes.h"
+#include "src/surface/kept_codec.h"
+#include "src/surface/steps_runner.h"
 #include "src/surface/surface.h"
 
 namespace tessera::surface {
@@ -20,13 +22,21 @@ struct Built {
   Digest digest;
   std::uint64_t split = 0;  // vertices that were added to make it manifold
   std::string sensors;      // a sentence
-  std::unique_ptr<Passes> passes;
+  double sigma = 0;         // the median scale of the vertices, or what was given
+  RayCounts rays;
+  std::uint64_t undecided = 0, outside = 0;  // cells
 };
 
-// `scratch`: an empty folder, in which the triangles are, too. `prove`: each cut is proved by its flow
-// (src/cut/certificate.h); error internal when one is not. Errors: usage for results that have no surface; those of
-// reading. `progress`: or null.
-Result<Built> build(const TileSource& source, const SurfaceOptions& options, const std::filesystem::path& scratch,
-                    bool prove, const std::function<void(double)>& progress, const std::stop_token& stop);
+struct BuildFolder {
+  std::filesystem::path run;        // in which the triangles are, too
+  std::filesystem::path lock_file;  // of who may write there: none, nobody else would
+  bool resume = false;              // goes on with what an earlier process has left there
+};
+
+// `prove`: each cut is proved by its flow (src/cut/certificate.h); error internal when one is not. Errors: usage for
+// results that have no surface, and when what is to be gone on with is of another one; those of reading and running.
+// `progress`: or null.
+Result<Built> build(const TileSource& source, const SurfaceOptions& options, const BuildFolder& folder, bool prove,
+                    StepsRunner& runner, const std::function<void(double)>& progress, const std::stop_token& stop);
 
 }  // namespace tessera::surface

@@ -19,6 +19,17 @@ bool get(FlatReader& in, cut::CellSet& set) {
 
 }  // namespace
 
+Bytes bytes_of(const RayCounts& counts) {
+  FlatWriter out;
+  out.value(counts);
+  return out.take();
+}
+
+bool read(std::span<const std::byte> bytes, RayCounts& counts) {
+  FlatReader in(bytes);
+  return in.value(counts) && in.at_end();
+}
+
 Bytes bytes_of(const KeptRays& rays) {
   FlatWriter out;
   out.reserve(rays.weights.arcs.size() * 4 + rays.weights.excess.size() * 8 + 64);
@@ -75,6 +86,11 @@ Bytes bytes_of(const cut::CellSet& set) {
 bool read(std::span<const std::byte> bytes, cut::CellSet& set) {
   FlatReader in(bytes);
   return get(in, set) && in.at_end();
+}
+
+bool read(std::span<const std::byte> bytes, double& sigma) {
+  FlatReader in(bytes);
+  return in.value(sigma) && in.at_end();
 }
 
 Bytes bytes_of(const KeptTriangles& triangles) {

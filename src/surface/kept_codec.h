@@ -16,7 +16,18 @@ namespace tessera::surface {
 
 struct RayCounts {
   std::uint64_t rays = 0, no_rays = 0, guessed = 0, steps = 0, handed_over = 0;
+  RayCounts& operator+=(const RayCounts& other) {
+    rays += other.rays;
+    no_rays += other.no_rays;
+    guessed += other.guessed;
+    steps += other.steps;
+    handed_over += other.handed_over;
+    return *this;
+  }
 };
+
+Bytes bytes_of(const RayCounts& counts);
+bool read(std::span<const std::byte> bytes, RayCounts& counts);
 
 struct KeptRays {
   RayCounts counts;
@@ -39,6 +50,9 @@ bool read(std::span<const std::byte> bytes, RegionKernel& kernel);
 
 Bytes bytes_of(const cut::CellSet& set);
 bool read(std::span<const std::byte> bytes, cut::CellSet& set);
+
+// What the first tile has found in the step scales, or what was given.
+bool read(std::span<const std::byte> bytes, double& sigma);
 
 struct KeptTriangles {
   std::uint64_t outside = 0;  // main cells

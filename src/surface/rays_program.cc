@@ -166,6 +166,7 @@ Status RaysProgram::begin_settled(Message settled) {
 
 Result<std::unique_ptr<Finished>> RaysProgram::finish() {
   BOOST_OUTCOME_TRYV(put_aside());
+  BOOST_OUTCOME_TRYV(store_.write(Kept::ray_counts, self_, bytes_of(sums_)));
   return std::unique_ptr<Finished>(
       std::make_unique<StepEnd>(store_, Kept::rays, self_, bytes_of(KeptRays{sums_, std::exchange(put_aside_, {})})));
 }

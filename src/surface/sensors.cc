@@ -104,6 +104,7 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
     }
     case SensorOptions::Kind::track: {
       sensors.track_ = options.track;
+      sensors.automatic_ = options.else_above;
       if (!sensors.track_) return error(Errc::usage, "no track is given");
       sensors.used_ = "sensors: by the track, at each point's gps_time";
       BOOST_OUTCOME_TRYV(sensors.find_times(schema));
@@ -121,6 +122,26 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
       return sensors;
   }
   return error(Errc::internal, "there is no such kind of sensors");
+}
+
+SensorOptions Sensors::found() const {
+  SensorOptions options{.kind = SensorOptions::Kind::vertical, .positions = positions_, .track = track_};
+  switch (how_) {
+    case How::vertical:
+      break;
+    case How::origin:
+    case How::normal:
+      options.kind = SensorOptions::Kind::fields;
+      break;
+    case How::positions:
+      options.kind = SensorOptions::Kind::positions;
+      break;
+    case How::track:
+      options.kind = SensorOptions::Kind::track;
+      options.else_above = automatic_;
+      break;
+  }
+  return options;
 }
 
 Point Sensors::read(const std::byte* row) const {

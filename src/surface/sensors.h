@@ -29,6 +29,7 @@ struct SensorOptions {
   std::string text = "auto";  // what was asked for
   std::vector<Point> positions = {};
   std::shared_ptr<const Track> track = {};
+  bool else_above = false;  // where the track does not say it, sensors are straight above
 };
 
 namespace surface {
@@ -54,6 +55,8 @@ class Sensors {
   // Error usage when the sensor is at the point.
   Result<std::optional<Sensor>> of(const Point& point, PointId id, const std::byte* row) const;
 
+  // Options that give the same sensors, with nothing left to find out.
+  SensorOptions found() const;
   // A sentence on what is used, and why.
   const std::string& used() const { return used_; }
 

@@ -12,7 +12,6 @@ Result<std::unique_ptr<SurfaceTile>> Shelf::from_result(std::size_t index) const
   BOOST_OUTCOME_TRY(stored, source_.read(index, {.rows = !source_.manifest().schema.empty()}));
   BOOST_OUTCOME_TRY(tile,
                     SurfaceTile::make(source_.entry(index).tile, source_.file(index).string(), std::move(stored)));
-  tile.begin_weights();
   return std::make_unique<SurfaceTile>(std::move(tile));
 }
 
@@ -34,10 +33,6 @@ Result<std::unique_ptr<SurfaceTile>> Shelf::take(std::size_t index) {
   }
   BOOST_OUTCOME_TRY(tile, SurfaceTile::load_cells(source_.entry(index).tile, source_.file(index).string(),
                                                   cells_path(index), source_.manifest().schema));
-  BOOST_OUTCOME_TRY(weights, is_there(weights_path(index)));
-  if (weights) {
-    BOOST_OUTCOME_TRYV(tile.load_weights(weights_path(index)));
-  }
   return std::make_unique<SurfaceTile>(std::move(tile));
 }
 
@@ -48,16 +43,6 @@ Status Shelf::give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile) {
     held_ += tile->bytes();
     here_[index] = std::move(tile);
     order_.push_back(index);
-    leaving = too_much();
-  }
-  return put_down(std::move(leaving));
-}
-
-Status Shelf::give_up(std::uint64_t bytes) {
-  Leaving leaving;
-  {
-    const std::lock_guard lock(mutex_);
-    memory_bytes_ -= std::min(memory_bytes_, bytes);
     leaving = too_much();
   }
   return put_down(std::move(leaving));
@@ -93,10 +78,7 @@ Status Shelf::put_down(Leaving leaving) {
 
 Status Shelf::put_down(std::size_t index, const SurfaceTile& tile) const {
   BOOST_OUTCOME_TRY(cells, is_there(cells_path(index)));
-  if (!cells) {
-    BOOST_OUTCOME_TRYV(tile.save_cells(cells_path(index)));
-  }
-  return tile.has_weights() ? tile.save_weights(weights_path(index)) : remove_file(weights_path(index));
+  return cells ? Status(success()) : tile.save_cells(cells_path(index));
 }
 
 }  // namespace tessera::surface

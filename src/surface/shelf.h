@@ -28,16 +28,13 @@ class Shelf {
         memory_bytes_(memory_bytes),
         on_disk_(source_.tiles(), OnDisk::no) {}
 
-  // As it was given back, or, the first time, as the result has it, with weights of 0. Errors: of reading.
+  // Without weights. Errors: of reading.
   Result<std::unique_ptr<SurfaceTile>> take(std::size_t index);
   Status give_back(std::size_t index, std::unique_ptr<SurfaceTile> tile);
-  // Tiles get so much less memory from now on: something else needs it.
-  Status give_up(std::uint64_t bytes);
   const TileSource& source() const { return source_; }
 
  private:
   std::filesystem::path cells_path(std::size_t index) const { return surface_cells_file(folder_, index); }
-  std::filesystem::path weights_path(std::size_t index) const { return surface_weights_file(folder_, index); }
   using Leaving = std::vector<std::pair<std::size_t, std::unique_ptr<SurfaceTile>>>;
   Leaving too_much();  // REQUIRES: the lock
   Status put_down(Leaving leaving);

@@ -146,10 +146,9 @@ class Smoother {
   Smoother(const TileSource& source, const std::filesystem::path& scratch, const SmoothOptions& options)
       : source_(source),
         options_(options),
-        sheets_(surface_scratch(scratch, SurfaceScratch::tiles)),
-        mail_{
-            Mail(surface_scratch(scratch, SurfaceScratch::rays), source.tiles(), options.how.memory_bytes / mail_part),
-            Mail(surface_scratch(scratch, SurfaceScratch::sums), source.tiles(), options.how.memory_bytes / mail_part)},
+        sheets_(surface_tiles_folder(scratch)),
+        mail_{Mail(surface_mail_folder(scratch, 0), source.tiles(), options.how.memory_bytes / mail_part),
+              Mail(surface_mail_folder(scratch, 1), source.tiles(), options.how.memory_bytes / mail_part)},
         here_(source.tiles()) {}
 
   Status run(TriangleStore& to) {
@@ -243,8 +242,9 @@ class Smoother {
 
 Status smooth(const TileSource& from, TriangleStore& to, const std::filesystem::path& scratch,
               const SmoothOptions& options) {
-  for (const auto what : {SurfaceScratch::tiles, SurfaceScratch::rays, SurfaceScratch::sums}) {
-    BOOST_OUTCOME_TRYV(make_directories(surface_scratch(scratch, what)));
+  for (const auto& folder :
+       {surface_tiles_folder(scratch), surface_mail_folder(scratch, 0), surface_mail_folder(scratch, 1)}) {
+    BOOST_OUTCOME_TRYV(make_directories(folder));
   }
   return Smoother(from, scratch, options).run(to);
 }

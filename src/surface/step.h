@@ -16,10 +16,10 @@ namespace tessera::surface {
 enum class Step : std::uint8_t { scales, rays, sums, arcs, cut, triangles };
 inline constexpr std::uint32_t steps_count = 6;
 
-// What is kept of a tile after a step, for later ones; `own_scales`, `kernel` and `set` beside, of the steps scales,
-// arcs and cut.
-enum class Kept : std::uint8_t { scales, rays, sums, arcs, cut, triangles, own_scales, kernel, set };
-inline constexpr std::uint32_t kept_count = 9;
+// What is kept of a tile after a step, for later ones; `own_scales`, `ray_counts`, `kernel` and `set` beside, of
+// the steps scales, rays, arcs and cut.
+enum class Kept : std::uint8_t { scales, rays, sums, arcs, cut, triangles, own_scales, ray_counts, kernel, set };
+inline constexpr std::uint32_t kept_count = 10;
 constexpr Kept kept_of(Step step) { return static_cast<Kept>(step); }
 
 }  // namespace tessera::surface

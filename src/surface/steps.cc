@@ -300,31 +300,32 @@ std::unique_ptr<const StepWork> work_of(Step step, std::shared_ptr<const StepInp
 
 class StepPrograms final : public TilePrograms {
  public:
-  StepPrograms(Step step, std::shared_ptr<const StepInput> input, StepStore& store)
-      : step_(step), input_(std::move(input)), store_(store), work_(work_of(step, input_, store)) {}
+  StepPrograms(Step step, std::shared_ptr<const StepInput> input, std::shared_ptr<StepStore> store)
+      : step_(step), input_(std::move(input)), store_(std::move(store)), work_(work_of(step, input_, *store_)) {}
   std::unique_ptr<TileProgram> program_of(TileId tile) const override {
-    if (!work_) return std::make_unique<RaysProgram>(tile, input_, store_);
-    return std::make_unique<StepProgram>(tile, *work_, store_, step_);
+    if (!work_) return std::make_unique<RaysProgram>(tile, input_, *store_);
+    return std::make_unique<StepProgram>(tile, *work_, *store_, step_);
   }
 
  private:
   Step step_;
   std::shared_ptr<const StepInput> input_;
-  StepStore& store_;
+  std::shared_ptr<StepStore> store_;
   std::unique_ptr<const StepWork> work_;
 };
 
 }  // namespace
 
-std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input, StepStore& store) {
-  return std::make_shared<StepPrograms>(step, std::move(input), store);
+std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input,
+                                                std::shared_ptr<StepStore> store) {
+  return std::make_shared<StepPrograms>(step, std::move(input), std::move(store));
 }
 
 Result<double> sigma_of(const StepInput& input, StepStore& store) {
   const TileId first = input.tiles.front();
   BOOST_OUTCOME_TRY(bytes, store.read(Kept::scales, first));
   double sigma = 0;
-  if (FlatReader in(bytes); !in.value(sigma) || !in.at_end() || !(sigma > 0)) return damaged(first, "scales");
+  if (!read(bytes, sigma) || !(sigma > 0)) return damaged(first, "scales");
   return sigma;
 }
 

@@ -32,8 +32,8 @@ struct StepInput {
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
 };
 
-// `store` outlives the programs.
-std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input, StepStore& store);
+std::shared_ptr<const TilePrograms> programs_of(Step step, std::shared_ptr<const StepInput> input,
+                                                std::shared_ptr<StepStore> store);
 
 // What the step scales has found, or what was given.
 Result<double> sigma_of(const StepInput& input, StepStore& store);

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "src/base/option.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
+#include "src/files/surface_names.h"
 #include "src/surface/build.h"
 #include "src/surface/recipe.h"
+#include "src/surface/run_folder.h"
 
 namespace tessera {
 
@@ -33,36 +33,38 @@ Status check_surface_options(const SurfaceOptions& options) {
 }
 
 Result<Surface> make_surface(const fs::path& in, const fs::path& target, const SurfaceOptions& options,
-                             std::stop_token stop) {
+                             surface::StepsRunner& runner, std::stop_token stop) {
   BOOST_OUTCOME_TRYV(check_surface_options(options));
   BOOST_OUTCOME_TRY(place, find_export_target(target, options.output));
   BOOST_OUTCOME_TRY(source, TileSource::open(in));
-  BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(place.path.string() + ".surface")));
+  BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place.path), options.resume));
   constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {
     return [&options, begin, end](double part) {
       if (options.progress) options.progress(begin + (end - begin) * part);
     };
   };
-  BOOST_OUTCOME_TRY(built, surface::build(source, options, scratch.path(), false, tell(0, built_part), stop));
+  const surface::BuildFolder folder{run.path(), run.lock_file(), options.resume};
+  auto outcome = surface::build(source, options, folder, false, runner, tell(0, built_part), stop);
+  if (!outcome && outcome.error().code == Errc::interrupted && options.resume) run.keep();
+  BOOST_OUTCOME_TRY(built, std::move(outcome));
   ExportOptions output = options.output;
   output.longest_edges = true;
   output.comment = surface::recipe_of(options, source.manifest());
   output.progress = tell(built_part, 1);
   BOOST_OUTCOME_TRY(exported, export_result(built.triangles, target, output, stop));
 
-  const surface::Counts& counts = built.passes->counts();
   Surface made{.mesh = std::move(exported), .digest = built.digest, .sensors = built.sensors};
-  made.sigma = counts.sigma;
-  made.rays = counts.rays;
-  made.no_rays = counts.no_rays;
-  made.guessed = counts.guessed;
-  made.handed_over = counts.handed_over;
-  made.steps = counts.steps;
+  made.sigma = built.sigma;
+  made.rays = built.rays.rays;
+  made.no_rays = built.rays.no_rays;
+  made.guessed = built.rays.guessed;
+  made.handed_over = built.rays.handed_over;
+  made.steps = built.rays.steps;
   made.split = built.split;
   made.cells = source.manifest().cells;
-  made.undecided = counts.undecided;
-  made.outside = counts.outside;
+  made.undecided = built.undecided;
+  made.outside = built.outside;
   return made;
 }
 

@@ -15,6 +15,7 @@
 #include "src/store/digest.h"
 #include "src/surface/energy.h"
 #include "src/surface/sensors.h"
+#include "src/surface/steps_runner.h"
 
 namespace tessera {
 
@@ -31,6 +32,7 @@ struct SurfaceOptions {
   std::optional<double> trim = {};  // leaves out triangles with a longer edge, so that the surface is not closed
   bool manifold = false;            // splits vertices and edges where the surface touches itself; nothing moves
   unsigned smooth = 0;              // rounds of smoothing, which move the vertices, smooth_rounds_max at most
+  bool resume = false;              // goes on with what an interrupted run has left, and leaves it when interrupted
   ExportOptions output;             // of the mesh
   std::uint64_t memory_bytes = 0;   // at least what a tile takes is used
   unsigned threads = 1;
@@ -62,7 +64,8 @@ std::string to_json(const Surface& surface, const std::string& output);
 
 // The surface of the result `in`, to a file or a folder, by its ending, as export_result() does it. Errors: usage for
 // options that make no sense and for results that are not whole or not in 3D; those of reading and of export_result().
+// What waits meanwhile stands in a folder beside it, of the target's name and ".surface".
 Result<Surface> make_surface(const std::filesystem::path& in, const std::filesystem::path& target,
-                             const SurfaceOptions& options, std::stop_token stop);
+                             const SurfaceOptions& options, surface::StepsRunner& runner, std::stop_token stop);
 
 }  // namespace tessera

@@ -119,7 +119,6 @@ Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {
 void SurfaceTile::forget_weights() {
   arcs_ = {};
   excess_ = {};
-  scales_ = {};
 }
 
 SurfaceTile::Weights SurfaceTile::take_weights() {
@@ -143,7 +142,7 @@ void SurfaceTile::begin_weights() {
 
 std::size_t SurfaceTile::bytes() const {
   return mesh().bytes() + stored_.rows.size() + (star_first_.size() + star_cells_.size() + by_id_.size()) * 4 +
-         arcs_.size() * 4 + (excess_.size() + scales_.size()) * 8;
+         arcs_.size() * 4 + excess_.size() * 8;
 }
 
 namespace {
@@ -167,14 +166,6 @@ Status SurfaceTile::save_cells(const std::filesystem::path& path) const {
   return save_arrays(path, [&](const auto& use) { cells_of(stored_, use); });
 }
 
-Status SurfaceTile::save_weights(const std::filesystem::path& path) const {
-  return save_arrays(path, [&](const auto& use) {
-    use(arcs_);
-    use(excess_);
-    use(scales_);
-  });
-}
-
 Result<SurfaceTile> SurfaceTile::load_cells(TileId self, std::string name, const std::filesystem::path& path,
                                             const std::vector<Attribute>& schema) {
   SurfaceTile tile(self, std::move(name), {});
@@ -182,14 +173,6 @@ Result<SurfaceTile> SurfaceTile::load_cells(TileId self, std::string name, const
   BOOST_OUTCOME_TRYV(load_arrays(path, [&](const auto& use) { cells_of(tile.stored_, use); }));
   BOOST_OUTCOME_TRYV(tile.index());
   return tile;
-}
-
-Status SurfaceTile::load_weights(const std::filesystem::path& path) {
-  return load_arrays(path, [&](const auto& use) {
-    use(arcs_);
-    use(excess_);
-    use(scales_);
-  });
 }
 
 }  // namespace tessera::surface

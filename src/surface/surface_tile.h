@@ -80,15 +80,11 @@ class SurfaceTile {
   Weights take_weights();  // forgets them
   // Error corrupt when they are not of so many cells.
   Status put_weights(Weights weights);
-  // Of own vertices, once set: what scale_of() gave.
-  std::vector<double>& scales() { return scales_; }
 
-  // To files, and back: between these calls the tile may be thrown away. Cells stay as they are, weights change.
+  // To a file, and back, without weights.
   Status save_cells(const std::filesystem::path& file) const;
-  Status save_weights(const std::filesystem::path& file) const;
   static Result<SurfaceTile> load_cells(TileId self, std::string name, const std::filesystem::path& file,
                                         const std::vector<Attribute>& schema);
-  Status load_weights(const std::filesystem::path& file);
   std::size_t bytes() const;
 
   Error corrupt(const std::string& reason) const;
@@ -105,7 +101,6 @@ class SurfaceTile {
   std::vector<std::int32_t> by_id_;                   // own vertices
   BigVector<std::uint32_t> arcs_;
   BigVector<std::int64_t> excess_;
-  std::vector<double> scales_;
   std::vector<std::int32_t> marked_;  // by vertex: the last own vertex, plus 1, whose edges were looked at
 };
 

@@ -45,11 +45,15 @@ Status TriangleStore::add(TileId tile, const StoredTile& triangles, const std::s
   if (triangles.mesh.cells.empty()) return success();
   BOOST_OUTCOME_TRY(entry, write_tile(folder_, tile, triangles.mesh, triangles.rows,
                                       {.neighbors = false, .schema = triangles.schema, .stop = stop}));
+  add(std::move(entry));
+  return success();
+}
+
+void TriangleStore::add(TileEntry entry) {
   const std::lock_guard lock(mutex_);
   manifest_.vertices += entry.own_points;
   manifest_.cells += entry.main_cells;
   manifest_.tiles.push_back(std::move(entry));
-  return success();
 }
 
 Status TriangleStore::finish(std::uint64_t ids) {

@@ -23,6 +23,8 @@ class TriangleStore {
   const Manifest& manifest() const { return manifest_; }
   // A tile, for several threads at once; one without triangles is left out.
   Status add(TileId tile, const StoredTile& triangles, const std::stop_token& stop);
+  // One that was written there.
+  void add(TileEntry entry);
   // When all have been added. `ids`: all ids are less. Error usage when there is no triangle.
   Status finish(std::uint64_t ids);
 

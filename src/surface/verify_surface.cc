@@ -69,9 +69,10 @@ Result<std::vector<fs::path>> files_of(const fs::path& mesh) {
 
 class Check {
  public:
-  Check(fs::path mesh, const VerifySurfaceOptions& options, std::stop_token stop)
+  Check(fs::path mesh, const VerifySurfaceOptions& options, StepsRunner& runner, std::stop_token stop)
       : mesh_(std::move(mesh)),
         options_(options),
+        runner_(runner),
         stop_(std::move(stop)),
         edges_(options.scratch, options.memory_bytes / 4, stop_),
         triangles_(options.scratch, options.memory_bytes / 4, stop_),
@@ -169,7 +170,8 @@ class Check {
     options.threads = options_.threads;
     BOOST_OUTCOME_TRYV(check_surface_options(options));
     BOOST_OUTCOME_TRY(scratch, TemporaryFolder::make(temporary_name_of_process(options_.scratch / "surface")));
-    BOOST_OUTCOME_TRY(built, build(source, options, scratch.path(), true, {}, stop_));
+    BOOST_OUTCOME_TRY(built,
+                      build(source, options, {.run = scratch.path(), .lock_file = {}}, true, runner_, {}, stop_));
     report_.passed.push_back("made again: " + std::to_string(manifest.cells) +
                              " cells, and their smallest minimum cut is proved by its flow");
     BOOST_OUTCOME_TRY(made, TileSource::open(built.triangles));
@@ -244,6 +246,7 @@ class Check {
 
   fs::path mesh_;
   const VerifySurfaceOptions& options_;
+  StepsRunner& runner_;
   std::stop_token stop_;
   std::optional<Recipe> recipe_;
   ExternalSort<EdgeUse> edges_;
@@ -265,8 +268,8 @@ Result<bool> is_surface(const fs::path& path) {
 }
 
 Result<SurfaceReport> verify_surface(const fs::path& mesh, const VerifySurfaceOptions& options,
-                                     const std::stop_token& stop) {
-  return surface::Check(mesh, options, stop).run();
+                                     surface::StepsRunner& runner, const std::stop_token& stop) {
+  return surface::Check(mesh, options, runner, stop).run();
 }
 
 std::string to_json(const SurfaceReport& report, const std::string& mesh) {

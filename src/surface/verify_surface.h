@@ -11,6 +11,7 @@
 
 #include "src/base/result.h"
 #include "src/surface/recipe.h"
+#include "src/surface/steps_runner.h"
 #include "src/surface/surface.h"
 
 namespace tessera {
@@ -40,6 +41,6 @@ Result<bool> is_surface(const std::filesystem::path& path);
 // cut is proved by its flow, and triangles and places of vertices are compared.
 // Error not_delaunay tells the first violation; bad_input a damaged file.
 Result<SurfaceReport> verify_surface(const std::filesystem::path& mesh, const VerifySurfaceOptions& options,
-                                     const std::stop_token& stop);
+                                     surface::StepsRunner& runner, const std::stop_token& stop);
 
 }  // namespace tessera

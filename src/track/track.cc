@@ -72,7 +72,11 @@ Result<std::array<std::optional<std::size_t>, names.size()>> columns_of(const Ro
 
 Result<Track> Track::read(const std::filesystem::path& file) {
   BOOST_OUTCOME_TRY(bytes, read_whole(file));
-  Rows rows(file, as_text(bytes));
+  return parse(as_text(bytes), file);
+}
+
+Result<Track> Track::parse(std::string_view text, const std::filesystem::path& file) {
+  Rows rows(file, text);
   const auto header = rows.next();
   if (!header) return error(Errc::bad_input, file.string() + ": is empty; a track begins with time,x,y,z");
   BOOST_OUTCOME_TRY(columns, columns_of(rows, *header));

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "src/base/point.h"
@@ -23,6 +24,8 @@ class Track {
   // A CSV file: a header with time, x, y, z and perhaps line, in any order; further columns are not looked at. Times
   // ascend within a line. Errors: bad_input, which names file, line and reason; io.
   static Result<Track> read(const std::filesystem::path& file);
+  // The same from text; `name`: for errors.
+  static Result<Track> parse(std::string_view text, const std::filesystem::path& name);
   // The same, the digits that read back as the same numbers.
   std::string to_csv() const;
 

@@ -1,7 +1,7 @@
-// The program of tests/exchange/greatest.h as a stage after the triangulation, with results on disk.
+// The program of tests/exchange/greatest.h as a job over a result, of two stages, with its numbers on disk.
 #pragma once
 
-#include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -12,64 +12,89 @@
 #include <utility>
 #include <vector>
 
+#include "src/files/folder.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
-#include "src/run/next_stage.h"
-#include "src/store/tile_reader.h"
-#include "src/store/tile_store.h"
+#include "src/run/result_stages.h"
 #include "tests/exchange/greatest.h"
 
 namespace tessera::testing {
 
+inline constexpr const char* kind_of_greatest = "greatest";
+
 inline std::uint64_t number_of(TileId tile) { return tile.value * 7919ULL % 1009; }
 
-// That the tile's cells have vertices of, as it is stored.
-inline Result<std::vector<TileId>> touched(const std::filesystem::path& out, TileId tile) {
-  BOOST_OUTCOME_TRY(stored, store::read_tile(tile_file(out, tile), tile, {.cells = false}));
+// That the tile's cells have vertices of.
+inline Result<std::vector<TileId>> touched(const TileSource& source, TileId tile) {
+  BOOST_OUTCOME_TRY(stored, source.read(*source.find(tile), {.cells = false}));
   std::set<TileId> owners(stored.mesh.owners.begin(), stored.mesh.owners.end());
   owners.erase(tile);
   return std::vector<TileId>(owners.begin(), owners.end());
 }
 
-class GreatestOnDisk final : public NextStage {
+// What a tile has in the second stage is what the first has found.
+class GreatestOnDisk final : public ResultStages {
  public:
-  // `folder`: of the results, and of `hold`: while that file is there, no tile begins.
-  explicit GreatestOnDisk(std::filesystem::path folder) : folder_(std::move(folder)) {}
-  std::filesystem::path hold() const { return folder_ / "hold"; }
-  // Made by a process when the first of its tiles is to begin.
-  std::filesystem::path begun(const std::string& name) const { return folder_ / ("begun-" + name); }
-  std::filesystem::path result(TileId tile) const { return folder_ / (std::to_string(tile.value) + ".number"); }
-  std::string name;  // of this process
-
-  std::shared_ptr<const TilePrograms> programs(const StageInput& input) override {
-    auto stage = std::make_shared<GreatestStage>();
-    stage->number = number_of;
-    stage->neighbours = [this, out = input.out, stop = input.stop](TileId tile) -> Result<std::vector<TileId>> {
-      std::call_once(told_, [&] { std::ofstream(begun(name)) << "begun\n"; });
-      while (!stop.stop_requested()) {
-        BOOST_OUTCOME_TRY(held, is_there(hold()));
-        if (!held) break;
-        std::this_thread::yield();
-      }
-      return touched(out, tile);
-    };
-    stage->keep = [this](TileId tile, std::uint64_t number) {
-      return write_whole(result(tile), std::to_string(number));
-    };
-    return stage;
+  // While the file hold() is there, no tile begins a stage.
+  static std::filesystem::path hold(const std::filesystem::path& run, std::uint32_t stage) {
+    return run / ("hold-" + std::to_string(stage));
   }
-  Result<std::vector<TileReceipt>> stored(const std::filesystem::path&) override {
+  // Made by a node when the first of its tiles is to begin a stage.
+  static std::filesystem::path begun(const std::filesystem::path& run, std::uint32_t stage, const std::string& name) {
+    return run / ("begun-" + std::to_string(stage) + "-" + name);
+  }
+  static Result<std::uint64_t> found(const std::filesystem::path& run, std::uint32_t stage, TileId tile) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(numbers(run, stage) / std::to_string(tile.value)));
+    return std::stoull(std::string(as_text(bytes)));
+  }
+
+  explicit GreatestOnDisk(std::string name) : name_(std::move(name)) {}  // of the node
+  std::uint32_t count() const override { return 2; }
+  Result<std::vector<std::shared_ptr<const TilePrograms>>> programs(const ResultInput& input) const override {
+    std::vector<std::shared_ptr<const TilePrograms>> programs;
+    for (std::uint32_t stage = 0; stage < count(); ++stage) programs.push_back(programs_of(stage, input));
+    return programs;
+  }
+  Result<std::vector<TileReceipt>> stored(const std::filesystem::path& run, std::uint32_t stage) const override {
     std::vector<TileReceipt> stored;
-    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-      if (entry.path().extension() != ".number") continue;
-      stored.push_back({TileId{static_cast<std::uint32_t>(std::stoul(entry.path().stem()))}, {}});
+    BOOST_OUTCOME_TRY(there, is_there(numbers(run, stage)));
+    if (!there) return stored;
+    BOOST_OUTCOME_TRY(names, sorted_names(numbers(run, stage)));
+    for (const std::string& name : names) {
+      if (name.find('.') == name.npos) stored.push_back({TileId{static_cast<std::uint32_t>(std::stoul(name))}, {}});
     }
     return stored;
   }
+  std::uint64_t work_bytes(const TileSource&, std::size_t) const override { return 4096; }
 
  private:
-  std::filesystem::path folder_;
-  std::once_flag told_;
+  static std::filesystem::path numbers(const std::filesystem::path& run, std::uint32_t stage) {
+    return run / ("numbers-" + std::to_string(stage));
+  }
+  std::shared_ptr<const TilePrograms> programs_of(std::uint32_t stage, const ResultInput& input) const {
+    auto programs = std::make_shared<GreatestStage>();
+    programs->number = [stage, run = input.run](TileId tile) {
+      return stage == 0 ? number_of(tile) : found(run, stage - 1, tile).value();
+    };
+    const auto told = std::make_shared<std::once_flag>();
+    programs->neighbours = [name = name_, stage, told, source = input.source, run = input.run,
+                            stop = input.stop](TileId tile) -> Result<std::vector<TileId>> {
+      std::call_once(*told, [&] { std::ofstream(begun(run, stage, name)) << "begun\n"; });
+      while (!stop.stop_requested()) {
+        BOOST_OUTCOME_TRY(held, is_there(hold(run, stage)));
+        if (!held) break;
+        std::this_thread::yield();
+      }
+      return touched(source, tile);
+    };
+    programs->keep = [stage, run = input.run](TileId tile, std::uint64_t number) -> Status {
+      BOOST_OUTCOME_TRYV(make_directories(numbers(run, stage)));
+      return write_whole(numbers(run, stage) / std::to_string(tile.value), std::to_string(number));
+    };
+    return programs;
+  }
+
+  const std::string name_;
 };
 
 }  // namespace tessera::testing

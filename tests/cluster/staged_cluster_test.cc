@@ -1,20 +1,26 @@
-// A second stage on a cluster of four processes, of which some are killed while it runs, and before.
+// A job over a result, of two stages, on a cluster of four processes, of which some are killed in either stage.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "src/run/settled_stages.h"
 #include "tests/cluster/cluster_testing.h"
 #include "tests/cluster/greatest_on_disk.h"
+#include "tests/store/sample_result.h"
 
 extern char** environ;
 
@@ -59,49 +65,57 @@ class StagedCluster : public ClusterTest {
     std::filesystem::create_directories(scratch);
     auto process = std::make_unique<Process>(std::vector<std::string>{"staged_node", name, std::to_string(free_port()),
                                                                       std::to_string(first_.port), certs_.string(),
-                                                                      scratch.string(), results_.string()});
+                                                                      scratch.string()});
     wait_for("node " + name, "has joined");
     return process;
   }
+  static KindsOfStages kinds() { return {{kind_of_greatest, std::make_shared<const GreatestOnDisk>("first")}}; }
   std::unique_ptr<Engine> first() {
     auto own = options("first");
     own.coordinator = true;
     first_ = own.listen;
     own.join.clear();
-    stage_->name = "first";
-    auto engine = Engine::join(1, memory, std::make_unique<Seat>(std::move(own)), {stage_});
+    auto engine = Engine::join(1, memory, std::make_unique<Seat>(std::move(own)), kinds());
     EXPECT_TRUE(engine) << engine.error().where;
     return std::move(engine).value();
   }
-  void expect_right(const RunSummary& summary, const std::filesystem::path& out) {
+  // Of twelve tiles.
+  std::filesystem::path result() {
+    const auto out = folder_.path() / "result";
+    test::store_sample(out, test::sample_tiles(test::sample_points(test::Shape::uniform, 3, 4'000), 3, 12));
+    return out;
+  }
+  ResultJob job(const std::filesystem::path& result, const std::string& name) {
+    const auto run = folder_.path() / name;
+    std::filesystem::create_directories(run);
+    EXPECT_TRUE(write_whole(plan_file(run), std::string_view("the greatest of neighbours\n")));
+    return {kind_of_greatest, result, run, {.threads = 2, .memory_bytes = memory}};
+  }
+  static void expect_right(const ResultJob& job) {
+    const TileSource source = TileSource::open(job.result).value();
+    ASSERT_EQ(source.tiles(), 12U);
     std::map<TileId, std::vector<TileId>> near;
-    for (const TileEntry& tile : summary.tiles) near[tile.tile] = touched(out, tile.tile).value();
-    for (const auto& [tile, neighbours] : near) {
-      std::uint64_t expected = number_of(tile);
-      for (const TileId one : neighbours) {
-        expected = std::max(expected, number_of(one));
-        for (const TileId far : near.at(one)) expected = std::max(expected, number_of(far));
+    std::map<TileId, std::uint64_t> number;
+    for (std::size_t i = 0; i < source.tiles(); ++i) {
+      const TileId tile = source.entry(i).tile;
+      near[tile] = touched(source, tile).value();
+      number[tile] = number_of(tile);
+    }
+    for (std::uint32_t stage = 0; stage < 2; ++stage) {
+      std::map<TileId, std::uint64_t> next = number;
+      for (const auto& [tile, neighbours] : near) {
+        for (const TileId one : neighbours) {
+          next[tile] = std::max(next[tile], number.at(one));
+          for (const TileId far : near.at(one)) next[tile] = std::max(next[tile], number.at(far));
+        }
+        const auto found = GreatestOnDisk::found(job.run, stage, tile);
+        ASSERT_TRUE(found) << found.error().where;
+        EXPECT_EQ(found.value(), next.at(tile)) << "tile " << tile.value << " in stage " << stage;
       }
-      std::ifstream file(stage_->result(tile));
-      std::uint64_t found = 0;
-      EXPECT_TRUE(file >> found) << "tile " << tile.value;
-      EXPECT_EQ(found, expected) << "tile " << tile.value;
+      number = next;
     }
+    EXPECT_EQ(settled_stages(job.run, 2).value(), 2U);
   }
-
-  bool some_began() const {
-    for (const char* const name : {"first", "second", "third", "fourth"}) {
-      if (std::filesystem::exists(stage_->begun(name))) return true;
-    }
-    return false;
-  }
-
-  const std::filesystem::path results_ = [this] {
-    const auto folder = folder_.path() / "greatest";
-    std::filesystem::create_directories(folder);
-    return folder;
-  }();
-  std::shared_ptr<GreatestOnDisk> stage_ = std::make_shared<GreatestOnDisk>(results_);
 };
 
 void await(const std::filesystem::path& file) {
@@ -109,63 +123,86 @@ void await(const std::filesystem::path& file) {
 }
 
 TEST_F(StagedCluster, OneProcessRunsBothStagesAndGoesOnWhereItEnded) {
-  const RoutedRun cloud = routed("one");
-  const auto out = cloud.folder.parent_path();
-  Engine engine(2, memory, {stage_});
+  Engine engine(2, memory, kinds());
+  const ResultJob job = this->job(result(), "one");
   for (const bool again : {false, true}) {  // the second time all is settled
+    std::filesystem::remove(GreatestOnDisk::begun(job.run, 0, "first"));
+    std::filesystem::remove(GreatestOnDisk::begun(job.run, 1, "first"));
     Progress progress;
-    const auto summary = engine.run(cloud, out, {.threads = 2, .memory_bytes = memory}, progress, {});
-    ASSERT_TRUE(summary) << summary.error().where;
-    EXPECT_EQ(summary.value().tiles.size(), 12U);
-    EXPECT_EQ(summary.value().exchange.waves == 0, again);
-    expect_right(summary.value(), out);
+    double done = 0;
+    const auto status = engine.run(job, [&](double part) { done = part; }, progress, {});
+    ASSERT_TRUE(status) << status.error().where;
+    EXPECT_EQ(done, 1.0);
+    expect_right(job);
+    for (const std::uint32_t stage : {0U, 1U})
+      EXPECT_EQ(std::filesystem::exists(GreatestOnDisk::begun(job.run, stage, "first")), !again);
   }
-  EXPECT_EQ(settled_stages(cloud.folder, 2).value(), 2U);
+}
+
+TEST_F(StagedCluster, AJobThatIsStoppedGoesOn) {
+  Engine engine(2, memory, kinds());
+  const ResultJob job = this->job(result(), "stopped");
+  std::ofstream(GreatestOnDisk::hold(job.run, 1)) << "held\n";
+  std::stop_source stop;
+  Progress progress;
+  std::jthread stopper([&] {
+    await(GreatestOnDisk::begun(job.run, 1, "first"));
+    stop.request_stop();
+  });
+  const auto stopped = engine.run(job, {}, progress, stop.get_token());
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, Errc::interrupted);
+  EXPECT_EQ(settled_stages(job.run, 2).value(), 1U);
+  std::filesystem::remove(GreatestOnDisk::hold(job.run, 1));
+  std::filesystem::remove(GreatestOnDisk::begun(job.run, 0, "first"));
+  ASSERT_TRUE(engine.run(job, {}, progress, {}));
+  EXPECT_FALSE(std::filesystem::exists(GreatestOnDisk::begun(job.run, 0, "first")));
+  expect_right(job);
+}
+
+TEST_F(StagedCluster, AKindThatNobodyKnowsIsRefused) {
+  Engine engine(2, memory);
+  Progress progress;
+  const auto refused = engine.run(job(result(), "unknown"), {}, progress, {});
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().where.find(kind_of_greatest), std::string::npos) << refused.error().where;
 }
 
 TEST_F(StagedCluster, LosesNothingWhenNodesAreKilledInEitherStage) {
-  const auto expected = alone();
   const auto coordinator = first();
   std::map<std::string, std::unique_ptr<Process>> nodes;
   for (const std::string name : {"second", "third", "fourth"}) nodes[name] = node(name);
+  const auto result = this->result();
   for (int round = 0; round < 3; ++round) {
     SCOPED_TRACE(round);
-    const std::string name = "round-" + std::to_string(round);
-    const RoutedRun cloud = routed(name);
-    const auto out = cloud.folder.parent_path();
-    for (const auto& entry : std::filesystem::directory_iterator(results_)) std::filesystem::remove(entry);
-    std::ofstream(stage_->hold()) << "held\n";
+    const ResultJob job = this->job(result, "round-" + std::to_string(round));
+    for (const std::uint32_t stage : {0U, 1U}) std::ofstream(GreatestOnDisk::hold(job.run, stage)) << "held\n";
     Progress progress;
-    std::optional<Result<RunSummary>> summary;
-    std::jthread job(
-        [&] { summary = coordinator->run(cloud, out, {.threads = 2, .memory_bytes = memory}, progress, {}); });
-    if (round == 1) {  // in the first stage, too, but for a thread that sleeps through it: the second counts anew
-      while (progress.tiles_triangulated == 0 && !some_began()) std::this_thread::yield();
-      nodes["fourth"]->kill();
-      wait_for("node fourth", "is lost");
+    std::optional<Status> status;
+    std::jthread running([&] { status = coordinator->run(job, {}, progress, {}); });
+    std::set<std::string> lost;
+    const auto lose = [&](const std::string& name) {
+      nodes[name]->kill();
+      wait_for("node " + name, "is lost");
+      lost.insert(name);
+    };
+    if (round == 1) {  // in the first stage, too: what it had begun begins on another
+      await(GreatestOnDisk::begun(job.run, 0, "fourth"));
+      lose("fourth");
     }
-    await(stage_->begun("second"));
-    nodes["second"]->kill();
-    wait_for("node second", "is lost");
-    std::filesystem::remove(stage_->hold());
-    if (round == 2) {  // when some have come to the end, perhaps
-      nodes["third"]->kill();
-      wait_for("node third", "is lost");
-    }
-    job.join();
-    ASSERT_TRUE(*summary) << summary->error().where;
-    std::vector<std::uint64_t> sums;
-    for (const TileEntry& tile : summary->value().tiles) sums.push_back(tile.xxh3);
-    EXPECT_EQ(sums, expected);
-    EXPECT_GT(summary->value().exchange.nodes_lost, 0U);
-    expect_right(summary->value(), out);
+    std::filesystem::remove(GreatestOnDisk::hold(job.run, 0));
+    await(GreatestOnDisk::begun(job.run, 1, "second"));
+    lose("second");
+    std::filesystem::remove(GreatestOnDisk::hold(job.run, 1));
+    if (round == 2) lose("third");  // when some have come to the end, perhaps
+    running.join();
+    ASSERT_TRUE(*status) << status->error().where;
+    expect_right(job);
     {
       const std::lock_guard lock(mutex_);
       said_.clear();
     }
-    for (const std::string lost : {"second", "third", "fourth"}) {
-      if (lost == "second" || (lost == "fourth" && round == 1)) nodes[lost] = node(lost);
-    }
+    for (const std::string& name : lost) nodes[name] = node(name);
   }
 }
 

@@ -1,5 +1,5 @@
-// A node of a cluster whose jobs have a second stage. Its arguments: name, port to listen at, port of the coordinator,
-// folder of certificates, scratch folder, folder of the stage's results. It ends when it is killed, or its input ends.
+// A node of a cluster that knows the jobs of greatest_on_disk.h. Its arguments: name, port to listen at, port of the
+// coordinator, folder of certificates, scratch folder. It ends when it is killed, or its input ends.
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -14,7 +14,7 @@
 
 int main(int argc, char** argv) {
   using namespace tessera;
-  if (argc != 7) return 2;
+  if (argc != 6) return 2;
   const auto port = [](const char* text) { return static_cast<std::uint16_t>(std::stoul(text)); };
   const std::filesystem::path certs = argv[4];
   ClusterOptions options;
@@ -26,10 +26,9 @@ int main(int argc, char** argv) {
   options.certificate = node_certificate_file(certs, "all");
   options.key = node_key_file(certs, "all");
   options.scratch = argv[5];
-  auto stage = std::make_shared<testing::GreatestOnDisk>(argv[6]);
-  stage->name = argv[1];
-  const auto engine =
-      Engine::join(1, std::uint64_t{256} << 20, std::make_unique<Seat>(std::move(options)), {std::move(stage)});
+  const auto engine = Engine::join(
+      1, std::uint64_t{256} << 20, std::make_unique<Seat>(std::move(options)),
+      {{testing::kind_of_greatest, std::make_shared<const testing::GreatestOnDisk>(std::string(argv[1]))}});
   if (!engine) {
     std::cerr << engine.error().where << '\n';
     return 1;

@@ -13,7 +13,7 @@
 #include "src/files/handed_file.h"
 #include "src/files/temporary.h"
 #include "src/run/disk_parts.h"
-#include "src/run/next_stage.h"
+#include "src/run/settled_stages.h"
 
 namespace tessera {
 namespace {

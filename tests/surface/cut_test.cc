@@ -34,9 +34,14 @@ TEST(SurfaceCut, IsTheSmallestOneThatAnotherLibraryFinds) {
     const std::uint32_t tiles = 2 + static_cast<std::uint32_t>(random() % 5);
     const test::TemporaryFolder folder;
     test::store_sample(folder.path() / "out", test::sample_tiles(points, 3, tiles));
-    const Triangles found = triangles_of(
-        folder.path() / "out", sensors,
-        {.energy = energy, .rule = rule, .boundary = {}, .memory_bytes = std::uint64_t{1} << 30, .threads = 2});
+    SurfaceOptions options;
+    options.energy = energy;
+    options.sensors = sensors;
+    options.bottom = rule.lower_inside ? SurfaceOptions::Bottom::closed : SurfaceOptions::Bottom::free;
+    options.unknown_inside = rule.unknown_inside;
+    options.memory_bytes = std::uint64_t{1} << 30;
+    options.threads = 2;
+    const Triangles found = triangles_of(folder.path() / "out", options);
     ASSERT_EQ(found.main, wanted) << "seed " << seed;
     undecided += found.undecided;
     found_in_all += found.main.size();

@@ -8,7 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "src/job/engine_steps.h"
+#include "src/surface/region.h"
 #include "src/surface/surface.h"
+#include "src/surface/surface_tile.h"
 #include "tests/store/sample_result.h"
 #include "tests/surface/triangles_of_result.h"
 
@@ -16,6 +19,7 @@ namespace tessera::surface {
 namespace {
 
 namespace fs = std::filesystem;
+using Bottom = SurfaceOptions::Bottom;
 using test::Shape;
 
 constexpr std::uint64_t enough = std::uint64_t{1} << 30;
@@ -36,13 +40,13 @@ TEST_P(SurfaceOfShape, IsClosedAndTheSameWhateverTilesThreadsAndMemory) {
   const auto points = test::sample_points(GetParam(), 3, 700);
   for (const auto& [bottom_inside, unknown_inside] :
        {std::pair(true, true), std::pair(false, true), std::pair(true, false), std::pair(false, false)}) {
-    const PassesOptions options{.energy = {},
-                                .rule = {.lower_inside = bottom_inside, .unknown_inside = unknown_inside},
-                                .boundary = {},
-                                .memory_bytes = enough};
+    SurfaceOptions options;
+    options.bottom = bottom_inside ? Bottom::closed : Bottom::free;
+    options.unknown_inside = unknown_inside;
+    options.memory_bytes = enough;
     const test::TemporaryFolder one;
     store(one.path() / "out", points, 1, 0);
-    const Triangles wanted = triangles_of(one.path() / "out", {}, options);
+    const Triangles wanted = triangles_of(one.path() / "out", options);
     EXPECT_EQ(open_edge(wanted.main), std::vector<PointId>());
     if (bottom_inside) {
       EXPECT_GT(wanted.main.size(), points.size() / 4);
@@ -52,10 +56,10 @@ TEST_P(SurfaceOfShape, IsClosedAndTheSameWhateverTilesThreadsAndMemory) {
       const test::TemporaryFolder some;
       store(some.path() / "out", points, tiles, static_cast<std::uint64_t>(partition), tiles == 7);
       for (const auto& [memory, threads] : {std::pair(enough, 2u), std::pair(std::uint64_t{0}, 1u)}) {
-        PassesOptions other = options;
+        SurfaceOptions other = options;
         other.memory_bytes = memory;
         other.threads = threads;
-        const Triangles found = triangles_of(some.path() / "out", {}, other);
+        const Triangles found = triangles_of(some.path() / "out", other);
         ASSERT_EQ(found.main, wanted.main) << tiles << " tiles, partition " << partition;
         // Each is main in one tile, and ghosts are triangles that are main elsewhere.
         EXPECT_EQ(found.in_tiles.size(), found.main.size());
@@ -70,13 +74,15 @@ TEST_P(SurfaceOfShape, CanBeMadeManifoldWhateverTheTiles) {
   const auto points = test::sample_points(GetParam(), 3, 1500);
   std::uint64_t added = 0;
   for (const double trim : {1e30, 0.2}) {
-    PassesOptions options{.energy = {}, .rule = {}, .boundary = {.below = true, .trim = trim}, .memory_bytes = enough};
+    SurfaceOptions options;
+    options.trim = trim;
+    options.memory_bytes = enough;
     options.energy.lambda = 0.01;  // ragged
     const test::TemporaryFolder one;
     store(one.path() / "out", points, 1, 0);
-    const Triangles before = triangles_of(one.path() / "out", {}, options);
-    options.splits = true;
-    const Triangles wanted = triangles_of(one.path() / "out", {}, options);
+    const Triangles before = triangles_of(one.path() / "out", options);
+    options.manifold = true;
+    const Triangles wanted = triangles_of(one.path() / "out", options);
     EXPECT_EQ(not_manifold(wanted.main), "") << trim;
     EXPECT_EQ(not_manifold(before.main).empty(), wanted.added == 0);
     if (trim > 1) {
@@ -87,7 +93,7 @@ TEST_P(SurfaceOfShape, CanBeMadeManifoldWhateverTheTiles) {
     for (const auto& [tiles, partition] : {std::pair(2u, 0), std::pair(5u, 77), std::pair(40u, 5)}) {
       const test::TemporaryFolder some;
       store(some.path() / "out", points, tiles, static_cast<std::uint64_t>(partition));
-      const Triangles found = triangles_of(some.path() / "out", {}, options);
+      const Triangles found = triangles_of(some.path() / "out", options);
       ASSERT_EQ(found.main, wanted.main) << tiles << " tiles, partition " << partition;
       EXPECT_EQ(found.points, wanted.points);
       EXPECT_EQ(found.in_tiles.size(), found.main.size());
@@ -112,12 +118,12 @@ TEST(Surface, OfASphereSeenFromAllAroundIsTheSphere) {
   for (const double x : {-9.0, 9.0})
     for (const double y : {-8.0, 8.0})
       for (const double z : {-7.0, 7.0}) sensors.positions.push_back({x * radius, y * radius, z * radius});
-  const Triangles found = triangles_of(folder.path() / "out", sensors,
-                                       {.energy = {},
-                                        .rule = {.lower_inside = false, .unknown_inside = true},
-                                        .boundary = {},
-                                        .memory_bytes = enough,
-                                        .threads = 2});
+  SurfaceOptions options;
+  options.sensors = sensors;
+  options.bottom = Bottom::free;
+  options.memory_bytes = enough;
+  options.threads = 2;
+  const Triangles found = triangles_of(folder.path() / "out", options);
   EXPECT_EQ(open_edge(found.main), std::vector<PointId>());
   // Euler: a closed triangulated sphere has twice its vertices less 4 triangles.
   EXPECT_EQ(found.main.size(), 2 * found.points.size() - 4);
@@ -134,14 +140,16 @@ TEST(Surface, ThatIsOpenBelowEndsOnlyAtTheHull) {
   const auto points = test::sample_points(Shape::terrain, 3, 900);
   const test::TemporaryFolder folder;
   store(folder.path() / "out", points, 3, 0);
-  PassesOptions options{.energy = {}, .rule = {}, .boundary = {}, .memory_bytes = enough};
-  const Triangles closed = triangles_of(folder.path() / "out", {}, options);
-  options.boundary.below = false;
-  const Triangles open = triangles_of(folder.path() / "out", {}, options);
+  SurfaceOptions options;
+  options.memory_bytes = enough;
+  const Triangles closed = triangles_of(folder.path() / "out", options);
+  options.bottom = Bottom::open;
+  const Triangles open = triangles_of(folder.path() / "out", options);
   EXPECT_LT(open.main.size(), closed.main.size());
   EXPECT_NE(open_edge(open.main), std::vector<PointId>());
-  options.boundary = {.below = true, .trim = 1e-9};
-  EXPECT_TRUE(triangles_of(folder.path() / "out", {}, options).main.empty());
+  options.bottom = Bottom::closed;
+  options.trim = 1e-9;
+  EXPECT_TRUE(triangles_of(folder.path() / "out", options).main.empty());
 }
 
 TEST(Surface, HasGroundBelowButNotBeyondLeaningSides) {
@@ -170,10 +178,14 @@ TEST(Surface, IsRefusedWithASentence) {
   store(folder.path() / "out", test::sample_points(Shape::uniform, 3, 50), 2, 0);
   const auto flat = test::sample_tiles(test::sample_points(Shape::uniform, 2, 50), 2, 1);
   test::store_sample(folder.path() / "flat", flat);
+  Engine engine(1, enough, kinds_of_stages());
+  Progress progress;
+  EngineSteps steps(engine, {.threads = 1, .memory_bytes = enough}, progress);
   const auto refused = [&](const char* result, const SurfaceOptions& options) {
-    const auto made = make_surface(folder.path() / result, folder.path() / "mesh.ply", options, {});
+    const auto made = make_surface(folder.path() / result, folder.path() / "mesh.ply", options, steps, {});
     EXPECT_FALSE(made);
     EXPECT_FALSE(fs::exists(folder.path() / "mesh.ply"));
+    EXPECT_FALSE(fs::exists(folder.path() / "mesh.ply.surface"));
     return made ? std::string() : made.error().where;
   };
   EXPECT_NE(refused("flat", {}).find("2D triangulation"), std::string::npos);

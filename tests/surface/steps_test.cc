@@ -95,9 +95,9 @@ class SurfaceOfTiles final : public LaterStages {
       : options_(options), sensors_(std::move(sensors)), triangles_(triangles) {}
   std::uint32_t count() const override { return steps_count; }
   std::shared_ptr<const TilePrograms> programs(std::uint32_t stage, const Tiles& tiles) override {
-    if (!store_) store_ = std::make_unique<StoreInMemory>(tiles);
+    if (!store_) store_ = std::make_shared<StoreInMemory>(tiles);
     return std::make_shared<WhenAllStand>(
-        [this, stage, &tiles] { return programs_of(static_cast<Step>(stage), input_of(tiles), *store_); });
+        [this, stage, &tiles] { return programs_of(static_cast<Step>(stage), input_of(tiles), store_); });
   }
   std::vector<TileReceipt> stored(std::uint32_t stage) const override {
     return store_ ? store_->kept(kept_of(static_cast<Step>(stage))) : std::vector<TileReceipt>();
@@ -135,7 +135,7 @@ class SurfaceOfTiles final : public LaterStages {
   StepOptions options_;
   SensorOptions sensors_;
   std::uint64_t& triangles_;
-  std::unique_ptr<StoreInMemory> store_;
+  std::shared_ptr<StoreInMemory> store_;
 };
 
 class SurfaceSteps : public testing::Test {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <mutex>
 #include <set>
 #include <utility>
 
-#include "src/surface/manifold.h"
+#include "src/job/engine_steps.h"
+#include "src/surface/build.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::surface {
@@ -19,26 +19,23 @@ IdTriangle of_ids(PointId a, PointId b, PointId c) {
   return triangle;
 }
 
-Triangles triangles_of(const std::filesystem::path& result, const SensorOptions& where, PassesOptions options) {
+Triangles triangles_of(const std::filesystem::path& result, const SurfaceOptions& options) {
   Triangles found;
   const test::TemporaryFolder scratch;
-  const auto source = TileSource::open(result).value();
-  const auto sensors = Sensors::make(where, source.manifest().schema, source.manifest().bounds).value();
-  const auto passes = Passes::begin(source, sensors, scratch.path(), std::move(options)).value();
-  std::mutex mutex;
-  Manifold manifold;
-  std::map<TileId, StoredTile> tiles;
-  const Status status = passes->run([&](std::size_t index, const StoredTile& tile, Splits splits) -> Status {
-    manifold.add(std::move(splits));
-    const std::lock_guard lock(mutex);
-    tiles[source.entry(index).tile] = tile;
-    return success();
-  });
-  EXPECT_TRUE(status) << status.error().where;
-  manifold.settle({source.manifest().points_read});
-  found.added = manifold.new_vertices();
-  for (auto& [self, whole] : tiles) {
-    const StoredTile tile = manifold.apply(std::move(whole), self);
+  Engine engine(options.threads, options.memory_bytes, kinds_of_stages());
+  Progress progress;
+  EngineSteps steps(engine, {.threads = options.threads, .memory_bytes = options.memory_bytes, .resumable = false},
+                    progress);
+  const auto built =
+      build(TileSource::open(result).value(), options, {.run = scratch.path(), .lock_file = {}}, false, steps, {}, {});
+  if (!built && built.error().where.starts_with("there is no surface")) return found;
+  EXPECT_TRUE(built) << built.error().where;
+  found.added = built.value().split;
+  found.handed_over = built.value().rays.handed_over;
+  found.undecided = built.value().undecided;
+  const auto triangles = TileSource::open(built.value().triangles).value();
+  for (std::size_t i = 0; i < triangles.tiles(); ++i) {
+    const StoredTile tile = triangles.read(i, {.rows = true}).value();
     const TileMesh& mesh = tile.mesh;
     const std::size_t width = row_bytes(tile.schema);
     for (std::size_t v = 0; v < mesh.points.size(); ++v) {
@@ -46,16 +43,14 @@ Triangles triangles_of(const std::filesystem::path& result, const SensorOptions&
       std::memcpy(&at.z, tile.rows.data() + v * width, sizeof at.z);
       EXPECT_EQ(found.points.try_emplace(mesh.ids[v], at).first->second, at);
     }
-    for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
-      const auto id = [&](std::size_t k) { return mesh.ids[static_cast<std::size_t>(mesh.cells[3 * i + k])]; };
+    for (std::size_t j = 0; j < mesh.cell_ghost.size(); ++j) {
+      const auto id = [&](std::size_t k) { return mesh.ids[static_cast<std::size_t>(mesh.cells[3 * j + k])]; };
       const IdTriangle triangle = of_ids(id(0), id(1), id(2));
       ++found.in_tiles[triangle];
-      if (mesh.cell_ghost[i] == 0) found.main.push_back(triangle);
+      if (mesh.cell_ghost[j] == 0) found.main.push_back(triangle);
     }
   }
   std::sort(found.main.begin(), found.main.end());
-  found.handed_over = passes->counts().handed_over;
-  found.undecided = passes->counts().undecided;
   return found;
 }
 

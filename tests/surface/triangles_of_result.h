@@ -1,4 +1,4 @@
-// The triangles of a result's surface, as the passes hand them on.
+// The triangles of a result's surface, as they are before they are written as files of other programs.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/surface/passes.h"
+#include "src/surface/surface.h"
 
 namespace tessera::surface {
 
@@ -22,7 +22,7 @@ struct Triangles {
   std::uint64_t handed_over = 0, undecided = 0;
   std::uint64_t added = 0;  // vertices, to make it manifold
 };
-Triangles triangles_of(const std::filesystem::path& result, const SensorOptions& sensors, PassesOptions options);
+Triangles triangles_of(const std::filesystem::path& result, const SurfaceOptions& options);
 
 // Nothing when each edge has as many triangles one way as the other; else an edge where that is not so.
 std::vector<PointId> open_edge(const std::vector<IdTriangle>& triangles);

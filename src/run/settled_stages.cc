@@ -1,4 +1,4 @@
-#include "src/run/next_stage.h"
+#include "src/run/settled_stages.h"
 
 #include <string_view>
 

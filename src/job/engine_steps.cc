@@ -1,0 +1,21 @@
+#include "src/job/engine_steps.h"
+
+#include <memory>
+
+#include "src/surface/surface_stages.h"
+
+namespace tessera {
+
+KindsOfStages kinds_of_stages() {
+  return {{surface::kind_of_surface, std::make_shared<const surface::SurfaceStages>()}};
+}
+
+Status EngineSteps::run(const std::filesystem::path& result, const std::filesystem::path& run,
+                        const std::filesystem::path& lock_file, const std::function<void(double)>& part,
+                        const std::stop_token& stop) {
+  ResultJob job{surface::kind_of_surface, result, run, options_};
+  job.options.lock_file = lock_file;
+  return engine_.run(job, part, progress_, stop);
+}
+
+}  // namespace tessera

@@ -1,0 +1,43 @@
+// Tiles and what steps leave of them, for the programs of a surface's steps: in the job's run folder, which all nodes
+// see, and in memory and files of this node.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "src/run/result_stages.h"
+#include "src/surface/shelf.h"
+#include "src/surface/step_store.h"
+
+namespace tessera::surface {
+
+class FolderStore final : public StepStore {
+ public:
+  // Makes its folders.
+  static Result<std::unique_ptr<FolderStore>> open(const ResultInput& input);
+
+  Result<std::unique_ptr<SurfaceTile>> take(TileId tile) override;
+  Status give_back(std::unique_ptr<SurfaceTile> tile) override;
+  Status write(Kept what, TileId tile, std::span<const std::byte> bytes) override;
+  Result<Bytes> read(Kept what, TileId tile) override;
+  Result<Bytes> keep_triangles(TileId tile, const StoredTile& triangles) override;
+
+ private:
+  explicit FolderStore(const ResultInput& input);
+  Result<std::size_t> place_of(TileId tile) const;
+
+  std::filesystem::path run_;
+  std::uint64_t seal_;
+  NodeId node_;
+  std::stop_token stop_;
+  Shelf shelf_;
+};
+
+// What was kept of a tile in a run, for whoever finishes the surface. Errors: io, corrupt.
+Result<Bytes> read_kept(const std::filesystem::path& run, std::uint64_t seal, Kept what, TileId tile);
+// The tiles of which this was kept.
+Result<std::vector<TileId>> tiles_kept(const std::filesystem::path& run, Kept what);
+
+}  // namespace tessera::surface

@@ -1,0 +1,36 @@
+// Where a surface is made: a folder beside what is written, which goes when the surface is there.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "src/base/result.h"
+#include "src/files/folder_lock.h"
+
+namespace tessera::surface {
+
+class RunFolder {
+ public:
+  // Makes the folder if there is none, and locks it. Without `resume`, what an earlier process has left there goes.
+  // Errors: io; usage when another process works there, or when something else stands there.
+  static Result<RunFolder> claim(std::filesystem::path path, bool resume);
+  RunFolder(RunFolder&&) noexcept = default;
+  RunFolder& operator=(RunFolder&&) = delete;
+  ~RunFolder();
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path lock_file() const { return lock_->file(); }
+  // It stays, to be gone on with.
+  void keep() { kept_ = true; }
+
+ private:
+  RunFolder(std::filesystem::path path, FolderLock lock)
+      : path_(std::move(path)), lock_(std::make_unique<FolderLock>(std::move(lock))) {}
+
+  std::filesystem::path path_;
+  std::unique_ptr<FolderLock> lock_;  // null: moved from
+  bool kept_ = false;
+};
+
+}  // namespace tessera::surface

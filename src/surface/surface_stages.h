@@ -1,0 +1,36 @@
+// The steps of a surface as a job over the tiles of a result: its plan, and its programs on a node.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "src/run/result_stages.h"
+#include "src/surface/sensors.h"
+#include "src/surface/steps.h"
+
+namespace tessera::surface {
+
+inline constexpr const char* kind_of_surface = "surface";  // PartSpec::stages
+
+// All that steps do depends on it, and on the result.
+struct SurfacePlan {
+  StepOptions options;
+  SensorOptions sensors;     // with nothing left to find out
+  std::string result;        // the digest of the triangulation
+  std::string tiles;         // checksum of its tiles, in which another result of the same digest may differ
+  std::uint64_t number = 0;  // of the run, at random: plans of two runs are never the same
+};
+std::string to_json(const SurfacePlan& plan);
+// `name`: of the file, for errors. Error corrupt.
+Result<SurfacePlan> read_plan(std::span<const std::byte> bytes, const std::string& name);
+
+class SurfaceStages final : public ResultStages {
+ public:
+  std::uint32_t count() const override { return steps_count; }
+  Result<std::vector<std::shared_ptr<const TilePrograms>>> programs(const ResultInput& input) const override;
+  Result<std::vector<TileReceipt>> stored(const std::filesystem::path& run, std::uint32_t stage) const override;
+  std::uint64_t work_bytes(const TileSource& source, std::size_t i) const override;
+};
+
+}  // namespace tessera::surface
