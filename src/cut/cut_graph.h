@@ -3,6 +3,7 @@
 // Source and sink stand in the excess of each cell, so a flow may be any pseudoflow: cells keep what does not go on.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -69,7 +70,13 @@ class CellSet {
     word |= bit;
     return fresh;
   }
-  std::size_t bytes() const { return words_.size() * sizeof(std::uint64_t); }
+  // Of the cells before this one.
+  std::uint64_t count_before(std::uint32_t cell) const {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < cell >> 6u; ++i) sum += static_cast<std::uint64_t>(std::popcount(words_[i]));
+    const std::uint64_t before = (std::uint64_t{1} << (cell & 63u)) - 1;
+    return before == 0 ? sum : sum + static_cast<std::uint64_t>(std::popcount(words_[cell >> 6u] & before));
+  }
   // Whether it was made for so many.
   bool holds(std::size_t cells) const { return words_.size() == (cells + 63) / 64; }
   // As it is kept: 64 cells a word.

@@ -77,15 +77,18 @@ bool read(std::span<const std::byte> bytes, RegionKernel& region) {
          in.list(region.kernel.borders) && in.list(region.names) && in.list(region.at_border) && in.at_end();
 }
 
-Bytes bytes_of(const cut::CellSet& set) {
+Bytes bytes_of(const KeptGroup& group) {
   FlatWriter out;
-  put(out, set);
+  out.value(group.cells);
+  out.list(group.first);
+  put(out, group.sources);
+  put(out, group.open);
   return out.take();
 }
 
-bool read(std::span<const std::byte> bytes, cut::CellSet& set) {
+bool read(std::span<const std::byte> bytes, KeptGroup& group) {
   FlatReader in(bytes);
-  return get(in, set) && in.at_end();
+  return in.value(group.cells) && in.list(group.first) && get(in, group.sources) && get(in, group.open) && in.at_end();
 }
 
 bool read(std::span<const std::byte> bytes, double& sigma) {

@@ -48,8 +48,14 @@ bool read(std::span<const std::byte> bytes, KeptSides& sides);
 Bytes bytes_of(const RegionKernel& kernel);
 bool read(std::span<const std::byte> bytes, RegionKernel& kernel);
 
-Bytes bytes_of(const cut::CellSet& set);
-bool read(std::span<const std::byte> bytes, cut::CellSet& set);
+// What a group has decided (groups.h), at its first tile.
+struct KeptGroup {
+  std::uint64_t cells = 0;           // that its members have left
+  std::vector<std::uint32_t> first;  // by member: its first one
+  cut::CellSet sources, open;        // of them
+};
+Bytes bytes_of(const KeptGroup& group);
+bool read(std::span<const std::byte> bytes, KeptGroup& group);
 
 // What the first tile has found in the step scales, or what was given.
 bool read(std::span<const std::byte> bytes, double& sigma);

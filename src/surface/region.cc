@@ -215,7 +215,9 @@ class Builder {
     graph.capacity[arc] = out;
     graph.back[arc] = cut::border_bit | static_cast<cut::Arc>(graph.borders.size());
     graph.borders.push_back({arc, in});
-    region_.borders.push_back({facet_name(tile_, cell, k), to});
+    region_.borders.push_back(static_cast<std::uint32_t>(region_.names.size()));
+    region_.names.push_back({facet_name(tile_, cell, k), to});
+    region_.at_border.push_back(cut::Decided::no);
   }
 
   SurfaceTile& tile_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,27 +41,34 @@ struct BorderName {
   TileId to;
 };
 
+// A part of the cells: those that are main in a tile, in its order, or what several tiles have not decided.
 struct Region {
-  cut::CutGraph graph;              // of the cells that are main in the tile, in its order
-  std::vector<BorderName> borders;  // by border of the graph
+  cut::CutGraph graph;
+  std::vector<BorderName> names;        // of all arcs to other regions, also of cells that are decided
+  std::vector<cut::Decided> at_border;  // by name: what has become of the cell here
+  std::vector<std::uint32_t> borders;   // by border of the graph: its name
 };
 // When all votes have been taken. `arcs`: from other tiles.
 Result<Region> region_of(SurfaceTile& tile, const Energy& energy, const CutRule& rule, std::span<const ArcRecord> arcs);
 
 // What is left of a region when it has decided what it can.
 struct RegionKernel {
-  cut::CutKernel kernel;
-  std::vector<BorderName> names;        // by border of the region
-  std::vector<cut::Decided> at_border;  // likewise: what has become of the cell here
-  cut::CellSet sources, open;           // of the region's cells: decided to be on the source's side; not decided
-  std::uint64_t bytes() const;
+  cut::CutKernel kernel;  // its borders: of the region's names
+  std::vector<BorderName> names;
+  std::vector<cut::Decided> at_border;
+  cut::CellSet sources, open;  // of the region's cells: decided to be on the source's side; not decided
 };
 // `prove`: error internal when a cut that decides is not proved by its flow.
 Result<RegionKernel> kernel_of(Region region, bool prove);
 
-// Solves all kernels at once: by region, of each cell of its kernel whether it is a source cell of the smallest cut of
-// the whole. Forgets the graphs. `prove`: as above. Error corrupt when two regions do not name the same borders.
-Result<std::vector<cut::CellSet>> solve_together(std::vector<RegionKernel>& regions, std::span<const TileId> tiles,
-                                                 bool prove);
+// What several regions have left, as one region, in which borders between them are none any more.
+struct JoinedRegion {
+  Region region;
+  std::vector<std::uint32_t> first;  // by region: its first cell
+};
+// `region_of`: in which of these regions the cells of a tile are; none: in another one. Forgets the graphs. Errors:
+// corrupt when two regions do not name the same borders; memory.
+Result<JoinedRegion> join(std::vector<RegionKernel>& regions,
+                          const std::function<std::optional<std::uint32_t>(TileId)>& region_of);
 
 }  // namespace tessera::surface

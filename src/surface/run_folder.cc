@@ -37,14 +37,16 @@ Result<RunFolder> RunFolder::claim(fs::path path, bool resume) {
       BOOST_OUTCOME_TRYV(remove_whole(path / name));
     }
   }
-  return RunFolder(std::move(path), std::move(lock));
+  return RunFolder(std::move(path), std::move(lock), resume);
 }
 
 RunFolder::~RunFolder() {
   if (!lock_) return;
   const bool ours = lock_->check().has_value();
   lock_.reset();
-  if (ours && !kept_) (void)remove_tree(path_);  // what stays goes when the surface is made anew
+  const auto begun = is_there(plan_file(path_));
+  const bool stays = resume_ && !done_ && begun && begun.value();
+  if (ours && !stays) (void)remove_tree(path_);  // what stays goes when the surface is made anew
 }
 
 }  // namespace tessera::surface

@@ -1,4 +1,5 @@
-// Where a surface is made: a folder beside what is written, which goes when the surface is there.
+// Where a surface is made: a folder beside what is written, which goes when the surface is there. When making it fails
+// and was to be resumed, the folder stays with what it has.
 #pragma once
 
 #include <filesystem>
@@ -21,16 +22,17 @@ class RunFolder {
 
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path lock_file() const { return lock_->file(); }
-  // It stays, to be gone on with.
-  void keep() { kept_ = true; }
+  // The surface is there.
+  void done() { done_ = true; }
 
  private:
-  RunFolder(std::filesystem::path path, FolderLock lock)
-      : path_(std::move(path)), lock_(std::make_unique<FolderLock>(std::move(lock))) {}
+  RunFolder(std::filesystem::path path, FolderLock lock, bool resume)
+      : path_(std::move(path)), lock_(std::make_unique<FolderLock>(std::move(lock))), resume_(resume) {}
 
   std::filesystem::path path_;
   std::unique_ptr<FolderLock> lock_;  // null: moved from
-  bool kept_ = false;
+  bool resume_;
+  bool done_ = false;
 };
 
 }  // namespace tessera::surface

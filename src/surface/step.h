@@ -5,7 +5,9 @@
 //   rays      | of own vertices; then of those that come from other tiles
 //   sums      | what rays have left of facets and cells goes to their main tiles
 //   arcs      | facets' main tiles tell cells' main tiles of arcs; each tile decides what it can alone
-//   cut       | the first tile cuts all that is left, at once
+//   groups    | the first tile of some neighbours decides what they can together (groups.h)
+//   districts | likewise of some groups
+//   cut       | the first of all tiles decides the rest
 //   triangles | cells' main tiles tell the others that hold them on which side they are
 #pragma once
 
@@ -13,13 +15,27 @@
 
 namespace tessera::surface {
 
-enum class Step : std::uint8_t { scales, rays, sums, arcs, cut, triangles };
-inline constexpr std::uint32_t steps_count = 6;
+enum class Step : std::uint8_t { scales, rays, sums, arcs, groups, districts, cut, triangles };
+inline constexpr std::uint32_t steps_count = 8;
 
-// What is kept of a tile after a step, for later ones; `own_scales`, `ray_counts`, `kernel` and `set` beside, of
-// the steps scales, rays, arcs and cut.
-enum class Kept : std::uint8_t { scales, rays, sums, arcs, cut, triangles, own_scales, ray_counts, kernel, set };
-inline constexpr std::uint32_t kept_count = 10;
+// What is kept of a tile after a step, for later ones; and beside that, of the steps scales, rays, arcs, groups and
+// districts.
+enum class Kept : std::uint8_t {
+  scales,
+  rays,
+  sums,
+  arcs,
+  groups,
+  districts,
+  cut,
+  triangles,
+  own_scales,
+  ray_counts,
+  kernel,
+  group_kernel,
+  district_kernel
+};
+inline constexpr std::uint32_t kept_count = 13;
 constexpr Kept kept_of(Step step) { return static_cast<Kept>(step); }
 
 }  // namespace tessera::surface

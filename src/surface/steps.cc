@@ -9,10 +9,11 @@
 
 #include "src/base/flat_codec.h"
 #include "src/base/stopped.h"
+#include "src/surface/join_work.h"
 #include "src/surface/kept_codec.h"
+#include "src/surface/kept_work.h"
 #include "src/surface/rays_program.h"
 #include "src/surface/region.h"
-#include "src/surface/step_program.h"
 
 namespace tessera::surface {
 
@@ -42,39 +43,9 @@ auto adding(PieceOutbox& out, Kind kind) {
   return [&out, kind](TileId to, const Record& record) { out.add(to, kind, record); };
 }
 
-class Work : public StepWork {
+class ScalesWork final : public KeptWork {
  public:
-  Work(std::shared_ptr<const StepInput> input, StepStore& store) : input_(std::move(input)), store_(store) {}
-
- protected:
-  const StepInput& input() const { return *input_; }
-  const StepOptions& options() const { return input_->options; }
-  StepStore& store() const { return store_; }
-  bool is_first(TileId tile) const { return tile == input_->tiles.front(); }
-  // What was kept of a tile. Error corrupt when it is something else.
-  template <class What>
-  Result<What> kept(Kept kind, TileId tile) const {
-    throw_if_stopped(input_->stop);
-    BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
-    What what;
-    if (!read(bytes, what)) return damaged(tile, "state");
-    return what;
-  }
-  Result<PieceInbox> kept_mail(Kept kind, TileId tile) const {
-    BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
-    PieceInbox mail;
-    if (!mail.load(bytes)) return damaged(tile, "mail");
-    return mail;
-  }
-
- private:
-  std::shared_ptr<const StepInput> input_;
-  StepStore& store_;
-};
-
-class ScalesWork final : public Work {
- public:
-  using Work::Work;
+  using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
     if (options().energy.sigma > 0) return success();
     BOOST_OUTCOME_TRY(tile, store().take(self));
@@ -130,9 +101,9 @@ class ScalesWork final : public Work {
   }
 };
 
-class SumsWork final : public Work {
+class SumsWork final : public KeptWork {
  public:
-  using Work::Work;
+  using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
     BOOST_OUTCOME_TRY(rays, kept<KeptRays>(Kept::rays, self));
     BOOST_OUTCOME_TRY(tile, store().take(self));
@@ -144,9 +115,9 @@ class SumsWork final : public Work {
   Result<Bytes> end(TileId, const PieceInbox& told) const override { return told.save(); }
 };
 
-class ArcsWork final : public Work {
+class ArcsWork final : public KeptWork {
  public:
-  using Work::Work;
+  using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
     BOOST_OUTCOME_TRY(mail, kept_mail(Kept::sums, self));
     BOOST_OUTCOME_TRY(tile, with_sums(self, mail));
@@ -197,30 +168,9 @@ class ArcsWork final : public Work {
   }
 };
 
-class CutWork final : public Work {
+class TrianglesWork final : public KeptWork {
  public:
-  using Work::Work;
-  Status tell(TileId, PieceOutbox&) const override { return success(); }
-  // The first tile's work is that of all: what tiles leave undecided is little.
-  Result<Bytes> end(TileId self, const PieceInbox&) const override {
-    if (!is_first(self)) return Bytes();
-    std::vector<RegionKernel> regions;
-    for (const TileId tile : input().tiles) {
-      BOOST_OUTCOME_TRY(kernel, kept<RegionKernel>(Kept::kernel, tile));
-      regions.push_back(std::move(kernel));
-    }
-    BOOST_OUTCOME_TRY(sets, solve_together(regions, input().tiles, options().prove));
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-      throw_if_stopped(input().stop);
-      BOOST_OUTCOME_TRYV(store().write(Kept::set, input().tiles[i], bytes_of(sets[i])));
-    }
-    return Bytes();
-  }
-};
-
-class TrianglesWork final : public Work {
- public:
-  using Work::Work;
+  using KeptWork::KeptWork;
   Status tell(TileId self, PieceOutbox& out) const override {
     BOOST_OUTCOME_TRY(tile, store().take(self));
     BOOST_OUTCOME_TRY(own, own_labels(*tile));
@@ -259,10 +209,10 @@ class TrianglesWork final : public Work {
   // Of cells that are main here; others are unknown.
   Result<std::vector<Label>> own_labels(const SurfaceTile& tile) const {
     BOOST_OUTCOME_TRY(alone, kept<KeptSides>(Kept::arcs, tile.self()));
-    BOOST_OUTCOME_TRY(together, kept<cut::CellSet>(Kept::set, tile.self()));
     const bool fits = alone.sources.holds(static_cast<std::size_t>(main_cells(tile))) &&
-                      alone.open.holds(static_cast<std::size_t>(main_cells(tile))) && together.holds(alone.undecided);
+                      alone.open.holds(static_cast<std::size_t>(main_cells(tile)));
     if (!fits) return damaged(tile.self(), "state");
+    BOOST_OUTCOME_TRY(together, decided_together(*this, tile.self(), alone.undecided));
     const Label source = options().rule.unknown_inside ? Label::outside : Label::inside;
     const Label sink = options().rule.unknown_inside ? Label::inside : Label::outside;
     std::vector<Label> sides(static_cast<std::size_t>(tile.cells()), Label::unknown);
@@ -288,8 +238,10 @@ std::unique_ptr<const StepWork> work_of(Step step, std::shared_ptr<const StepInp
       return std::make_unique<SumsWork>(std::move(input), store);
     case Step::arcs:
       return std::make_unique<ArcsWork>(std::move(input), store);
+    case Step::groups:
+    case Step::districts:
     case Step::cut:
-      return std::make_unique<CutWork>(std::move(input), store);
+      return std::make_unique<JoinWork>(std::move(input), store, step);
     case Step::triangles:
       return std::make_unique<TrianglesWork>(std::move(input), store);
     case Step::rays:

@@ -45,14 +45,13 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
     };
   };
   const surface::BuildFolder folder{run.path(), run.lock_file(), options.resume};
-  auto outcome = surface::build(source, options, folder, false, runner, tell(0, built_part), stop);
-  if (!outcome && outcome.error().code == Errc::interrupted && options.resume) run.keep();
-  BOOST_OUTCOME_TRY(built, std::move(outcome));
+  BOOST_OUTCOME_TRY(built, surface::build(source, options, folder, false, runner, tell(0, built_part), stop));
   ExportOptions output = options.output;
   output.longest_edges = true;
   output.comment = surface::recipe_of(options, source.manifest());
   output.progress = tell(built_part, 1);
   BOOST_OUTCOME_TRY(exported, export_result(built.triangles, target, output, stop));
+  run.done();
 
   Surface made{.mesh = std::move(exported), .digest = built.digest, .sensors = built.sensors};
   made.sigma = built.sigma;

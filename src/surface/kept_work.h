@@ -1,0 +1,44 @@
+// What a step does, by way of what the steps before have kept.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "src/base/stopped.h"
+#include "src/surface/kept_codec.h"
+#include "src/surface/step_program.h"
+#include "src/surface/steps.h"
+
+namespace tessera::surface {
+
+class KeptWork : public StepWork {
+ public:
+  KeptWork(std::shared_ptr<const StepInput> input, StepStore& store) : input_(std::move(input)), store_(store) {}
+
+  const StepInput& input() const { return *input_; }
+  const StepOptions& options() const { return input_->options; }
+  StepStore& store() const { return store_; }
+  bool is_first(TileId tile) const { return tile == input_->tiles.front(); }
+  // What was kept of a tile. Error corrupt when it is something else.
+  template <class What>
+  Result<What> kept(Kept kind, TileId tile) const {
+    throw_if_stopped(input_->stop);
+    BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
+    What what;
+    if (!read(bytes, what)) return damaged(tile, "state");
+    return what;
+  }
+  Result<PieceInbox> kept_mail(Kept kind, TileId tile) const {
+    BOOST_OUTCOME_TRY(bytes, store_.read(kind, tile));
+    PieceInbox mail;
+    if (!mail.load(bytes)) return damaged(tile, "mail");
+    return mail;
+  }
+
+ private:
+  std::shared_ptr<const StepInput> input_;
+  StepStore& store_;
+};
+
+}  // namespace tessera::surface
