@@ -20,6 +20,7 @@
 #include "src/job/arguments.h"
 #include "src/job/engine_steps.h"
 #include "src/job/surface_arguments.h"
+#include "src/tileset/tileset.h"
 
 namespace tessera {
 namespace {
@@ -97,7 +98,7 @@ Status run_surface(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(options, read_options(settings, output));
-  BOOST_OUTCOME_TRYV(find_export_target(target, options.output));
+  BOOST_OUTCOME_TRYV(find_surface_target(target, options.output));
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
     const Interrupt interrupt;
     Engine engine(options.threads, options.memory_bytes, kinds_of_stages());
@@ -147,8 +148,10 @@ Command add_surface(CLI::App& root) {
       command, "manifold",
       "split vertices and edges where the surface touches itself, for programs that take no other; nothing moves");
   add_value(command, "smooth", "N", "so many rounds of smoothing, which move the vertices (Taubin's); default: 0");
-  add_value(command, "format", "NAME", "as of 'tessera export'; default: as the ending of --output says");
-  add_choices(command, "format", export_format_names());
+  add_value(command, "format", "NAME",
+            "as of 'tessera export', or 3dtiles: a folder for viewers with levels of detail, of a manifold surface; "
+            "default: as the ending of --output says");
+  add_choices(command, "format", export_format_names() + ", " + tileset_format);
   add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
             'o', true);
   add_switch(

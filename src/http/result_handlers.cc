@@ -61,11 +61,13 @@ Answer tileset(const Call& call) {
   const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], path.string());
   if (found) return file_answer(call.request, found.value());
   if (found.error().status() != 404) return problem(found.error());
-  return problem(404,
-                 "triangulation '" + call.arguments[0] +
-                     "' has no such file of a tileset; the process export makes one: format 3dtiles, output " +
-                     tileset_of_result("").filename().string(),
-                 2);
+  return problem(
+      404,
+      "triangulation '" + call.arguments[0] +
+          "' has no such file of a tileset; the process export makes one of a 2D result, surface of a 3D one: "
+          "format 3dtiles, output " +
+          tileset_of_result("").filename().string(),
+      2);
 }
 
 Answer remove_export(const Call& call) {

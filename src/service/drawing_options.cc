@@ -10,6 +10,7 @@
 #include "src/files/names.h"
 #include "src/job/job_options.h"
 #include "src/job/surface_arguments.h"
+#include "src/tileset/tileset.h"
 
 namespace tessera {
 namespace {
@@ -131,9 +132,11 @@ Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const
   options.output.format = inputs.format();
   options.output.local = inputs.local();
   BOOST_OUTCOME_TRYV(check_surface_options(options));
-  const std::string output = inputs.output().empty() ? surface_of_result("").filename().string() : inputs.output();
-  BOOST_OUTCOME_TRYV(
-      find_export_target(output, {.format = options.output.format, .local = options.output.local, .overwrite = true}));
+  if (options.output.format != tileset_format) {
+    const std::string output = inputs.output().empty() ? surface_of_result("").filename().string() : inputs.output();
+    BOOST_OUTCOME_TRYV(find_export_target(
+        output, {.format = options.output.format, .local = options.output.local, .overwrite = true}));
+  }
   BOOST_OUTCOME_TRY(own, share_of_job(inputs, share));
   options.memory_bytes = own.memory_bytes;
   options.threads = own.threads;

@@ -1,6 +1,7 @@
 #include "src/service/kinds.h"
 
 #include "src/files/names.h"
+#include "src/tileset/tileset.h"
 
 namespace tessera {
 
@@ -22,7 +23,9 @@ std::optional<std::string> export_output(const proto::Inputs& inputs) {
   if (inputs.has_export_()) return inputs.export_().output();
   if (inputs.has_dem()) return or_usual(inputs.dem().output(), dem_of_result(""));
   if (inputs.has_contours()) return or_usual(inputs.contours().output(), contours_of_result(""));
-  if (inputs.has_surface()) return or_usual(inputs.surface().output(), surface_of_result(""));
+  if (inputs.has_surface())
+    return or_usual(inputs.surface().output(),
+                    inputs.surface().format() == tileset_format ? tileset_of_result("") : surface_of_result(""));
   return std::nullopt;
 }
 

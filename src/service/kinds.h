@@ -8,8 +8,6 @@
 
 namespace tessera {
 
-inline constexpr const char* tileset_format = "3dtiles";  // of exports, beside those of src/export
-
 // "triangulate", ...; empty when there are no inputs.
 std::string process_of(const proto::Inputs& inputs);
 

@@ -55,9 +55,10 @@ class Results {
   Result<std::filesystem::path> publish(const std::string& job, const std::string& name, bool overwrite);
 
   // What the job has made, and did not publish, is gone: its unfinished folder, or that of an export of
-  // `exported_from`.
+  // `exported_from`, there with all but the folder or file `but`.
   Status drop_unfinished(const std::string& job);
-  Status drop_unfinished_export(std::string_view exported_from, const std::string& job);
+  Status drop_unfinished_export(std::string_view exported_from, const std::string& job,
+                                const std::filesystem::path& but = {});
 
   Status remove_export(std::string_view name, const std::string& file);
   // Empty when nobody knows. Error io.

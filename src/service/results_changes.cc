@@ -113,8 +113,20 @@ Status Results::drop(const fs::path& folder) {
 }
 
 Status Results::drop_unfinished(const std::string& job) { return drop(unfinished(job)); }
-Status Results::drop_unfinished_export(std::string_view exported_from, const std::string& job) {
-  return drop(unfinished_export(exported_from, job));
+Status Results::drop_unfinished_export(std::string_view exported_from, const std::string& job, const fs::path& but) {
+  const auto folder = unfinished_export(exported_from, job);
+  bool stays = false;
+  if (!but.empty()) {
+    BOOST_OUTCOME_TRY(there, is_there(folder / but, FollowLinks::no));
+    stays = there;
+  }
+  if (!stays) return drop(folder);
+  BOOST_OUTCOME_TRY(names, sorted_names(folder));
+  for (const auto& name : names) {
+    if (name == but.native()) continue;
+    BOOST_OUTCOME_TRYV(remove_whole(folder / name));
+  }
+  return success();
 }
 
 Status Results::discard(const fs::path& folder) {

@@ -13,6 +13,7 @@
 #include "src/files/checksum.h"
 #include "src/files/folder.h"
 #include "src/files/names.h"
+#include "src/files/surface_names.h"
 #include "src/files/there.h"
 #include "src/files/whole_file.h"
 #include "src/job/engine_steps.h"
@@ -50,12 +51,14 @@ Result<Json> written_files(const std::filesystem::path& folder) {
   return list;
 }
 
-// What `write` has made in the job's folder, or nothing.
+// What `write` has made in the job's folder, or nothing. `begun`: what it makes there first, by which the same job goes
+// on later when it was interrupted, or when there was too little room or memory for a time.
 template <class Write>
-auto written_aside(const Workshop& shop, const std::filesystem::path& folder, const JobWork& work, const Write& write) {
+auto written_aside(const Workshop& shop, const std::filesystem::path& folder, const JobWork& work, const Write& write,
+                   const std::filesystem::path& begun = {}) {
   const std::string name = result_read(work.job.inputs());
   auto made = [&]() -> decltype(write()) {
-    BOOST_OUTCOME_TRYV(shop.results.drop_unfinished_export(name, work.job.id()));
+    BOOST_OUTCOME_TRYV(shop.results.drop_unfinished_export(name, work.job.id(), begun));
     BOOST_OUTCOME_TRYV(make_directories(folder));
     try {
       return write();
@@ -66,7 +69,11 @@ auto written_aside(const Workshop& shop, const std::filesystem::path& folder, co
     }
   }();
   if (!made) {
-    if (const Status gone = shop.results.drop_unfinished_export(name, work.job.id()); !gone)
+    // A job that is beyond its bound of memory or disk would be so again.
+    const auto reason = work.ledger.reason();
+    const Errc code = reason.value_or(made.error()).code;
+    const bool later = code == Errc::interrupted || code == Errc::io || (code == Errc::memory && !reason);
+    if (const Status gone = shop.results.drop_unfinished_export(name, work.job.id(), later ? begun : ""); !gone)
       work.log(gone.error().where);
     std::error_code others;
     std::filesystem::remove(folder.parent_path(), others);  // stays when anything is in it
@@ -82,6 +89,15 @@ std::function<void(double)> percentage(const JobWork& work) {
   };
 }
 
+// `told`: JSON of what was made, with its bytes. Of its many files the document is named.
+Reply<JobDone> done_with_tileset(const std::string& told, const std::string& output) {
+  Json outcome = Json::parse(told);
+  outcome["output"] = output;
+  outcome["written"] =
+      Json::array({Json{{"path", tileset_file(exports_folder("") / output).string()}, {"bytes", outcome.at("bytes")}}});
+  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+}
+
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
   const auto& inputs = work.job.inputs().export_();
   if (inputs.has_heights() || inputs.has_spatial_index() || inputs.local())
@@ -94,11 +110,7 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
                          work.ledger.token());
   });
   if (!made) return problem_of(made.error());
-  Json outcome = Json::parse(to_json(made.value()));
-  const auto document = tileset_file(exports_folder("") / inputs.output());
-  outcome["output"] = inputs.output();
-  outcome["written"] = Json::array({Json{{"path", document.string()}, {"bytes", made.value().bytes}}});
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  return done_with_tileset(to_json(made.value()), inputs.output());
 }
 
 // `told`: JSON of what was made in `folder`, which is called `output`.
@@ -166,15 +178,26 @@ Reply<JobDone> do_surface(const Workshop& shop, const JobWork& work) {
   options.value().progress = percentage(work);
   const std::string name = result_read(inputs), output = *export_output(inputs);
   const auto folder = shop.results.unfinished_export(name, work.job.id());
-  const auto made = written_aside(shop, folder, work, [&] {
-    EngineSteps steps(shop.engine, {.threads = options.value().threads, .memory_bytes = options.value().memory_bytes},
-                      work.progress);
+  options.value().resume = true;
+  options.value().lock = lock_of_unfinished(shop, work.ledger.token());
+  const auto begun = surface_run_folder(folder / output);
+  const auto there = is_there(begun);
+  if (!there) return problem_of(there.error());
+  if (there.value()) work.log("goes on with what is there");
+  const auto write = [&] {
+    EngineSteps steps(
+        shop.engine,
+        {.threads = options.value().threads, .memory_bytes = options.value().memory_bytes, .resumable = true},
+        work.progress);
     return make_surface(shop.results.folder(name), folder / output, options.value(), steps, work.ledger.token());
-  });
+  };
+  const auto made = written_aside(shop, folder, work, write, begun.filename());
   if (!made) return problem_of(made.error());
   work.log(made.value().sensors);
   if (!made.value().mesh.note.empty()) work.log("note: " + made.value().mesh.note);
-  return done_with(folder, to_json(made.value(), output), output);
+  const std::string told = to_json(made.value(), output);
+  if (inputs.surface().format() == tileset_format) return done_with_tileset(told, output);
+  return done_with(folder, told, output);
 }
 
 }  // namespace tessera

@@ -9,7 +9,7 @@ namespace tessera::surface {
 
 namespace fs = std::filesystem;
 
-Result<RunFolder> RunFolder::claim(fs::path path, bool resume) {
+Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions& lock_options) {
   BOOST_OUTCOME_TRY(there, is_there(path, FollowLinks::no));
   if (there) {
     BOOST_OUTCOME_TRY(folder, is_folder(path, FollowLinks::no));
@@ -28,7 +28,7 @@ Result<RunFolder> RunFolder::claim(fs::path path, bool resume) {
     if (!folder) return error(Errc::io, parent.string() + ": is not there, or no folder");
   }
   BOOST_OUTCOME_TRYV(make_directories(path));
-  BOOST_OUTCOME_TRY(lock, FolderLock::take(path));
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(path, lock_options));
   if (!resume) {
     const fs::path kept = lock_folder(path).filename();
     BOOST_OUTCOME_TRY(names, sorted_names(path));

@@ -15,7 +15,7 @@ class RunFolder {
  public:
   // Makes the folder if there is none, and locks it. Without `resume`, what an earlier process has left there goes.
   // Errors: io; usage when another process works there, or when something else stands there.
-  static Result<RunFolder> claim(std::filesystem::path path, bool resume);
+  static Result<RunFolder> claim(std::filesystem::path path, bool resume, const LockOptions& lock = {});
   RunFolder(RunFolder&&) noexcept = default;
   RunFolder& operator=(RunFolder&&) = delete;
   ~RunFolder();

@@ -1,6 +1,7 @@
 #include "src/surface/surface.h"
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "src/surface/build.h"
 #include "src/surface/recipe.h"
 #include "src/surface/run_folder.h"
+#include "src/tileset/tileset.h"
 
 namespace tessera {
 
@@ -26,18 +28,58 @@ Status check_surface_options(const SurfaceOptions& options) {
   if (!(energy.ray_length > 0)) return error(Errc::usage, option("ray-length") + " is not above 0");
   if (energy.sigma != 0 && !positive(energy.sigma))
     return error(Errc::usage, option("sigma") + " is not a length above 0");
+  if (options.output.format == tileset_format && options.output.local)
+    return error(Errc::usage, option("format", tileset_format) + " does not take " + option("local"));
   if (options.smooth > smooth_rounds_max)
     return error(Errc::usage, option("smooth") + " is more than " + std::to_string(smooth_rounds_max) + " rounds");
   if (options.trim && !positive(*options.trim)) return error(Errc::usage, option("trim") + " is not a length above 0");
   return success();
 }
 
-Result<Surface> make_surface(const fs::path& in, const fs::path& target, const SurfaceOptions& options,
+Result<fs::path> find_surface_target(const fs::path& target, const ExportOptions& options) {
+  if (options.format != tileset_format) {
+    BOOST_OUTCOME_TRY(place, find_export_target(target, options));
+    return place.path;
+  }
+  BOOST_OUTCOME_TRYV(check_tileset_target(target, options.overwrite));
+  return target.has_filename() ? target : target.parent_path();
+}
+
+namespace {
+
+Result<Exported> write_surface(const fs::path& triangles, const fs::path& target, const SurfaceOptions& options,
+                               const Manifest& made_of, std::function<void(double)> progress, std::stop_token stop) {
+  if (options.output.format == tileset_format) {
+    const TilesetOptions how{.overwrite = options.output.overwrite,
+                             .surface_of = made_of.partition,
+                             .memory_bytes = options.memory_bytes,
+                             .progress = std::move(progress)};
+    BOOST_OUTCOME_TRY(written, write_tileset(triangles, target, how, std::move(stop)));
+    BOOST_OUTCOME_TRY(manifest, read_manifest(triangles));
+    return Exported{
+        .path = written.path,
+        .vertices = manifest.vertices,
+        .cells = written.triangles,
+        .bytes = written.bytes,
+        .note = std::to_string(written.nodes) + " nodes, of which " + std::to_string(written.leaves) + " are leaves"};
+  }
+  ExportOptions output = options.output;
+  output.longest_edges = true;
+  output.comment = surface::recipe_of(options, made_of);
+  output.progress = std::move(progress);
+  return export_result(triangles, target, output, std::move(stop));
+}
+
+}  // namespace
+
+Result<Surface> make_surface(const fs::path& in, const fs::path& target, const SurfaceOptions& asked,
                              surface::StepsRunner& runner, std::stop_token stop) {
+  SurfaceOptions options = asked;
+  if (options.output.format == tileset_format) options.manifold = true;
   BOOST_OUTCOME_TRYV(check_surface_options(options));
-  BOOST_OUTCOME_TRY(place, find_export_target(target, options.output));
+  BOOST_OUTCOME_TRY(place, find_surface_target(target, options.output));
   BOOST_OUTCOME_TRY(source, TileSource::open(in));
-  BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place.path), options.resume));
+  BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place), options.resume, options.lock));
   constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {
     return [&options, begin, end](double part) {
@@ -46,11 +88,8 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   };
   const surface::BuildFolder folder{run.path(), run.lock_file(), options.resume};
   BOOST_OUTCOME_TRY(built, surface::build(source, options, folder, false, runner, tell(0, built_part), stop));
-  ExportOptions output = options.output;
-  output.longest_edges = true;
-  output.comment = surface::recipe_of(options, source.manifest());
-  output.progress = tell(built_part, 1);
-  BOOST_OUTCOME_TRY(exported, export_result(built.triangles, target, output, stop));
+  BOOST_OUTCOME_TRY(exported,
+                    write_surface(built.triangles, target, options, source.manifest(), tell(built_part, 1), stop));
   run.done();
 
   Surface made{.mesh = std::move(exported), .digest = built.digest, .sensors = built.sensors};

@@ -12,6 +12,7 @@
 
 #include "src/base/result.h"
 #include "src/export/export.h"
+#include "src/files/folder_lock.h"
 #include "src/store/digest.h"
 #include "src/surface/energy.h"
 #include "src/surface/sensors.h"
@@ -33,6 +34,7 @@ struct SurfaceOptions {
   bool manifold = false;            // splits vertices and edges where the surface touches itself; nothing moves
   unsigned smooth = 0;              // rounds of smoothing, which move the vertices, smooth_rounds_max at most
   bool resume = false;              // goes on with what an interrupted run has left, and leaves it when interrupted
+  LockOptions lock;                 // how the folder is locked that it is made in
   ExportOptions output;             // of the mesh
   std::uint64_t memory_bytes = 0;   // at least what a tile takes is used
   unsigned threads = 1;
@@ -44,6 +46,8 @@ inline constexpr unsigned smooth_rounds_max = 1000;
 
 // Error usage when a number makes no sense.
 Status check_surface_options(const SurfaceOptions& options);
+// Where it would be written. Error usage when it cannot be, io.
+Result<std::filesystem::path> find_surface_target(const std::filesystem::path& target, const ExportOptions& options);
 
 struct Surface {
   Exported mesh;
@@ -62,9 +66,10 @@ struct Surface {
 };
 std::string to_json(const Surface& surface, const std::string& output);
 
-// The surface of the result `in`, to a file or a folder, by its ending, as export_result() does it. Errors: usage for
-// options that make no sense and for results that are not whole or not in 3D; those of reading and of export_result().
-// What waits meanwhile stands in a folder beside it, of the target's name and ".surface".
+// The surface of the result `in`, to a file or a folder, by its ending, as export_result() does it; in the format
+// tileset_format to a folder as write_tileset() does it, and manifold then, so that levels fit together. Errors: usage
+// for options that make no sense and for results that are not whole or not in 3D; those of reading and of
+// export_result(). What waits meanwhile stands in a folder beside it, of the target's name and ".surface".
 Result<Surface> make_surface(const std::filesystem::path& in, const std::filesystem::path& target,
                              const SurfaceOptions& options, surface::StepsRunner& runner, std::stop_token stop);
 

@@ -3,6 +3,8 @@
 #include <meshoptimizer.h>
 #include <algorithm>
 #include <array>
+#include <boost/unordered_set.hpp>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <unordered_map>
@@ -52,10 +54,10 @@ double middle(const Surface& surface, std::uint32_t triangle, int axis) {
   return lo + hi;
 }
 
-// Reorders the triangles so that those of the first half are before the others on the longer axis of them all.
-std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles) {
-  double lo[2], hi[2];
-  for (int axis = 0; axis < 2; ++axis) {
+// Reorders the triangles so that those of the first half are before the others on the longest axis of them all.
+std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles, int axes) {
+  double lo[3], hi[3];
+  for (int axis = 0; axis < axes; ++axis) {
     lo[axis] = std::numeric_limits<double>::infinity();
     hi[axis] = -lo[axis];
     for (const std::uint32_t t : triangles) {
@@ -64,7 +66,9 @@ std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles) {
       hi[axis] = std::max(hi[axis], at);
     }
   }
-  const int axis = hi[1] - lo[1] > hi[0] - lo[0] ? 1 : 0;
+  int axis = 0;
+  for (int other = 1; other < axes; ++other)
+    if (hi[other] - lo[other] > hi[axis] - lo[axis]) axis = other;
   const std::size_t half = triangles.size() / 2;
   std::vector<std::pair<double, std::uint32_t>> order;
   order.reserve(triangles.size());
@@ -76,6 +80,66 @@ std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles) {
   return half;
 }
 
+// Of edges that are passed more often one way than the other. In no order that counts.
+std::vector<std::uint32_t> ends_of_border(const Surface& surface) {
+  std::vector<std::array<std::uint32_t, 3>> edges;  // the lesser end, the greater, and whether it is passed downwards
+  edges.reserve(surface.corners.size());
+  for (std::size_t i = 0; i < surface.corners.size(); ++i) {
+    const std::uint32_t from = surface.corners[i], to = surface.corners[i % 3 == 2 ? i - 2 : i + 1];
+    edges.push_back({std::min(from, to), std::max(from, to), from < to ? 0U : 1U});
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<std::uint32_t> ends;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::ptrdiff_t sum = 0;
+    const std::size_t first = i;
+    for (; i < edges.size() && edges[i][0] == edges[first][0] && edges[i][1] == edges[first][1]; ++i)
+      sum += edges[i][2] == 0 ? 1 : -1;
+    if (sum != 0) ends.insert(ends.end(), {edges[first][0], edges[first][1]});
+  }
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
+}
+
+// Where vertices are, for meshopt_simplify(), which has two peculiarities. It takes vertices at one place for one, so
+// none are here, whatever floats round. And what it takes for a border is not always one: an edge that was folded onto
+// the border hides that from it. So each end of the border gets a triangle of its own that nothing else touches, by
+// which it is locked.
+class Positions {
+ public:
+  // Around the middle: what is rounded decides which vertices go, not where they are.
+  explicit Positions(const Surface& surface) {
+    const Bounds bounds = surface.bounds();
+    for (const SurfaceVertex& v : surface.vertices) {
+      Place at;
+      for (int axis = 0; axis < 3; ++axis)
+        at[static_cast<std::size_t>(axis)] =
+            static_cast<float>(v.at[axis] - (bounds.lo[axis] / 2 + bounds.hi[axis] / 2));
+      add(at);
+    }
+  }
+  // Returns the number of the new one.
+  std::uint32_t add_near(std::uint32_t v) {
+    add(places_[v]);
+    return static_cast<std::uint32_t>(places_.size() - 1);
+  }
+  const float* data() const { return places_.empty() ? nullptr : places_[0].data(); }
+  std::size_t size() const { return places_.size(); }
+
+ private:
+  using Place = std::array<float, 3>;
+  void add(Place at) {
+    for (float& coordinate : at) coordinate += 0.0F;  // no -0
+    for (std::size_t axis = 0; !taken_.insert(at).second; axis = (axis + 1) % 3)
+      at[axis] = std::nextafter(at[axis], std::numeric_limits<float>::infinity());
+    places_.push_back(at);
+  }
+
+  std::vector<Place> places_;
+  boost::unordered_set<Place> taken_;
+};
+
 }  // namespace
 
 Bounds Surface::bounds() const {
@@ -84,16 +148,16 @@ Bounds Surface::bounds() const {
   return bounds;
 }
 
-std::vector<Surface> quarters(const Surface& surface) {
+std::vector<Surface> quarters(const Surface& surface, int axes) {
   std::vector<std::uint32_t> all(surface.triangles());
   std::iota(all.begin(), all.end(), 0u);
   Picker picker(surface);
   std::vector<Surface> parts;
   const std::span triangles(all);
-  const std::size_t half = halve(surface, triangles);
+  const std::size_t half = halve(surface, triangles, axes);
   for (const std::span side : {triangles.first(half), triangles.subspan(half)}) {
     if (side.empty()) continue;
-    const std::size_t quarter = halve(surface, side);
+    const std::size_t quarter = halve(surface, side, axes);
     for (const std::span part : {side.first(quarter), side.subspan(quarter)})
       if (!part.empty()) parts.push_back(picker.pick(part));
   }
@@ -118,22 +182,23 @@ Surface join(std::span<const Surface* const> parts) {
 
 Surface simplify(const Surface& surface, std::size_t triangles) {
   if (surface.triangles() <= triangles) return surface;
-  // Floats around the middle: what is rounded decides which vertices go, not where they are.
-  const Bounds bounds = surface.bounds();
-  std::vector<std::array<float, 3>> positions;
-  positions.reserve(surface.vertices.size());
-  for (const SurfaceVertex& v : surface.vertices) {
-    auto& at = positions.emplace_back();
-    for (int axis = 0; axis < 3; ++axis)
-      at[static_cast<std::size_t>(axis)] = static_cast<float>(v.at[axis] - (bounds.lo[axis] / 2 + bounds.hi[axis] / 2));
+  const auto n = static_cast<std::uint32_t>(surface.vertices.size());
+  Positions positions(surface);
+  std::vector<std::uint32_t> corners = surface.corners;
+  const std::vector<std::uint32_t> fixed = ends_of_border(surface);
+  for (const std::uint32_t v : fixed) {
+    corners.push_back(v);
+    for (int other = 0; other < 2; ++other) corners.push_back(positions.add_near(v));
   }
-  Surface coarse{surface.vertices, std::vector<std::uint32_t>(surface.corners.size())};
+  std::vector<std::uint32_t> made(corners.size());
   constexpr float any_error = 1e9F;  // how many triangles there are is what is asked for
-  const std::size_t left =
-      meshopt_simplify(coarse.corners.data(), surface.corners.data(), surface.corners.size(),
-                       positions.empty() ? nullptr : positions[0].data(), positions.size(), sizeof positions[0],
-                       3 * triangles, any_error, meshopt_SimplifyLockBorder, nullptr);
-  coarse.corners.resize(left);
+  const std::size_t left = meshopt_simplify(made.data(), corners.data(), corners.size(), positions.data(),
+                                            positions.size(), 3 * sizeof(float), 3 * (triangles + fixed.size()),
+                                            any_error, meshopt_SimplifyLockBorder, nullptr);
+  Surface coarse{surface.vertices, {}};
+  for (std::size_t i = 0; i < left; i += 3)
+    if (made[i] < n && made[i + 1] < n && made[i + 2] < n)
+      coarse.corners.insert(coarse.corners.end(), {made[i], made[i + 1], made[i + 2]});
   std::vector<std::uint32_t> all(coarse.triangles());
   std::iota(all.begin(), all.end(), 0u);
   return Picker(coarse).pick(all);

@@ -27,20 +27,24 @@ struct Surface {
   Bounds bounds() const;
 };
 
-// Up to four parts with about equally many triangles, one beside the other: each triangle is in exactly one.
-std::vector<Surface> quarters(const Surface& surface);
+// Up to four parts with about equally many triangles, one beside the other: each triangle is in exactly one. `axes`: by
+// how many of them parts are cut, 2 or 3.
+std::vector<Surface> quarters(const Surface& surface, int axes);
 
 // Vertices with the same id become one.
 Surface join(std::span<const Surface* const> parts);
 
-// With about `triangles` triangles, and a subset of the vertices. Edges that only one triangle has, and their ends, all
-// stay as they are: so surfaces that fit together still do, whichever of them are made coarser, and however often.
-// With many such edges more triangles stay than are asked for.
+// With about `triangles` triangles, and a subset of the vertices. The border stays as it is: edges that are passed more
+// often one way than the other, and their ends. So surfaces that fit together still do, whichever of them are made
+// coarser, and however often. With many such edges more triangles stay than are asked for.
 Surface simplify(const Surface& surface, std::size_t triangles);
 
 // How far the vertices of `fine` are from `coarse`, made from it by simplify(), in height: the root of the mean square,
 // in units of the coordinates. Where no triangle of `coarse` is above or below a vertex, which edges nearly upright can
 // lead to, the distance to a corner nearby counts, which is not less than that to the surface.
 double height_error(const Surface& fine, const Surface& coarse);
+
+// The same with distances in space.
+double distance_error(const Surface& fine, const Surface& coarse);
 
 }  // namespace tessera::tileset

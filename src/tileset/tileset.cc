@@ -51,7 +51,8 @@ class Making {
         filter_(options.max_edge),
         heights_(find_column(manifest_.schema, "z")),
         intensities_(find_column(manifest_.schema, "intensity")),
-        classes_(find_column(manifest_.schema, "classification")) {}
+        classes_(find_column(manifest_.schema, "classification")),
+        closed_(options.surface_of.has_value()) {}
 
   // Of all tiles below this row of the partition, or of this leaf; none when they have no triangles.
   Result<std::vector<Built>> build(std::int32_t row) {
@@ -123,7 +124,7 @@ class Making {
 
   Result<Built> divide(Surface surface) {
     if (surface.triangles() <= options_.node_triangles) return add(std::move(surface), 0, {});
-    std::vector<Surface> quarters = tileset::quarters(surface);
+    std::vector<Surface> quarters = tileset::quarters(surface, closed_ ? 3 : 2);
     surface = {};
     std::vector<Built> parts;
     for (Surface& quarter : quarters) {
@@ -145,7 +146,7 @@ class Making {
     const Surface fine = join(surfaces);
     parts.clear();
     Surface coarse = simplify(fine, options_.node_triangles);
-    const double step = height_error(fine, coarse);
+    const double step = closed_ ? distance_error(fine, coarse) : height_error(fine, coarse);
     return add(std::move(coarse), below + step, std::move(children));
   }
 
@@ -165,6 +166,7 @@ class Making {
   NodeFiles& files_;
   exports::CellFilter filter_;
   Column heights_, intensities_, classes_;
+  bool closed_;
   std::uint64_t done_ = 0, triangles_ = 0, left_out_ = 0;  // cells
 };
 
@@ -174,7 +176,7 @@ Result<bool> is_tileset(const fs::path& folder) {
   return is_folder(tileset_nodes_folder(folder));
 }
 
-Status check_target(const fs::path& target, bool overwrite) {
+Status check_place(const fs::path& target, bool overwrite) {
   BOOST_OUTCOME_TRY(there, is_there(target, FollowLinks::no));
   if (!there) return success();
   BOOST_OUTCOME_TRY(folder, is_folder(target));
@@ -230,15 +232,19 @@ std::string to_json(const Tileset& tileset) {
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+Status check_tileset_target(const fs::path& target, bool overwrite) {
+  return tileset::check_place(target.has_filename() ? target : target.parent_path(), overwrite);
+}
+
 Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const TilesetOptions& options,
                               std::stop_token stop) {
   const fs::path path = target.has_filename() ? target : target.parent_path();
-  BOOST_OUTCOME_TRYV(tileset::check_target(path, options.overwrite));
+  BOOST_OUTCOME_TRYV(tileset::check_place(path, options.overwrite));
   BOOST_OUTCOME_TRYV(exports::check_max_edge(options.max_edge));
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
-  BOOST_OUTCOME_TRY(partition, Partition::from_json(manifest.partition));
+  BOOST_OUTCOME_TRY(partition, Partition::from_json(options.surface_of.value_or(manifest.partition)));
   if (partition.kind() == PartitionKind::random)
     return error(Errc::usage, out.string() + ": its tiles do not lie side by side; triangulate without " +
                                   option("partition", "random"));

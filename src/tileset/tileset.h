@@ -1,5 +1,5 @@
-// A 2D result as a tileset of 3D Tiles 1.1 (OGC 22-025r4): a tree of binary glTF files, coarse at the root, all
-// triangles at the leaves, for viewers that load what they see.
+// A 2D result, or the triangles of a surface, as a tileset of 3D Tiles 1.1 (OGC 22-025r4): a tree of binary glTF files,
+// coarse at the root, all triangles at the leaves, for viewers that load what they see.
 #pragma once
 
 #include <cstdint>
@@ -14,10 +14,14 @@
 
 namespace tessera {
 
+inline constexpr const char* tileset_format = "3dtiles";  // beside those of src/export
+
 struct TilesetOptions {
   std::optional<double> max_edge = {};    // cells with a longer edge in the plane are left out
   std::uint64_t node_triangles = 16'384;  // a leaf has no more, an inner node about as many
   bool overwrite = false;                 // replaces a tileset, nothing else
+  // Of a surface's triangles, which face all ways: the partition of the triangulation that they come from.
+  std::optional<std::string> surface_of = {};
   std::uint64_t memory_bytes = std::uint64_t{1} << 30;
   std::function<void(double)> progress = {};  // is told the part that is done, 0..1; or null
 };
@@ -42,7 +46,7 @@ std::uint64_t tileset_bytes(const Manifest& manifest);
 //  (2) Any cut through the tree is a surface without gaps: the edges along which nodes meet are never changed, so they
 //      are the same on all levels, but for the rounding to 1/65,535 of a node's extent.
 //  (3) geometricError is in units of the coordinates: the root of the mean square of how far the vertices of the
-//      children are in height, added up from the leaves on, whose error is 0.
+//      children are, in height, or of a surface in space, added up from the leaves on, whose error is 0.
 //  (4) A function of the result's tiles alone: made again it has the same bytes.
 // Each tile is read once; in memory are a tile and the coarse surfaces that wait for their neighbours. The folder is
 // written under a temporary name and renamed when it is whole; checksums of all files are in tileset.json. Errors:
@@ -50,5 +54,7 @@ std::uint64_t tileset_bytes(const Manifest& manifest);
 // not fit; io, also when the disk has too little room; corrupt; interrupted.
 Result<Tileset> write_tileset(const std::filesystem::path& out, const std::filesystem::path& target,
                               const TilesetOptions& options, std::stop_token stop);
+// What can be said before there is a result. Error usage when something stands there that is not to be replaced, io.
+Status check_tileset_target(const std::filesystem::path& target, bool overwrite);
 
 }  // namespace tessera

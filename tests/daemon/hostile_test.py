@@ -11,7 +11,7 @@ import unittest
 
 from daemon import TESSERAD, DaemonTest
 from hostile_proxy import Figures, Mutator, Proxy
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 SECONDS = float(os.environ.get("HOSTILE_S", "25"))
 SEED = int(os.environ.get("SEED", "1"))

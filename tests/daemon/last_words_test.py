@@ -6,9 +6,9 @@ import signal
 import subprocess
 import unittest
 
-import losses_test
+import local_cluster
 from daemon import DaemonTest
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 GROUPS = pathlib.Path("/sys/fs/cgroup/memory")  # of cgroup v1; where there is v2 alone, a service's group is not ours to make
 
@@ -21,10 +21,10 @@ class LastWords(DaemonTest):
         self.port, self.http = free_port(), free_port()
         self.coordinator = self.start_coordinator()
 
-    start_coordinator = losses_test.Cluster.start_coordinator
-    wait_until = losses_test.Cluster.wait_until
-    submit = losses_test.Cluster.submit
-    status = losses_test.Cluster.status
+    start_coordinator = local_cluster.ClusterTest.start_coordinator
+    wait_until = local_cluster.ClusterTest.wait_until
+    submit = local_cluster.ClusterTest.submit
+    status = local_cluster.ClusterTest.status
 
     def count(self, name, what):
         return len(re.findall(rf"node {name} \(\S+\) {what}", self.coordinator.messages()))

@@ -7,10 +7,10 @@ import tempfile
 import time
 import unittest
 
-import losses_test
+import local_cluster
 import node_health_test
 from daemon import IGN, TESSERAD, DaemonTest
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 
 class Log(DaemonTest):
@@ -52,8 +52,8 @@ class Log(DaemonTest):
 
 
 class ClusterLog(DaemonTest):
-    start_coordinator = losses_test.Cluster.start_coordinator
-    wait_until = losses_test.Cluster.wait_until
+    start_coordinator = local_cluster.ClusterTest.start_coordinator
+    wait_until = local_cluster.ClusterTest.wait_until
     ask = node_health_test.Health.ask
     figures = node_health_test.Health.figures
 

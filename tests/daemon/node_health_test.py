@@ -5,9 +5,9 @@ import signal
 import subprocess
 import unittest
 
-import losses_test
+import local_cluster
 from daemon import TESSERAD, DaemonTest
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 
 class Health(DaemonTest):
@@ -20,10 +20,10 @@ class Health(DaemonTest):
         self.port, self.http = free_port(), free_port()
         self.operations = {name: free_port() for name in "bc"}
 
-    start_coordinator = losses_test.Cluster.start_coordinator
-    wait_until = losses_test.Cluster.wait_until
-    submit = losses_test.Cluster.submit
-    status = losses_test.Cluster.status
+    start_coordinator = local_cluster.ClusterTest.start_coordinator
+    wait_until = local_cluster.ClusterTest.wait_until
+    submit = local_cluster.ClusterTest.submit
+    status = local_cluster.ClusterTest.status
 
     def node(self, name):
         return Node(self, name, self.port, "certs", "--metrics", f"127.0.0.1:{self.operations[name]}")

@@ -5,10 +5,10 @@ import signal
 import time
 import unittest
 
-import losses_test
+import local_cluster
 import rolling_test
 from daemon import DaemonTest
-from losses_test import free_port
+from local_cluster import free_port
 
 PAUSES_S = [float(pause) for pause in os.environ.get("PAUSES_S", "15").split(",")]  # the lease is 10 s
 
@@ -25,11 +25,11 @@ class Pauses(DaemonTest):
         self.nodes = {name: self.join(name) for name in "bcd"}
         self.wait_for_members(set("abcd"))
 
-    start_coordinator = losses_test.Cluster.start_coordinator
-    wait_until = losses_test.Cluster.wait_until
-    status = losses_test.Cluster.status
-    wait_for_phase = losses_test.Cluster.wait_for_phase
-    result = losses_test.Cluster.result
+    start_coordinator = local_cluster.ClusterTest.start_coordinator
+    wait_until = local_cluster.ClusterTest.wait_until
+    status = local_cluster.ClusterTest.status
+    wait_for_phase = local_cluster.ClusterTest.wait_for_phase
+    result = local_cluster.ClusterTest.result
     join = rolling_test.Rolling.join
     free = rolling_test.Rolling.free
     wait_for_members = rolling_test.Rolling.wait_for_members

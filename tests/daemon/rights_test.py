@@ -8,7 +8,7 @@ import subprocess
 import unittest
 
 from daemon import TESSERAD, DaemonTest
-from losses_test import free_port
+from local_cluster import free_port
 
 CLEAN = {k: v for k, v in os.environ.items() if not k.startswith("TESSERA")}
 

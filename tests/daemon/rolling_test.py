@@ -7,9 +7,9 @@ import signal
 import time
 import unittest
 
-import losses_test
+import local_cluster
 from daemon import DaemonTest
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 POINTS, TILES = os.environ.get("ROLLING_POINTS", "1M"), 48
 
@@ -26,11 +26,11 @@ class Rolling(DaemonTest):
         self.nodes = {name: self.join(name) for name in "bcd"}
         self.wait_for_members(set("abcd"))
 
-    start_coordinator = losses_test.Cluster.start_coordinator
-    wait_until = losses_test.Cluster.wait_until
-    status = losses_test.Cluster.status
-    wait_for_phase = losses_test.Cluster.wait_for_phase
-    result = losses_test.Cluster.result
+    start_coordinator = local_cluster.ClusterTest.start_coordinator
+    wait_until = local_cluster.ClusterTest.wait_until
+    status = local_cluster.ClusterTest.status
+    wait_for_phase = local_cluster.ClusterTest.wait_for_phase
+    result = local_cluster.ClusterTest.result
 
     def join(self, name, drain_timeout="5m"):
         return Node(self, name, self.port, "certs", "--drain-timeout", drain_timeout)

@@ -6,9 +6,9 @@ import pathlib
 import re
 import unittest
 
-import losses_test
+import local_cluster
 from daemon import DaemonTest
-from losses_test import Node, free_port
+from local_cluster import Node, free_port
 
 POINTS = os.environ.get("ROOM_POINTS", "400k")
 
@@ -22,9 +22,9 @@ class Rooms(DaemonTest):
         self.port, self.http = free_port(), free_port()
         self.tessera("generate", "uniform", "-n", POINTS, "-o", "inputs/cloud.npy", "--quiet")
 
-    wait_until = losses_test.Cluster.wait_until
-    status = losses_test.Cluster.status
-    result = losses_test.Cluster.result
+    wait_until = local_cluster.ClusterTest.wait_until
+    status = local_cluster.ClusterTest.status
+    result = local_cluster.ClusterTest.result
 
     def start_cluster(self, roles, **memory):
         self.coordinator = self.start(

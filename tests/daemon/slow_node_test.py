@@ -7,9 +7,9 @@ import signal
 import threading
 import time
 
-import losses_test
+import local_cluster
 from daemon import DaemonTest
-from losses_test import free_port
+from local_cluster import free_port
 
 POINTS = os.environ.get("POINTS", "400k")
 TILES = int(os.environ.get("TILES", "32"))
@@ -45,11 +45,11 @@ class Slow:
 
 
 class SlowNode(DaemonTest):
-    wait_until = losses_test.Cluster.wait_until
-    joined = losses_test.Cluster.joined
-    wait_for_members = losses_test.Cluster.wait_for_members
-    status = losses_test.Cluster.status
-    result = losses_test.Cluster.result
+    wait_until = local_cluster.ClusterTest.wait_until
+    joined = local_cluster.ClusterTest.joined
+    wait_for_members = local_cluster.ClusterTest.wait_for_members
+    status = local_cluster.ClusterTest.status
+    result = local_cluster.ClusterTest.result
 
     def setUp(self):
         super().setUp()
@@ -60,7 +60,7 @@ class SlowNode(DaemonTest):
         self.port, self.http = free_port(), free_port()
         self.coordinator = self.start("--cluster", f"127.0.0.1:{self.port}", "--certs", self.folder / "certs", "--node-name",
                                       "a", "--memory", MEMORY, listen=f"127.0.0.1:{self.http}", inputs=self.folder / "inputs")
-        self.nodes = {name: losses_test.Node(self, name, self.port, "certs", "--memory", MEMORY, "--threads", "2")
+        self.nodes = {name: local_cluster.Node(self, name, self.port, "certs", "--memory", MEMORY, "--threads", "2")
                       for name in "bcd"}
         self.wait_for_members(4)
 

@@ -10,7 +10,7 @@ import unittest
 import numpy
 
 from daemon import ENDED, DaemonTest
-from losses_test import free_port
+from local_cluster import free_port
 
 JOBS, KILLS = int(os.environ.get("JOBS", "24")), int(os.environ.get("KILLS", "3"))
 SEED = int(os.environ.get("SEED", "1"))

@@ -119,7 +119,7 @@ class App {
     const [section, name] = path.split("/").map(part => decodeURIComponent(part));
     const given = Object.fromEntries(new URLSearchParams(query ?? ""));
     for (const [id, link] of this.links) {
-      if (id === (section || "jobs") || (id === "jobs" && section === "submit") || (id === "results" && section === "view")) link.setAttribute("aria-current", "page");
+      if (id === (section || "jobs") || (id === "jobs" && section === "submit") || (id === "results" && (section === "view" || section === "surface"))) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
     this.put(this.make(this.context, section, name, given), moved);
@@ -131,6 +131,7 @@ class App {
     if (section === "results") return name ? new ResultPage(context, name) : new ResultsPage(context);
     if (section === "nodes") return new NodesPage(context);
     if (section === "view" && name) return new LatePage(`View ${name}`, async () => new (await import("./view_page")).ViewPage(context, name));
+    if (section === "surface" && name) return new LatePage(`Surface of ${name}`, async () => new (await import("./view_page")).ViewPage(context, name, true));
     if (section === "submit" && context.caller.role !== "read") {
       const {process, ...inputs} = given;
       return new SubmitPage(context, process ?? "triangulate", inputs);

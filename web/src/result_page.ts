@@ -31,6 +31,7 @@ export class ResultPage implements Page {
     const may = this.context.caller.role !== "read";
     replace(this.head.querySelector(".actions")!,
       h("a", {class: "button primary", href: `#/view/${encodeURIComponent(this.name)}`}, "View"),
+      result.dimension === 3 ? h("a", {class: "button", href: `#/surface/${encodeURIComponent(this.name)}`}, "Surface") : null,
       may ? action("Verify", () => this.verify()) : null,
       h("a", {class: "button", href: fileAddress(this.name, "report.html"), target: "_blank", rel: "noopener"}, "Report"),
       may ? action("Remove", () => this.remove()) : null);

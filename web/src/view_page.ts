@@ -1,5 +1,5 @@
-// The viewer: of a 2D result its surface, what the colours mean, and what a cell is; of a 3D one SolidView. It is loaded
-// when it is asked for.
+// The viewer: of a 2D result its surface, what the colours mean, and what a cell is; of a 3D one SolidView, or the closed
+// surface between outside and inside. It is loaded when it is asked for.
 import {address, get, Job, send, Triangulation} from "./api";
 import {h, replace} from "./dom";
 import {count} from "./format";
@@ -23,8 +23,9 @@ export class ViewPage implements Page {
   private making: {line: HTMLElement; bar: HTMLProgressElement; job: string} | null = null;
   private closed = false;
 
-  constructor(private readonly context: Context, private readonly name: string) {
-    this.title = `View ${name}`;
+  // `closedSurface`: of a 3D result, in place of its cells.
+  constructor(private readonly context: Context, private readonly name: string, private readonly closedSurface = false) {
+    this.title = `${closedSurface ? "Surface of" : "View"} ${name}`;
     this.element = h("div", {class: "viewer"}, heading(name, h("a", {class: "button", href: `#/results/${encodeURIComponent(name)}`}, "Figures and files")),
       this.notice.element, this.body);
     this.leave = context.live.listen(event => { if (event.status) this.hear(event.status); },
@@ -35,7 +36,7 @@ export class ViewPage implements Page {
   private begin(): void {
     void this.notice.attempt(async () => {
       const result = this.result = await get<Triangulation>(address("triangulations", this.name));
-      if (result.dimension === 2) await (result.tileset ? this.open() : this.prepare());
+      if (result.dimension === 2 || this.closedSurface) await (result.tileset ? this.open() : this.prepare());
       else {
         this.solid = new SolidView(this.context, this.notice, this.body, result);
         await this.solid.open();
@@ -50,6 +51,7 @@ export class ViewPage implements Page {
     this.solid?.close();
   }
 
+  private get process(): string { return this.result?.dimension === 3 ? "surface" : "export"; }
   private get tileset(): string { return address("triangulations", this.name, "3dtiles", "tileset.json"); }
 
   private async open(): Promise<void> {
@@ -64,9 +66,10 @@ export class ViewPage implements Page {
       return;
     }
     const inputs = {triangulation: this.name, output: "3dtiles", format: "3dtiles"};
-    const answer = await send("POST", `${address("processes", "export")}/execution`, {body: {inputs}});
+    const answer = await send("POST", `${address("processes", this.process)}/execution`, {body: {inputs}});
     const job = await answer.json() as Job;
-    const line = h("p", {role: "status"}, "Levels of detail are made once, and stay with the result.");
+    const line = h("p", {role: "status"}, this.process === "surface" ? "The closed surface and its levels of detail are made once, and stay with the result."
+      : "Levels of detail are made once, and stay with the result.");
     const bar = h("progress", {max: 100, value: 0, "aria-label": "Preparing"});
     this.making = {line, bar, job: job.jobID};
     replace(this.body, h("section", {class: "panel", "aria-labelledby": "making"}, h("h2", {id: "making"}, "Preparing the view"), line, bar,
@@ -76,7 +79,7 @@ export class ViewPage implements Page {
 
   private hear(job: Job): void {
     // Somebody else's, which refused ours.
-    if (!this.making && !this.scene && job.processID === "export" && job.triangulation === this.name && job.status === "successful") this.begin();
+    if (!this.making && !this.scene && job.processID === this.process && job.triangulation === this.name && job.status === "successful") this.begin();
     if (this.making?.job !== job.jobID) return;
     this.making.bar.value = job.progress;
     if (job.status === "successful") {
@@ -92,14 +95,23 @@ export class ViewPage implements Page {
   private draw(tileset: TilesetDocument): void {
     const canvas = h("canvas", {tabindex: 0, role: "img", "aria-label": `Surface of ${this.name}, ${count(tileset.extras.cells)} triangles`, "aria-describedby": "view-help"});
     const {unit = "", heightUnit = ""} = this.result ?? {};
-    const cell = new CellPanel(this.name, "Click on the surface.", tileset.extras.attributes.includes("z") ? heightUnit : null);
+    const asks = this.result?.dimension === 2;  // a place has one triangle
     const help = h("p", {class: "sub", id: "view-help"},
-      "Drag turns, the right button or two fingers move, the wheel or two fingers zoom; a click asks for the cell. Keys: arrows move, with Shift they turn, + and − zoom, Enter asks for the cell in the middle.");
-    const stage = h("div", {class: "stage"}, canvas, viewButtons(() => this.scene)), side = h("div", {class: "view-side"}, cell.element, help);
+      `Drag turns, the right button or two fingers move, the wheel or two fingers zoom${asks ? "; a click asks for the cell" : ""}. Keys: arrows move, with Shift they turn, + and − zoom${asks ? ", Enter asks for the cell in the middle" : ""}.`);
+    const stage = h("div", {class: "stage"}, canvas, viewButtons(() => this.scene)), side = h("div", {class: "view-side"}, help);
     replace(this.body, h("div", {class: "view"}, stage, side));
     const scene = drawable(stage, () => new Scene(canvas, this.tileset, tileset, unit));
     this.scene = scene;
     scene.onFailure = error => this.notice.tell(error);
+    if (asks) side.prepend(this.cellPanel(scene, tileset.extras.attributes.includes("z") ? heightUnit : null));
+    const colours = colourPanel(tileset.extras, heightUnit, by => scene.colour(by));
+    colours.append(heightSlider(() => this.scene));
+    side.prepend(colours);
+  }
+
+  // What a cell is that somebody clicks on.
+  private cellPanel(scene: Scene, heightUnit: string | null): HTMLElement {
+    const cell = new CellPanel(this.name, "Click on the surface.", heightUnit);
     let corners: number[][] = [];
     cell.onFound = (...found) => {
       corners = found[0];
@@ -110,8 +122,6 @@ export class ViewPage implements Page {
       await cell.ask(`point=${point.join(",")}`);
       this.context.announce(cell.summary);
     });
-    const colours = colourPanel(tileset.extras, heightUnit, by => scene.colour(by));
-    colours.append(heightSlider(() => this.scene));
-    side.prepend(colours);
+    return cell.element;
   }
 }
