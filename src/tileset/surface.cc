@@ -3,7 +3,6 @@
 #include <meshoptimizer.h>
 #include <algorithm>
 #include <array>
-#include <boost/unordered_set.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -102,44 +101,6 @@ std::vector<std::uint32_t> ends_of_border(const Surface& surface) {
   return ends;
 }
 
-// Where vertices are, for meshopt_simplify(), which has two peculiarities. It takes vertices at one place for one, so
-// none are here, whatever floats round. And what it takes for a border is not always one: an edge that was folded onto
-// the border hides that from it. So each end of the border gets a triangle of its own that nothing else touches, by
-// which it is locked.
-class Positions {
- public:
-  // Around the middle: what is rounded decides which vertices go, not where they are.
-  explicit Positions(const Surface& surface) {
-    const Bounds bounds = surface.bounds();
-    for (const SurfaceVertex& v : surface.vertices) {
-      Place at;
-      for (int axis = 0; axis < 3; ++axis)
-        at[static_cast<std::size_t>(axis)] =
-            static_cast<float>(v.at[axis] - (bounds.lo[axis] / 2 + bounds.hi[axis] / 2));
-      add(at);
-    }
-  }
-  // Returns the number of the new one.
-  std::uint32_t add_near(std::uint32_t v) {
-    add(places_[v]);
-    return static_cast<std::uint32_t>(places_.size() - 1);
-  }
-  const float* data() const { return places_.empty() ? nullptr : places_[0].data(); }
-  std::size_t size() const { return places_.size(); }
-
- private:
-  using Place = std::array<float, 3>;
-  void add(Place at) {
-    for (float& coordinate : at) coordinate += 0.0F;  // no -0
-    for (std::size_t axis = 0; !taken_.insert(at).second; axis = (axis + 1) % 3)
-      at[axis] = std::nextafter(at[axis], std::numeric_limits<float>::infinity());
-    places_.push_back(at);
-  }
-
-  std::vector<Place> places_;
-  boost::unordered_set<Place> taken_;
-};
-
 }  // namespace
 
 Bounds Surface::bounds() const {
@@ -183,17 +144,33 @@ Surface join(std::span<const Surface* const> parts) {
 Surface simplify(const Surface& surface, std::size_t triangles) {
   if (surface.triangles() <= triangles) return surface;
   const auto n = static_cast<std::uint32_t>(surface.vertices.size());
-  Positions positions(surface);
+  // Floats around the middle: what is rounded decides which vertices go, not where they are.
+  const Bounds bounds = surface.bounds();
+  std::vector<std::array<float, 3>> positions;
+  positions.reserve(surface.vertices.size());
+  for (const SurfaceVertex& v : surface.vertices) {
+    auto& at = positions.emplace_back();
+    for (int axis = 0; axis < 3; ++axis)
+      at[static_cast<std::size_t>(axis)] = static_cast<float>(v.at[axis] - (bounds.lo[axis] / 2 + bounds.hi[axis] / 2));
+  }
+  // What meshopt_simplify() takes for the border is not all of it: an edge that was folded onto it hides it, and
+  // vertices at one place are one. So each end of the border gets a triangle that nothing else touches, by which it is
+  // locked.
   std::vector<std::uint32_t> corners = surface.corners;
   const std::vector<std::uint32_t> fixed = ends_of_border(surface);
   for (const std::uint32_t v : fixed) {
     corners.push_back(v);
-    for (int other = 0; other < 2; ++other) corners.push_back(positions.add_near(v));
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      corners.push_back(static_cast<std::uint32_t>(positions.size()));
+      std::array<float, 3> near = positions[v];
+      near[axis] = std::nextafter(near[axis], std::numeric_limits<float>::infinity());
+      positions.push_back(near);
+    }
   }
   std::vector<std::uint32_t> made(corners.size());
   constexpr float any_error = 1e9F;  // how many triangles there are is what is asked for
-  const std::size_t left = meshopt_simplify(made.data(), corners.data(), corners.size(), positions.data(),
-                                            positions.size(), 3 * sizeof(float), 3 * (triangles + fixed.size()),
+  const std::size_t left = meshopt_simplify(made.data(), corners.data(), corners.size(), positions[0].data(),
+                                            positions.size(), sizeof positions[0], 3 * (triangles + fixed.size()),
                                             any_error, meshopt_SimplifyLockBorder, nullptr);
   Surface coarse{surface.vertices, {}};
   for (std::size_t i = 0; i < left; i += 3)

@@ -1,16 +1,12 @@
 """What is done to a surface when its triangles are known: made manifold, smoothed, written as STL and glTF, proved."""
 import collections
 import json
-import pathlib
 import struct
-import sys
 import unittest
 
 import numpy as np
-
-from cli import BAD_INPUT, IO, NOT_DELAUNAY, USAGE, CliTest
-
-CLOUD = pathlib.Path(__file__).parent.parent / "data" / "clouds" / "ign_77050_627760.laz"
+from cli import BAD_INPUT, IO, NOT_DELAUNAY, USAGE
+from surfaces import SurfaceTest, read_ply
 
 
 def edges_of(triangles):
@@ -22,36 +18,7 @@ def edges_of(triangles):
     return uses
 
 
-def read_ply(path):
-    """Where vertices are, and the faces' records."""
-    data = path.read_bytes()
-    head, body = data.split(b"end_header\n", 1)
-    types = {"double": "f8", "uint": "u4", "ushort": "u2", "uchar": "u1", "float": "f4", "char": "i1", "short": "i2", "int": "i4"}
-    fields = {"vertex": [], "face": []}
-    counts = {}
-    for line in head.decode().splitlines():
-        words = line.split()
-        if words[0] == "element":
-            element = words[1]
-            counts[element] = int(words[2])
-        elif words[0] == "property" and words[1] == "list":
-            fields[element] += [("three", "u1"), ("corners", "u4", 3)]
-        elif words[0] == "property":
-            fields[element].append((words[2], types[words[1]]))
-    vertices = np.frombuffer(body, np.dtype(fields["vertex"]), counts["vertex"])
-    faces = np.frombuffer(body, np.dtype(fields["face"]), counts["face"], vertices.nbytes)
-    assert len(body) == vertices.nbytes + faces.nbytes
-    return np.stack([vertices[axis] for axis in "xyz"], 1), faces, vertices["id"]
-
-
-class Finished(CliTest):
-    def result(self, name, *how):
-        self.ok("triangulate", CLOUD, "--dim", "3", "-o", name, "--attributes", "all", "--quiet", *how)
-        return name
-
-    def told(self, *args):
-        return self.json_lines(self.ok("surface", *args, "--json"))[-1]
-
+class Finished(SurfaceTest):
     def passed(self, *args):
         return self.json_lines(self.ok("verify", *args, "--json"))[-1]
 
