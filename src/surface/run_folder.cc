@@ -1,5 +1,9 @@
 #include "src/surface/run_folder.h"
 
+#include <algorithm>
+#include <string>
+#include <system_error>
+
 #include "src/files/folder.h"
 #include "src/files/names.h"
 #include "src/files/there.h"
@@ -9,16 +13,32 @@ namespace tessera::surface {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+// Of a folder that is locked: all but the lock goes, by which it is known as such a folder until it is empty. The plan
+// goes first, so that nobody goes on with a part of the rest.
+Status clear(const fs::path& path) {
+  BOOST_OUTCOME_TRYV(remove_whole(plan_file(path)));
+  BOOST_OUTCOME_TRY(names, sorted_names(path));
+  for (const auto& name : names) {
+    if (is_lock_name(name)) continue;
+    BOOST_OUTCOME_TRYV(remove_whole(path / name));
+  }
+  return success();
+}
+
+}  // namespace
+
 Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions& lock_options) {
   BOOST_OUTCOME_TRY(there, is_there(path, FollowLinks::no));
   if (there) {
     BOOST_OUTCOME_TRY(folder, is_folder(path, FollowLinks::no));
     bool ours = folder;
     if (folder) {
-      BOOST_OUTCOME_TRY(empty, is_empty_folder(path));
-      BOOST_OUTCOME_TRY(plan, is_there(plan_file(path)));
-      BOOST_OUTCOME_TRY(lock, is_there(lock_folder(path)));
-      ours = empty || plan || lock;
+      BOOST_OUTCOME_TRY(names, sorted_names(path));
+      const std::string plan = plan_file(path).filename();
+      ours = names.empty() || std::any_of(names.begin(), names.end(),
+                                          [&](const std::string& name) { return name == plan || is_lock_name(name); });
     }
     if (!ours) return error(Errc::usage, path.string() + ": is in the way: surfaces are made in a folder of this name");
   }
@@ -29,24 +49,22 @@ Result<RunFolder> RunFolder::claim(fs::path path, bool resume, const LockOptions
   }
   BOOST_OUTCOME_TRYV(make_directories(path));
   BOOST_OUTCOME_TRY(lock, FolderLock::take(path, lock_options));
-  if (!resume) {
-    const fs::path kept = lock_folder(path).filename();
-    BOOST_OUTCOME_TRY(names, sorted_names(path));
-    for (const auto& name : names) {
-      if (name == kept.native()) continue;
-      BOOST_OUTCOME_TRYV(remove_whole(path / name));
-    }
+  BOOST_OUTCOME_TRY(begun, is_there(plan_file(path)));
+  if (!resume || !begun) {
+    BOOST_OUTCOME_TRYV(clear(path));
   }
   return RunFolder(std::move(path), std::move(lock), resume);
 }
 
 RunFolder::~RunFolder() {
   if (!lock_) return;
-  const bool ours = lock_->check().has_value();
-  lock_.reset();
   const auto begun = is_there(plan_file(path_));
   const bool stays = resume_ && !done_ && begun && begun.value();
-  if (ours && !stays) (void)remove_tree(path_);  // what stays goes when the surface is made anew
+  // What stays goes when the surface is made anew.
+  const bool cleared = !stays && lock_->check() && clear(path_);
+  lock_.reset();
+  std::error_code others;
+  if (cleared) fs::remove(path_, others);  // stays when it is another process's by now
 }
 
 }  // namespace tessera::surface
