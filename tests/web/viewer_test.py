@@ -12,7 +12,6 @@ gdal.UseExceptions()
 VIEWER = "view_page"  # in the name of the file that only the viewer needs
 
 
-
 class Viewer(looking.LookingTest):
     def setUp(self):
         super().setUp()
@@ -119,6 +118,45 @@ class Viewer(looking.LookingTest):
             low, high = self.daemon.request("GET", "/v1/triangulations/hills/3dtiles/tileset.json")[2]["extras"]["heights"]
             ends = picking.on_canvas(b, [[*found["point"], z] for z in (low, high)])
             self.assertTrue(picking.is_inside(np.array([x, y]), ends, 1.5), (x, y, ends))
+
+    def test_the_closed_surface_of_a_3d_result_is_made_once_and_drawn(self):
+        self.serve()
+        self.make("trees", 3)
+        self.enter()
+        b = self.browser
+        b.go("#/results/trees")
+        b.press("Surface")
+        b.until_text("The closed surface and its levels of detail are made once", "main")
+        self.see()
+        jobs = self.daemon.request("GET", "/v1/jobs")[2]
+        self.assertEqual(sorted(job["processID"] for job in jobs["jobs"]), ["surface", "triangulate"])
+        tileset = self.daemon.request("GET", "/v1/triangulations/trees/3dtiles/tileset.json")[2]
+        self.assertGreater(tileset["extras"]["cells"], 20_000)
+        self.assertEqual(b.script("return document.title"), "Surface of trees · Tessera")
+        seen = {}
+        for colouring in ("height", "class", "intensity", "tile"):
+            b.script("document.getElementById(arguments[0]).click()", "by-" + colouring)
+            self.see()
+            seen[colouring] = self.colours()
+            self.assertGreater(len(set(seen[colouring])), 20, colouring)
+        self.assertEqual(len(set(map(tuple, seen.values()))), 4)
+        # A place may have many triangles: nothing is asked for.
+        self.assertNotIn("click", b.text("#view-help"))
+        self.assertFalse(b.script("return document.querySelector('.cell')"))
+        canvas = b.script("return document.querySelector('.stage canvas')")
+        ActionChains(b.driver).move_to_element(canvas).click().perform()
+        b.script("arguments[0].focus()", canvas)
+        ActionChains(b.driver).send_keys(Keys.ENTER).perform()
+        self.see()
+        b.script("document.getElementById('by-height').click()")
+        b.look(self, "viewer-surface")
+        # Once more, without another job; its cells are seen as before.
+        b.go("#/results")
+        b.go("#/surface/trees")
+        self.see()
+        b.go("#/view/trees")
+        b.until("return document.getElementById('show-hull')")
+        self.assertEqual(self.daemon.request("GET", "/v1/jobs")[2]["numberMatched"], 2)
 
     def test_who_may_only_read_is_told(self):
         self.serve()
