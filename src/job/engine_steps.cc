@@ -1,5 +1,6 @@
 #include "src/job/engine_steps.h"
 
+#include <algorithm>
 #include <memory>
 
 #include "src/surface/surface_stages.h"
@@ -16,6 +17,13 @@ Status EngineSteps::run(const std::filesystem::path& result, const std::filesyst
   ResultJob job{surface::kind_of_surface, result, run, options_};
   job.options.lock_file = lock_file;
   return engine_.run(job, part, progress_, stop);
+}
+
+std::uint64_t EngineSteps::bytes_of_one() const {
+  constexpr unsigned few_threads = 2;
+  const bool cluster = !engine_.shares().empty();
+  if (cluster || std::min(engine_.threads(), options_.threads) > few_threads) return 0;
+  return options_.memory_bytes / 2;  // beside it are a tile, and mail
 }
 
 }  // namespace tessera

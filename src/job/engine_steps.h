@@ -1,6 +1,7 @@
 // Jobs over results, run by an engine.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 
 #include "actors/engine/engine.h"
@@ -19,6 +20,7 @@ class EngineSteps final : public surface::StepsRunner {
   Status run(const std::filesystem::path& result, const std::filesystem::path& run,
              const std::filesystem::path& lock_file, const std::function<void(double)>& part,
              const std::stop_token& stop) override;
+  std::uint64_t bytes_of_one() const override;
 
  private:
   Engine& engine_;

@@ -87,14 +87,16 @@ std::string checksum_of_tiles(const Manifest& manifest) {
   return checksum_text(checksum(all.take()));
 }
 
-SurfacePlan plan_of(const TileSource& source, const SurfaceOptions& options, const Sensors& sensors, bool prove) {
+SurfacePlan plan_of(const TileSource& source, const SurfaceOptions& options, const Sensors& sensors, bool prove,
+                    bool together) {
   const auto closed = SurfaceOptions::Bottom::closed, free = SurfaceOptions::Bottom::free;
   const auto& digest = source.manifest().digest;
   return {.options = {.energy = options.energy,
                       .rule = {.lower_inside = options.bottom != free, .unknown_inside = options.unknown_inside},
                       .boundary = {.below = options.bottom == closed, .trim = options.trim},
                       .splits = options.manifold,
-                      .prove = prove},
+                      .prove = prove,
+                      .together = together},
           .sensors = sensors.found(),
           .result = digest ? digest_text(*digest) : "",
           .tiles = checksum_of_tiles(source.manifest()),
@@ -110,6 +112,7 @@ Status begin_run(const BuildFolder& folder, SurfacePlan plan) {
       BOOST_OUTCOME_TRY(bytes, read_whole(file));
       BOOST_OUTCOME_TRY(earlier, read_plan(bytes, file.string()));
       plan.number = earlier.number;
+      plan.options.together = earlier.options.together;
       if (to_json(plan) == as_text(bytes)) return success();
       return error(Errc::usage, folder.run.string() + ": cannot be resumed: the unfinished run was started with " +
                                     (plan.result != earlier.result ? "another triangulation"
@@ -165,7 +168,8 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
       if (progress) progress(begin + (end - begin) * part);
     };
   };
-  BOOST_OUTCOME_TRYV(begin_run(folder, plan_of(source, options, sensors, prove)));
+  BOOST_OUTCOME_TRYV(begin_run(
+      folder, plan_of(source, options, sensors, prove, manifest.cells <= runner.bytes_of_one() / bytes_a_cell)));
   BOOST_OUTCOME_TRYV(runner.run(source.folder(), folder.run, folder.lock_file, tell(0, steps_part), stop));
   Built built{.triangles = surface_triangles(folder.run), .digest = {}, .sensors = sensors.used(), .rays = {}};
   const TileWork how{options.threads, options.memory_bytes, stop};

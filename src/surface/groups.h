@@ -14,7 +14,9 @@ class Groups {
  public:
   static constexpr unsigned levels = 3;
 
-  explicit Groups(std::size_t tiles) : tiles_(tiles) {
+  // `together`: all are one group of level 1.
+  Groups(std::size_t tiles, bool together) : tiles_(tiles) {
+    if (together) of_ = std::max(tiles, of_);
     while (of_ * of_ * of_ < tiles) of_ *= 2;
   }
   std::size_t first_of(std::size_t tile, unsigned level) const { return tile - tile % size(level); }

@@ -32,7 +32,7 @@ std::optional<std::size_t> number_of(const StepInput& input, TileId tile) {
 }  // namespace
 
 Result<Bytes> JoinWork::end(TileId self, const PieceInbox&) const {
-  const Groups groups(input().tiles.size());
+  const Groups groups(input().tiles.size(), options().together);
   const unsigned level = level_of(step_);
   const std::size_t first = *number_of(input(), self);
   if (groups.first_of(first, level) != first) return Bytes();
@@ -63,7 +63,7 @@ Result<Bytes> JoinWork::end(TileId self, const PieceInbox&) const {
 
 Result<cut::CellSet> decided_together(const KeptWork& work, TileId self, std::uint64_t undecided) {
   const StepInput& input = work.input();
-  const Groups groups(input.tiles.size());
+  const Groups groups(input.tiles.size(), work.options().together);
   const std::size_t number = *number_of(input, self);
   cut::CellSet sources(undecided);
   std::vector<std::uint32_t> left(undecided);

@@ -1,3 +1,4 @@
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -48,6 +49,21 @@ Result<RegionKernel> kernel_of(Region region, bool prove) {
     if (decided[cell] == cut::Decided::source) out.sources.insert(cell);
     if (decided[cell] == cut::Decided::no) out.open.insert(cell);
   }
+  return out;
+}
+
+RegionKernel all_of(Region region) {
+  const std::uint32_t cells = region.graph.cells();
+  RegionKernel out;
+  out.kernel.cells.resize(cells);
+  std::iota(out.kernel.cells.begin(), out.kernel.cells.end(), std::uint32_t{0});
+  out.kernel.graph = std::move(region.graph);
+  out.kernel.borders = std::move(region.borders);
+  out.names = std::move(region.names);
+  out.at_border = std::move(region.at_border);
+  out.sources = cut::CellSet(cells);
+  out.open = cut::CellSet(cells);
+  for (std::uint32_t cell = 0; cell < cells; ++cell) out.open.insert(cell);
   return out;
 }
 

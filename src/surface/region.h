@@ -61,6 +61,9 @@ struct RegionKernel {
 // `prove`: error internal when a cut that decides is not proved by its flow.
 Result<RegionKernel> kernel_of(Region region, bool prove);
 
+// Of a region that decides nothing by itself.
+RegionKernel all_of(Region region);
+
 // What several regions have left, as one region, in which borders between them are none any more.
 struct JoinedRegion {
   Region region;

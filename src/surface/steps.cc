@@ -138,12 +138,16 @@ class ArcsWork final : public KeptWork {
     tile->forget_weights();
     BOOST_OUTCOME_TRYV(store().give_back(std::move(tile)));
     throw_if_stopped(input().stop);
+    if (options().together) return keep(self, all_of(std::move(region)));
     BOOST_OUTCOME_TRY(kernel, kernel_of(std::move(region), options().prove));
-    BOOST_OUTCOME_TRYV(store().write(Kept::kernel, self, bytes_of(kernel)));
-    return bytes_of(KeptSides{kernel.kernel.cells.size(), std::move(kernel.sources), std::move(kernel.open)});
+    return keep(self, std::move(kernel));
   }
 
  private:
+  Result<Bytes> keep(TileId self, RegionKernel kernel) const {
+    BOOST_OUTCOME_TRYV(store().write(Kept::kernel, self, bytes_of(kernel)));
+    return bytes_of(KeptSides{kernel.kernel.cells.size(), std::move(kernel.sources), std::move(kernel.open)});
+  }
   // The tile with what rays have left of arcs across its facets, all rays, and of its own cells, those that came here.
   Result<std::unique_ptr<SurfaceTile>> with_sums(TileId self, const PieceInbox& mail) const {
     BOOST_OUTCOME_TRY(rays, kept<KeptRays>(Kept::rays, self));

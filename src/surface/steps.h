@@ -21,6 +21,9 @@ struct StepOptions {
   Boundary boundary;
   bool splits = false;  // finds what is to be split where the surface is not manifold
   bool prove = false;   // each cut by its flow
+  // All cells are decided at once, by one tile, for which there is memory: no tile decides anything alone before. For
+  // machines of few threads, as that is less work.
+  bool together = false;
 };
 
 struct StepInput {

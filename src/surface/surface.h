@@ -61,7 +61,7 @@ struct Surface {
   std::uint64_t steps = 0;        // of rays, through a cell each
   std::uint64_t split = 0;        // vertices that were added to make it manifold
   std::uint64_t cells = 0;        // of the result
-  std::uint64_t undecided = 0;    // cells that no tile could decide alone
+  std::uint64_t undecided = 0;    // cells that no tile has decided alone
   std::uint64_t outside = 0;      // cells
 };
 std::string to_json(const Surface& surface, const std::string& output);

@@ -17,9 +17,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = SensorOptions::Kind;
 
-// Of a tile that is worked on, beside what reading it takes: stars and weights, its graph, a copy of that, trees.
-constexpr std::uint64_t bytes_a_cell = 170;
-
 Json json_of(const Point& at) { return Json::array({at.x, at.y, at.z}); }
 Point point_of(const Json& json) {
   return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
@@ -67,6 +64,7 @@ SurfacePlan plan_of(const Json& json) {
   if (!json.at("trim").is_null()) plan.options.boundary.trim = json.at("trim").get<double>();
   json.at("splits").get_to(plan.options.splits);
   json.at("prove").get_to(plan.options.prove);
+  json.at("together").get_to(plan.options.together);
   plan.sensors = sensors_of(json.at("sensors"));
   json.at("result").get_to(plan.result);
   json.at("tiles").get_to(plan.tiles);
@@ -93,6 +91,7 @@ std::string to_json(const SurfacePlan& plan) {
                   {"trim", options.boundary.trim ? Json(*options.boundary.trim) : Json()},
                   {"splits", options.splits},
                   {"prove", options.prove},
+                  {"together", options.together},
                   {"sensors", json_of(plan.sensors)}};
   return json.dump() + "\n";
 }

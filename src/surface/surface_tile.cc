@@ -105,12 +105,18 @@ double SurfaceTile::scale_of(std::int32_t v) {
 }
 
 Result<std::int32_t> SurfaceTile::find(const CellName& wanted) const {
+  std::uint64_t sum = 0;  // by which most cells are told apart
+  for (const PointId corner : wanted) sum += corner.value;
   for (const PointId corner : wanted) {
     const auto found = std::lower_bound(by_id_.begin(), by_id_.end(), corner,
                                         [&](std::int32_t v, PointId other) { return id(v) < other; });
     if (found == by_id_.end() || id(*found) != corner) continue;
-    for (const std::uint32_t cell : star(*found))
-      if (name(static_cast<std::int32_t>(cell)) == wanted) return static_cast<std::int32_t>(cell);
+    for (const std::uint32_t i : star(*found)) {
+      const auto cell = static_cast<std::int32_t>(i);
+      std::uint64_t others = sum;
+      for (std::size_t k = 0; k < 4; ++k) others -= id(vertex(cell, k)).value;
+      if (others == 0 && name(cell) == wanted) return cell;
+    }
     break;
   }
   return corrupt("lacks a cell at vertex " + to_string(wanted[0]) + " that another tile has");

@@ -151,6 +151,7 @@ class SurfaceSteps : public testing::Test {
       StepOptions how{
           .energy = {}, .rule = {.lower_inside = made_ % 2 == 0, .unknown_inside = made_ % 3 != 0}, .boundary = {}};
       how.prove = true;
+      how.together = made_ % 7 < 2;
       if (made_ % 4 == 0) how.energy.sigma = 0.1;
       how.energy.lambda = 0.1;
       SensorOptions sensors;
