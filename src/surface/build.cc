@@ -168,8 +168,8 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
       if (progress) progress(begin + (end - begin) * part);
     };
   };
-  BOOST_OUTCOME_TRYV(begin_run(
-      folder, plan_of(source, options, sensors, prove, manifest.cells <= runner.bytes_of_one() / bytes_a_cell)));
+  const bool together = source.tiles() > 1 && manifest.cells <= runner.bytes_of_one() / bytes_a_cell;
+  BOOST_OUTCOME_TRYV(begin_run(folder, plan_of(source, options, sensors, prove, together)));
   BOOST_OUTCOME_TRYV(runner.run(source.folder(), folder.run, folder.lock_file, tell(0, steps_part), stop));
   Built built{.triangles = surface_triangles(folder.run), .digest = {}, .sensors = sensors.used(), .rays = {}};
   const TileWork how{options.threads, options.memory_bytes, stop};
