@@ -55,7 +55,8 @@ TEST_P(SurfaceOfShape, IsClosedAndTheSameWhateverTilesThreadsAndMemory) {
          {std::pair(2u, 0), std::pair(7u, 0), std::pair(2u, 1), std::pair(5u, 77), std::pair(40u, 5)}) {
       const test::TemporaryFolder some;
       store(some.path() / "out", points, tiles, static_cast<std::uint64_t>(partition), tiles == 7);
-      for (const auto& [memory, threads] : {std::pair(enough, 2u), std::pair(std::uint64_t{0}, 1u)}) {
+      for (const auto& [memory, threads] :
+           {std::pair(enough, 2u), std::pair(enough, 3u), std::pair(std::uint64_t{0}, 1u)}) {
         SurfaceOptions other = options;
         other.memory_bytes = memory;
         other.threads = threads;

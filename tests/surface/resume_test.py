@@ -8,7 +8,7 @@ import unittest
 from cli import CORRUPT, USAGE, CliTest
 
 EVERY = int(os.environ.get("RESUME_EVERY", "3"))  # of the steps
-OPTIONS = ("--manifold", "--smooth", "2", "--threads", "1")
+OPTIONS = ("--manifold", "--smooth", "2", "--threads", "1", "--memory", "200K")  # tiles on disk, which decide alone
 
 
 class Resumed(CliTest):
