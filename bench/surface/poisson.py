@@ -48,7 +48,7 @@ def main():
     parser.add_argument("--depths", default="9,10,11")
     parser.add_argument("--file", type=pathlib.Path)
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--memory", default="1G")
+    parser.add_argument("--memory")
     options = parser.parse_args()
     tessera = options.build / "src/apps/tessera"
     with tempfile.TemporaryDirectory() as folder:
@@ -58,8 +58,8 @@ def main():
             run(tessera, "generate", "terrain", "--points", options.points, "--seed", options.seed, "-o", cloud, "--json")
         points = json.loads(subprocess.run([tessera, "info", cloud, "--json"], text=True, capture_output=True, check=True).stdout)["points"]
         print(f"{points:,} points, seed {options.seed}")
-        seconds, peak, printed = run(tessera, "surface", cloud, "-o", folder / "mesh.ply", "--threads", options.threads, "--memory",
-                                     options.memory, "--json")
+        seconds, peak, printed = run(tessera, "surface", cloud, "-o", folder / "mesh.ply", "--threads", options.threads, "--json",
+                                     *(["--memory", options.memory] if options.memory else []))
         vertices = json.loads(printed)["vertices"]
         told("tessera surface", points, seconds, peak, vertices)
         others = []
