@@ -98,6 +98,7 @@ Status run_surface(Settings& settings, const OneStep& made_of) {
   BOOST_OUTCOME_TRY(output, output_options(settings));
   if (output.verbose) log_everything();
   BOOST_OUTCOME_TRY(options, read_options(settings, output));
+  BOOST_OUTCOME_TRYV(check_surface_options(options));
   BOOST_OUTCOME_TRYV(find_surface_target(target, options.output));
   return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
     const Interrupt interrupt;

@@ -70,7 +70,7 @@ class CellSet {
     word |= bit;
     return fresh;
   }
-  // Of the cells before this one.
+  // How many of the cells before this one are in it.
   std::uint64_t count_before(std::uint32_t cell) const {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < cell >> 6u; ++i) sum += static_cast<std::uint64_t>(std::popcount(words_[i]));

@@ -79,6 +79,9 @@ Result<Surface> make_surface(const fs::path& in, const fs::path& target, const S
   BOOST_OUTCOME_TRYV(check_surface_options(options));
   BOOST_OUTCOME_TRY(place, find_surface_target(target, options.output));
   BOOST_OUTCOME_TRY(source, TileSource::open(in));
+  if (options.output.format == tileset_format) {
+    BOOST_OUTCOME_TRYV(check_tileset_partition(in, source.manifest().partition));
+  }
   BOOST_OUTCOME_TRY(run, surface::RunFolder::claim(surface_run_folder(place), options.resume, options.lock));
   constexpr double built_part = 0.9;
   const auto tell = [&](double begin, double end) {

@@ -79,7 +79,7 @@ std::size_t halve(const Surface& surface, std::span<std::uint32_t> triangles, in
   return half;
 }
 
-// Of edges that are passed more often one way than the other. In no order that counts.
+// The ends of the edges that triangles pass more often one way than the other, ascending.
 std::vector<std::uint32_t> ends_of_border(const Surface& surface) {
   std::vector<std::array<std::uint32_t, 3>> edges;  // the lesser end, the greater, and whether it is passed downwards
   edges.reserve(surface.corners.size());

@@ -236,6 +236,13 @@ Status check_tileset_target(const fs::path& target, bool overwrite) {
   return tileset::check_place(target.has_filename() ? target : target.parent_path(), overwrite);
 }
 
+Status check_tileset_partition(const fs::path& out, const std::string& partition) {
+  BOOST_OUTCOME_TRY(read, Partition::from_json(partition));
+  if (read.kind() != PartitionKind::random) return success();
+  return error(Errc::usage, out.string() + ": its tiles do not lie side by side; triangulate without " +
+                                option("partition", "random"));
+}
+
 Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const TilesetOptions& options,
                               std::stop_token stop) {
   const fs::path path = target.has_filename() ? target : target.parent_path();
@@ -244,10 +251,9 @@ Result<Tileset> write_tileset(const fs::path& out, const fs::path& target, const
   BOOST_OUTCOME_TRY(source, TileSource::open(out));
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(tileset::check_result(out, manifest));
-  BOOST_OUTCOME_TRY(partition, Partition::from_json(options.surface_of.value_or(manifest.partition)));
-  if (partition.kind() == PartitionKind::random)
-    return error(Errc::usage, out.string() + ": its tiles do not lie side by side; triangulate without " +
-                                  option("partition", "random"));
+  const std::string tree = options.surface_of.value_or(manifest.partition);
+  BOOST_OUTCOME_TRYV(check_tileset_partition(out, tree));
+  BOOST_OUTCOME_TRY(partition, Partition::from_json(tree));
   const fs::path beside = path.has_parent_path() ? path.parent_path() : fs::path(".");
   BOOST_OUTCOME_TRYV(make_directories(beside));
   BOOST_OUTCOME_TRYV(tileset::check_room(source, beside, options.memory_bytes));

@@ -56,5 +56,7 @@ Result<Tileset> write_tileset(const std::filesystem::path& out, const std::files
                               const TilesetOptions& options, std::stop_token stop);
 // What can be said before there is a result. Error usage when something stands there that is not to be replaced, io.
 Status check_tileset_target(const std::filesystem::path& target, bool overwrite);
+// `partition`: of the result `out`. Error usage when its tiles do not lie side by side, so that they make no tree.
+Status check_tileset_partition(const std::filesystem::path& out, const std::string& partition);
 
 }  // namespace tessera

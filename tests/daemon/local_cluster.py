@@ -28,7 +28,20 @@ def free_port():
             return port
 
 
-class Node:
+class Logged:
+    """A process with a log."""
+
+    def said(self):
+        self.log.seek(0)
+        return self.log.read().decode()
+
+    def end(self, how=signal.SIGKILL):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+        return self.process.wait(timeout=60)
+
+
+class Node(Logged):
     """A process that only works for the cluster."""
 
     def __init__(self, test, name, join, certs="certs", *options, enter=None):
@@ -42,16 +55,6 @@ class Node:
              *options, *(word for usual in USUAL.items() if usual[0] not in options for word in usual)],
             env=clean, preexec_fn=enter, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
-
-    def said(self):
-        self.log.seek(0)
-        return self.log.read().decode()
-
-    def end(self, how=signal.SIGKILL):
-        if self.process.poll() is None:
-            self.process.send_signal(how)
-        return self.process.wait(timeout=60)
-
 
 class ClusterTest(DaemonTest):
     """Four nodes, and a cloud among the inputs of the coordinator."""

@@ -3,12 +3,13 @@ import json
 import os
 import pathlib
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+
+import local_cluster
 
 TESSERAD, TESSERA = os.environ["TESSERAD"], os.environ["TESSERA"]
 POINTS = os.environ.get("POINTS", "300k")
@@ -123,7 +124,7 @@ class SlowNetwork(Network):
             raise AssertionError("the switch has ended")
 
 
-class Process:
+class Process(local_cluster.Logged):
     def __init__(self, test, network, name, folder, certs, *options, wrap=()):
         self.network, self.name = network, name
         self.log = tempfile.TemporaryFile()
@@ -133,15 +134,6 @@ class Process:
              "--node-name", name, "--lease", f"{LEASE_S}s", "--threads", "1",
              *(() if "--memory" in options else ("--memory", "512M")), *map(str, options)], env=ENVIRONMENT, stdout=subprocess.DEVNULL, stderr=self.log)
         test.addCleanup(self.end)
-
-    def said(self):
-        self.log.seek(0)
-        return self.log.read().decode()
-
-    def end(self, how=signal.SIGKILL):
-        if self.process.poll() is None:
-            self.process.send_signal(how)
-        return self.process.wait()
 
 
 @unittest.skipIf(REFUSED, REFUSED)

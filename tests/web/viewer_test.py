@@ -37,6 +37,16 @@ class Viewer(looking.LookingTest):
         pixels = gdal.Open(str(looking.browser.SCREENSHOTS / "viewer-now.png")).ReadAsArray()[:3]
         return [tuple(pixels[:, int(box[1] + box[3] * j / 21), int(box[0] + box[2] * i / 21)]) for j in range(1, 21) for i in range(1, 21)]
 
+    def check_colourings(self):
+        """Each of the four shows something else."""
+        seen = {}
+        for colouring in ("height", "class", "intensity", "tile"):
+            self.browser.script("document.getElementById(arguments[0]).click()", "by-" + colouring)
+            self.see()
+            seen[colouring] = self.colours()
+            self.assertGreater(len(set(seen[colouring])), 20, colouring)
+        self.assertEqual(len(set(map(tuple, seen.values()))), 4)
+
     def loaded_scripts(self):
         return self.browser.script("return performance.getEntriesByType('resource').map(r => r.name).filter(n => n.endsWith('.js'))")
 
@@ -58,13 +68,7 @@ class Viewer(looking.LookingTest):
         status, headers, _ = self.daemon.request("GET", "/v1/triangulations/hills/3dtiles/" + tileset["root"]["content"]["uri"])
         self.assertEqual((status, headers["Content-Type"]), (200, "model/gltf-binary"))
         self.assertGreater(int(b.script("return document.querySelector('.stage canvas').dataset.triangles")), 5000)
-        seen = {}
-        for colouring in ("height", "class", "intensity", "tile"):
-            b.script("document.getElementById(arguments[0]).click()", "by-" + colouring)
-            self.see()
-            seen[colouring] = self.colours()
-            self.assertGreater(len(set(seen[colouring])), 20, colouring)
-        self.assertEqual(len(set(map(tuple, seen.values()))), 4)
+        self.check_colourings()
         b.until_text("5 tiles, each of one colour", ".legend-box")
         b.script("document.getElementById('by-height').click()")
         low, high = tileset["extras"]["heights"]
@@ -133,13 +137,7 @@ class Viewer(looking.LookingTest):
         tileset = self.daemon.request("GET", "/v1/triangulations/trees/3dtiles/tileset.json")[2]
         self.assertGreater(tileset["extras"]["cells"], 20_000)
         self.assertEqual(b.script("return document.title"), "Surface of trees · Tessera")
-        seen = {}
-        for colouring in ("height", "class", "intensity", "tile"):
-            b.script("document.getElementById(arguments[0]).click()", "by-" + colouring)
-            self.see()
-            seen[colouring] = self.colours()
-            self.assertGreater(len(set(seen[colouring])), 20, colouring)
-        self.assertEqual(len(set(map(tuple, seen.values()))), 4)
+        self.check_colourings()
         # A place may have many triangles: nothing is asked for.
         self.assertNotIn("click", b.text("#view-help"))
         self.assertFalse(b.script("return document.querySelector('.cell')"))
