@@ -128,8 +128,8 @@ Command add_surface(CLI::App& root) {
   add_value(
       command, "sensor", "WHICH",
       "where the light came from: auto (default), vertical, fields (x_origin, y_origin, z_origin or nx, ny, nz of "
-      "the points), track:FILE.csv (by gps_time; 'tessera track' makes one), or point:X,Y,Z;X,Y,Z;... (of these "
-      "the nearest)");
+      "the points), scan-angle (by gps_time), track:FILE.csv (by gps_time; 'tessera track' makes one), or "
+      "point:X,Y,Z;X,Y,Z;... (of these the nearest)");
   add_value(command, "lambda", "NUMBER", "how much the quality of facets counts: more is smoother; default: 1");
   add_value(command, "alpha", "NUMBER", "how much a ray counts; default: 32");
   add_value(command, "sigma", "LENGTH",

@@ -21,6 +21,7 @@
 #include "src/job/open_cloud.h"
 #include "src/track/estimate.h"
 #include "src/track/pulses.h"
+#include "src/track/scan_angles.h"
 
 namespace tessera {
 namespace {
@@ -31,7 +32,8 @@ void print(const EstimatedTrack& found, const std::string& target, const OutputO
     Json lines = Json::array();
     for (const TrackLine& line : found.lines)
       lines.push_back({{"line", line.line},
-                       {"pulses", line.pulses},
+                       {"from", line.from == TrackLine::From::pulses ? "pulses" : "scan angles"},
+                       {"observations", line.observations},
                        {"windows", line.windows},
                        {"windows_kept", line.kept},
                        {"median_degrees", line.median_degrees},
@@ -46,10 +48,11 @@ void print(const EstimatedTrack& found, const std::string& target, const OutputO
   for (const TrackLine& line : found.lines) {
     if (line.refused.empty()) {
       say("line %u: %.0f above the points; %zu of %zu half seconds agree\n"
-          "line %u: pulses are off by %.2f degrees at the median, 99 %% of them by less than %.2f\n",
-          line.line, line.height, line.kept, line.windows, line.line, line.median_degrees, line.most_degrees);
+          "line %u: %s are off by %.2f degrees at the median, 99 %% of them by less than %.2f\n",
+          line.line, line.height, line.kept, line.windows, line.line,
+          line.from == TrackLine::From::pulses ? "pulses" : "scan angles", line.median_degrees, line.most_degrees);
     } else {
-      say("line %u: no track, %s (%zu pulses)\n", line.line, line.refused.c_str(), line.pulses);
+      say("line %u: no track, %s (of %zu)\n", line.line, line.refused.c_str(), line.observations);
     }
   }
   say("%s: %zu of %zu flight lines\n", target.c_str(), found.track.lines().size(), found.lines.size());
@@ -70,20 +73,29 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
   const Interrupt interrupt;
   BOOST_OUTCOME_TRY(cloud, open_cloud(inputs, job, interrupt.token()));
   Pulses pulses(cloud.schema());
-  if (!pulses.missing().empty())
+  ScanAngles angles(cloud.schema());
+  const bool with_pulses = pulses.missing().empty(), with_angles = angles.missing().empty();
+  if (!with_pulses && !with_angles)
     return error(Errc::usage, "the points have no " + pulses.missing() +
-                                  ", without which nobody can tell which returns are of one pulse, and when it was");
+                                  ", without which nobody can tell which returns are of one pulse, and when it was; "
+                                  "and no " +
+                                  angles.missing() + ", without which nobody can tell at which angle they were seen");
   const std::size_t width = row_bytes(cloud.schema());
   BOOST_OUTCOME_TRYV(cloud.for_each_batch([&](CloudBatch& batch) -> Status {
     if (interrupt.token().stop_requested()) return error(Errc::interrupted, "interrupted while reading points");
-    for (std::size_t i = 0; i < batch.points.size(); ++i) pulses.add(batch.points[i].at, batch.rows.data() + i * width);
+    for (std::size_t i = 0; i < batch.points.size(); ++i) {
+      const std::byte* row = batch.rows.data() + i * width;
+      if (with_pulses) pulses.add(batch.points[i].at, row);
+      if (with_angles) angles.add(batch.points[i].at, row);
+    }
     return success();
   }));
-  const EstimatedTrack found = estimate_track(pulses.take());
+  const EstimatedTrack found = estimate_track(pulses.take(), angles.take());
   if (found.track.empty()) {
     print(found, target, output);
-    return error(Errc::bad_input, found.lines.empty() ? "there are no pulses with a first and a last return"
-                                                      : "on no flight line pulses tell where the scanner was");
+    return error(Errc::bad_input, found.lines.empty()
+                                      ? "there are no pulses with a first and a last return, and no scan angles"
+                                      : "on no flight line pulses or scan angles tell where the scanner was");
   }
   BOOST_OUTCOME_TRYV(write_whole(target, found.track.to_csv()));
   print(found, target, output);
@@ -93,9 +105,10 @@ Status run_track(Settings& settings, const std::vector<std::string>& inputs) {
 }  // namespace
 
 Command add_track(CLI::App& root) {
-  auto command = new_command(root, "track", "Finds where the scanner was, from pulses with several returns",
-                             "  tessera track block/*.laz -o track.csv\n"
-                             "  tessera surface block/*.laz -o mesh.ply --sensor track:track.csv");
+  auto command =
+      new_command(root, "track", "Finds where the scanner was, from pulses with several returns, or scan angles",
+                  "  tessera track block/*.laz -o track.csv\n"
+                  "  tessera surface block/*.laz -o mesh.ply --sensor track:track.csv");
   add_cloud_options(command);
   add_value(command, "output", "PATH", "the file to write: time,x,y,z,line", 'o', true);
   add_switch(command, "overwrite", "replace a file that exists", 0, true);

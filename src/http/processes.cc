@@ -95,7 +95,8 @@ const char* help_of(const std::string& field) {
       {"smooth", "Lines of a smooth surface: means of the surface in squares of this size."},
       {"min_length", "Lines that are shorter in the plane are left out."},
       {"sensor",
-       "Where the light came from: auto (the best that the points tell), vertical, fields, or point:X,Y,Z;X,Y,Z;..."},
+       "Where the light came from: auto (the best that the points tell), vertical, fields, scan-angle, or "
+       "point:X,Y,Z;..."},
       {"lambda", "How much the quality of triangles counts: more is smoother; 1 when it is not given."},
       {"alpha", "How much a ray counts; 32 when it is not given."},
       {"sigma", "How far a point may be from the surface; each has its own when it is not given."},

@@ -18,6 +18,8 @@ Result<SensorOptions> parse_sensors(const std::string& text, bool files) {
   if (text == "auto") return sensor;
   if (text == "vertical") {
     sensor.kind = SensorOptions::Kind::vertical;
+  } else if (text == "scan-angle") {
+    sensor.kind = SensorOptions::Kind::angles;
   } else if (text == "fields") {
     sensor.kind = SensorOptions::Kind::fields;
   } else if (files && text.starts_with(track)) {
@@ -33,7 +35,7 @@ Result<SensorOptions> parse_sensors(const std::string& text, bool files) {
       at = end + 1;
     }
   } else {
-    return error(Errc::usage, "'" + text + "' tells no sensors; there are auto, vertical, fields, " +
+    return error(Errc::usage, "'" + text + "' tells no sensors; there are auto, vertical, fields, scan-angle, " +
                                   (files ? "track:FILE.csv, " : "") + "point:X,Y,Z;X,Y,Z;...");
   }
   return sensor;

@@ -10,7 +10,7 @@ namespace tessera {
 
 // Each with error usage, which says what there is.
 
-// auto, vertical, fields, point:X,Y,Z;X,Y,Z;..., and, if files may be read, track:FILE.
+// auto, vertical, fields, scan-angle, point:X,Y,Z;X,Y,Z;..., and, if files may be read, track:FILE.
 Result<SensorOptions> parse_sensors(const std::string& text, bool files);
 // closed, open, free.
 Result<SurfaceOptions::Bottom> parse_bottom(const std::string& text);

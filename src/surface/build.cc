@@ -23,6 +23,7 @@
 #include "src/surface/triangle_store.h"
 #include "src/track/estimate.h"
 #include "src/track/pulses.h"
+#include "src/track/scan_angles.h"
 
 namespace tessera::surface {
 
@@ -45,24 +46,33 @@ Status check_result(const fs::path& in, const Manifest& manifest) {
   return success();
 }
 
-// From the points' own pulses, if their attributes tell of such.
+// From the points' own pulses and scan angles, if their attributes tell of such.
 Status estimate_sensors(const TileSource& source, const SurfaceOptions& options, Sensors& sensors,
                         std::stop_token stop) {
   const auto& schema = source.manifest().schema;
-  Pulses all(schema);
-  if (!all.missing().empty()) return success();
+  Pulses all_pulses(schema);
+  ScanAngles all_angles(schema);
+  const bool with_pulses = sensors.wants_pulses() && all_pulses.missing().empty(),
+             with_angles = sensors.wants_angles() && all_angles.missing().empty();
+  if (!with_pulses && !with_angles) return success();
   std::mutex mutex;
   const TileWork how{options.threads, options.memory_bytes, std::move(stop)};
   BOOST_OUTCOME_TRYV(for_each_tile(source, {.cells = false, .rows = true}, how, [&](auto, auto tile) -> Status {
     Pulses pulses(schema);
+    ScanAngles angles(schema);
     const std::size_t width = row_bytes(schema);
-    for (std::size_t v = 0; v < tile.mesh.points.size(); ++v)
-      if (tile.mesh.point_ghost[v] == 0) pulses.add(tile.mesh.points[v], tile.rows.data() + v * width);
+    for (std::size_t v = 0; v < tile.mesh.points.size(); ++v) {
+      if (tile.mesh.point_ghost[v] != 0) continue;
+      const std::byte* row = tile.rows.data() + v * width;
+      if (with_pulses) pulses.add(tile.mesh.points[v], row);
+      if (with_angles) angles.add(tile.mesh.points[v], row);
+    }
     const std::lock_guard lock(mutex);
-    all.add(pulses);
+    all_pulses.add(pulses);
+    all_angles.add(angles);
     return success();
   }));
-  return sensors.use_estimate(estimate_track(all.take()), schema);
+  return sensors.use_estimate(estimate_track(all_pulses.take(), all_angles.take()), schema);
 }
 
 // Of the triangles' folder, once more with what Manifold splits.
@@ -159,7 +169,7 @@ Result<Built> build(const TileSource& source, const SurfaceOptions& options, con
   const Manifest& manifest = source.manifest();
   BOOST_OUTCOME_TRYV(check_result(source.folder(), manifest));
   BOOST_OUTCOME_TRY(sensors, Sensors::make(options.sensors, manifest.schema, manifest.bounds));
-  if (sensors.wants_estimate()) {
+  if (sensors.wants_angles()) {
     BOOST_OUTCOME_TRYV(estimate_sensors(source, options, sensors, stop));
   }
   const double steps_part = options.smooth > 0 ? 0.8 : 1;

@@ -60,18 +60,31 @@ Status Sensors::use_estimate(const EstimatedTrack& estimate, const std::vector<A
   std::size_t refused = 0;
   for (const TrackLine& line : estimate.lines) refused += line.refused.empty() ? 0 : 1;
   if (refused == estimate.lines.size()) {
-    used_ = "sensors: straight above each point, as pulses with several returns do not tell where they were";
+    if (by_angles_)
+      return error(Errc::usage, "the points' scan angles do not tell where their sensors were" +
+                                    (refused == 0 ? std::string()
+                                                  : ": of flight line " + std::to_string(estimate.lines[0].line) +
+                                                        ", " + estimate.lines[0].refused));
+    used_ =
+        "sensors: straight above each point, as neither pulses with several returns nor scan angles tell where they "
+        "were";
     return success();
   }
   track_ = std::make_shared<const Track>(estimate.track);
   BOOST_OUTCOME_TRYV(find_times(schema));
   double median = 0, height = 0;
+  bool by_pulses = false, by_angles = false;
   for (const TrackLine& line : estimate.lines) {
+    if (!line.refused.empty()) continue;
+    (line.from == TrackLine::From::pulses ? by_pulses : by_angles) = true;
     median = std::max(median, line.median_degrees);
     height = std::max(height, line.height);
   }
+  const std::string where = !by_angles  ? "where pulses with several returns come together"
+                            : by_pulses ? "where pulses with several returns come together, or scan angles say"
+                                        : "where scan angles say";
   const auto whole = [](double value) { return std::to_string(static_cast<long long>(value + 0.5)); };
-  used_ = "sensors: where pulses with several returns come together, " + whole(height) + " above the points, off by " +
+  used_ = "sensors: " + where + ", " + whole(height) + " above the points, off by " +
           std::to_string(static_cast<int>(median * 100 + 0.5)) + "/100 of a degree at the median";
   if (refused > 0)
     used_ += "; straight above the points of " + std::to_string(refused) + " of " +
@@ -110,6 +123,14 @@ Result<Sensors> Sensors::make(const SensorOptions& options, const std::vector<At
       BOOST_OUTCOME_TRYV(sensors.find_times(schema));
       return sensors;
     }
+    case SensorOptions::Kind::angles: {
+      for (const char* name : {"scan_angle", "gps_time"})
+        if (!column_of(schema, name))
+          return error(Errc::usage, std::string("the points have no ") + name +
+                                        ", without which scan angles do not tell where their sensors were");
+      sensors.by_angles_ = true;
+      return sensors;
+    }
     case SensorOptions::Kind::automatic: {
       sensors.automatic_ = true;
       BOOST_OUTCOME_TRYV(sensors.find(schema, false));
@@ -138,7 +159,7 @@ SensorOptions Sensors::found() const {
       break;
     case How::track:
       options.kind = SensorOptions::Kind::track;
-      options.else_above = automatic_;
+      options.else_above = automatic_ || by_angles_;
       break;
   }
   return options;
@@ -172,7 +193,7 @@ Result<std::optional<Sensors::Sensor>> Sensors::of(const Point& p, PointId id, c
       const double time = fields_[0].value(row);
       const double line = fields_.size() > 1 ? fields_[1].value(row) : 0;
       const auto at = line >= 0 && line < 4e9 ? track_->at(static_cast<std::uint32_t>(line), time) : std::nullopt;
-      if (!at && !automatic_) return std::optional<Sensor>();
+      if (!at && !automatic_ && !by_angles_) return std::optional<Sensor>();
       guessed = !at;
       sensor = at.value_or(Point{p.x, p.y, top_});
       break;

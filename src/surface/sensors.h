@@ -19,11 +19,12 @@ namespace tessera {
 
 struct SensorOptions {
   enum class Kind : std::uint8_t {
-    automatic,  // of the fields, if there are any; else where pulses with several returns say; else vertical
+    automatic,  // of the fields, if there are any; else where pulses or scan angles say; else vertical
     vertical,   // from straight above
     fields,     // x_origin, y_origin, z_origin of the point, or the direction nx, ny, nz of its normal
     positions,  // the nearest of some
-    track       // where the scanner was at the point's gps_time
+    track,      // where the scanner was at the point's gps_time
+    angles      // where the points' scan angles say; else vertical
   };
   Kind kind = Kind::automatic;
   std::string text = "auto";  // what was asked for
@@ -41,11 +42,13 @@ class Sensors {
   // finite.
   static Result<Sensors> make(const SensorOptions& options, const std::vector<Attribute>& schema, const Bounds& bounds);
 
-  // From then on sensors are where the points' own pulses say; straight above where these do not say it. When they say
-  // nothing at all, sensors stay straight above. REQUIRES: wants_estimate(). Error usage as of make().
+  // From then on sensors are where the points' own pulses or scan angles say; straight above where these do not say it.
+  // When they say nothing at all, sensors stay straight above, or the error is usage if it is by angles alone that they
+  // were to be found. REQUIRES: an estimate is wanted. Error usage as of make(), too.
   Status use_estimate(const EstimatedTrack& estimate, const std::vector<Attribute>& schema);
   // Whether nothing better than straight above was found.
-  bool wants_estimate() const { return how_ == How::vertical && automatic_; }
+  bool wants_pulses() const { return how_ == How::vertical && automatic_; }
+  bool wants_angles() const { return how_ == How::vertical && (automatic_ || by_angles_); }
 
   struct Sensor {
     Point at;
@@ -70,7 +73,7 @@ class Sensors {
   std::vector<RowColumn> fields_;  // as how_ wants them
   std::vector<Point> positions_;
   std::shared_ptr<const Track> track_;
-  bool automatic_ = false;
+  bool automatic_ = false, by_angles_ = false;
   double far_ = 0;  // more than any two points are apart
   double top_ = 0;
   std::string used_;

@@ -10,6 +10,7 @@
 #include "src/base/attribute.h"
 #include "src/base/attribute_value.h"
 #include "src/base/point.h"
+#include "src/track/sampled.h"
 
 namespace tessera {
 
@@ -41,14 +42,11 @@ class Pulses {
     double time = 0;
     Point at;
   };
-  void keep(const Return& one);
 
   std::string missing_;
   RowColumn number_, count_, time_;
   std::optional<RowColumn> line_;
-  std::size_t most_;
-  std::uint64_t limit_ = ~std::uint64_t{0};  // of the hashes of pulses that are kept
-  std::vector<Return> returns_;
+  Sampled<Return> returns_;
 };
 
 }  // namespace tessera

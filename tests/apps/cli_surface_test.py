@@ -42,6 +42,18 @@ class Surface(CliTest):
         self.assertIn("by the track", by_track[0]["sensors"])
         self.assertNotEqual(self.told("out0", "-o", "above.ply", "--sensor", "vertical")["digest"], one["digest"])
 
+    def test_scan_angles_tell_where_the_sensor_was(self):
+        cloud = CLOUDS / "autzen_trim.laz"
+        by_angles = self.told(cloud, "-o", "angles.ply", "--sensor", "scan-angle")
+        self.assertIn("where scan angles say, 27", by_angles["sensors"])
+        self.assertNotEqual(by_angles["digest"], self.told(cloud, "-o", "above.ply", "--sensor", "vertical")["digest"])
+        self.ok("triangulate", cloud, "--dim", "3", "-o", "out", "--attributes", "all", "--quiet")
+        self.assertEqual(self.told("out", "-o", "two.ply", "--sensor", "scan-angle")["digest"], by_angles["digest"])
+        self.ok("verify", "angles.ply", "--of", "out", "--quiet")
+        few = self.run_tessera("surface", CLOUDS / "ign_77055_627755.laz", "-o", "few.ply", "--sensor", "scan-angle")
+        self.assertEqual(few.returncode, USAGE)
+        self.assertIn("scan angles span too little", few.stderr)
+
     def test_wrong_input_gets_a_sentence_and_leaves_nothing(self):
         cloud = self.xyz(n=300)
         self.ok("triangulate", cloud, "-o", "cells", "--quiet")
@@ -58,6 +70,7 @@ class Surface(CliTest):
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "here"], "there are auto, vertical"),
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "point:1,2"], "'1,2' has 2 coordinates"),
                 (USAGE, ["cells", "-o", "x.ply", "--sensor", "fields"], "x_origin"),
+                (USAGE, ["cells", "-o", "x.ply", "--sensor", "scan-angle"], "no scan_angle"),
                 (BAD_INPUT, ["cells", "-o", "x.ply", "--sensor", "track:bad.csv"], "bad.csv, line 2"),
                 (IO, ["cells", "-o", "x.ply", "--sensor", "track:none.csv"], "none.csv"),
                 (USAGE, ["cells", "-o", "x.ply", "--lambda", "-1"], "--lambda"),

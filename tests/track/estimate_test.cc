@@ -45,7 +45,7 @@ double off(const EstimatedTrack& found, std::uint32_t line, double time) {
 }
 
 TEST(EstimateTrack, FindsThePlane) {
-  const auto found = estimate_track(flown(4, 6, 0, 1));
+  const auto found = estimate_track(flown(4, 6, 0, 1), {});
   ASSERT_EQ(found.lines.size(), 1u);
   EXPECT_EQ(found.lines[0].refused, "");
   EXPECT_EQ(found.lines[0].kept, 12u);
@@ -55,7 +55,7 @@ TEST(EstimateTrack, FindsThePlane) {
 }
 
 TEST(EstimateTrack, FindsThePlaneAmongAThirdOfWrongPulses) {
-  const auto found = estimate_track(flown(4, 6, 0.33, 2));
+  const auto found = estimate_track(flown(4, 6, 0.33, 2), {});
   EXPECT_EQ(found.lines[0].refused, "");
   for (const double time : {1000.5, 1002.3, 1005.7}) EXPECT_LT(off(found, 4, time), 60);
 }
@@ -64,7 +64,7 @@ TEST(EstimateTrack, RefusesALineWhosePulsesDoNotComeTogether) {
   auto pulses = flown(4, 4, 0, 3);
   const auto wrong = flown(9, 4, 1, 4);
   pulses.insert(pulses.end(), wrong.begin(), wrong.end());
-  const auto found = estimate_track(pulses);
+  const auto found = estimate_track(pulses, {});
   ASSERT_EQ(found.lines.size(), 2u);
   EXPECT_EQ(found.lines[0].refused, "");
   EXPECT_NE(found.lines[1].refused, "");
@@ -75,18 +75,18 @@ TEST(EstimateTrack, RefusesALineWhosePulsesDoNotComeTogether) {
 TEST(EstimateTrack, RefusesPulsesThatMeetBelowTheGroundOrNowhere) {
   auto below = flown(1, 3, 0, 5);
   for (Pulse& p : below) std::swap(p.first, p.last);  // they point down
-  EXPECT_NE(estimate_track(below).lines[0].refused, "");
+  EXPECT_NE(estimate_track(below, {}).lines[0].refused, "");
   auto mirrored = flown(1, 3, 0, 6);
   for (Pulse& p : mirrored) {  // the lines meet 1000 below
     p.first.x = 2 * p.last.x - p.first.x;
     p.first.y = 2 * p.last.y - p.first.y;
   }
-  EXPECT_NE(estimate_track(mirrored).lines[0].refused, "");
+  EXPECT_NE(estimate_track(mirrored, {}).lines[0].refused, "");
   auto parallel = flown(1, 3, 0, 7);
   for (Pulse& p : parallel) p.first = {p.last.x + 1, p.last.y, p.last.z + 10};
-  EXPECT_NE(estimate_track(parallel).lines[0].refused, "");
-  EXPECT_NE(estimate_track({{1, 0.5, {0, 0, 9}, {0, 0, 0}}}).lines[0].refused, "");
-  EXPECT_TRUE(estimate_track({}).lines.empty());
+  EXPECT_NE(estimate_track(parallel, {}).lines[0].refused, "");
+  EXPECT_NE(estimate_track(std::vector<Pulse>{{1, 0.5, {0, 0, 9}, {0, 0, 0}}}, {}).lines[0].refused, "");
+  EXPECT_TRUE(estimate_track({}, {}).lines.empty());
 }
 
 // Rows of return_number, number_of_returns (u8), gps_time (f64), point_source_id (u16).
@@ -167,7 +167,7 @@ EstimatedTrack of_file(const fs::path& file) {
     for (std::size_t i = 0; i < batch.points.size(); ++i) pulses.add(batch.points[i].at, batch.rows.data() + i * width);
     return success();
   }));
-  return estimate_track(pulses.take());
+  return estimate_track(pulses.take(), {});
 }
 
 TEST(EstimateTrack, OfTheBundledBlockHasBothLines) {
