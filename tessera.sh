@@ -8,7 +8,7 @@ jobs=$(nproc)
 
 usage() {
   cat <<'TEXT'
-./tessera.sh build            the programs, some 8 minutes on two cores: build/release/src/apps/tessera, .../src/daemon/tesserad
+./tessera.sh build            the programs, some 8 minutes on two cores: build/release/src/front/apps/tessera, .../src/front/daemon/tesserad
 ./tessera.sh all              everything, some 20 minutes: also the libraries, the Python package, tests and benchmarks
 ./tessera.sh demo             triangulate the bundled IGN block, verify it, make its surface, draw both: demo-out/surface.png
 ./tessera.sh serve [ARGS]     a daemon with the bundled block, on the loopback; its data: serve-data/ (ARGS go to tesserad)
@@ -34,7 +34,7 @@ demo() {
   build tessera_command
   local out=demo-out
   mkdir -p $out
-  local tessera=$build_folder/src/apps/tessera
+  local tessera=$build_folder/src/front/apps/tessera
   $tessera triangulate 'tests/data/clouds/ign_770*.laz' -o $out/result --tiles 12 --attributes all --overwrite
   $tessera verify $out/result
   xvfb-run -a /usr/bin/python3 scripts/draw_tiles.py $out/result $out/tiles.png
@@ -46,7 +46,7 @@ demo() {
 serve() {
   deploy/install-deps.sh build
   build tesserad tessera_command
-  exec $build_folder/src/daemon/tesserad --data serve-data --inputs data/ign --print-token "$@"
+  exec $build_folder/src/front/daemon/tesserad --data serve-data --inputs data/ign --print-token "$@"
 }
 
 sources() { git ls-files 'src/*.cc' 'actors/*.cc' 'python/*.cc' 'tests/*.cc' 'bench/*.cc'; }

@@ -7,8 +7,8 @@
 
 #include "actors/failing.h"
 #include "actors/part_actor.h"
-#include "src/files/inside.h"
-#include "src/run/routing.h"
+#include "src/base/files/inside.h"
+#include "src/delaunay/run/routing.h"
 
 namespace tessera {
 namespace {

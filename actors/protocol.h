@@ -281,8 +281,8 @@ struct NobodyCame {
   std::uint64_t wait = 0;  // the how many-th of the job
 };
 
-// router -> node: route this stretch of the input (src/run/routing.h), with one of so many shares of your threads and
-// memory. Done or not, it is given up when the router is gone.
+// router -> node: route this stretch of the input (src/delaunay/run/routing.h), with one of so many shares of your
+// threads and memory. Done or not, it is given up when the router is gone.
 struct RouteStretch {
   std::string run_folder;
   std::uint32_t stretch = 0, attempt = 0, shares = 1;

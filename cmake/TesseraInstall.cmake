@@ -4,7 +4,7 @@ include(GNUInstallDirs)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tessera)
 install(DIRECTORY docs examples DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT tessera)
 install(FILES config/tessera.toml config/tesserad.toml DESTINATION ${CMAKE_INSTALL_DOCDIR}/config COMPONENT tessera)
-install(FILES src/store/FORMAT.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/src/store COMPONENT tessera)
+install(FILES src/result/store/FORMAT.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/src/result/store COMPONENT tessera)
 install(FILES data/README.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/data COMPONENT tessera)
 
 # systemd reads units below /usr/local, too.

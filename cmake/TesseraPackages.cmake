@@ -23,14 +23,14 @@ set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "exact Delaunay triangulations of very lar
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src/api)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/src/front/api)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 get_target_property(soversion tessera_shared SOVERSION)
 set(library libtessera${soversion})
 set(same "(= ${PROJECT_VERSION})")
 
-set(loaded libgdal32)  # when it is needed (src/crs): dpkg-shlibdeps does not see it
+set(loaded libgdal32)  # when it is needed (src/base/crs): dpkg-shlibdeps does not see it
 
 set(about "Tessera cuts a point cloud into tiles, triangulates them in parallel
 within a bound on memory, and gives exactly the Delaunay triangulation

@@ -1,5 +1,5 @@
-# Include roots. `#include "src/io/reader.h"` finds its file through a folder that holds nothing but a link to src/io. Only
-# targets that link tessera_io have it as include path: what is not linked cannot be included.
+# Include roots. `#include "src/input/reader.h"` finds its file through a folder that holds nothing but links to what stands in that folder. Only
+# targets that link tessera_input have it as include path: what is not linked cannot be included.
 #
 # Each header has one such path, so `#pragma once` sees it once; compilers and debuggers follow the link to the source.
 set(TESSERA_ROOTS ${PROJECT_BINARY_DIR}/roots)
@@ -47,9 +47,14 @@ function(tessera_give_root target)
   tessera_folder_of(${target} folder)
   string(REPLACE / - name ${folder})
   set(root ${TESSERA_ROOTS}/${name})
-  cmake_path(GET folder PARENT_PATH parent)
-  file(MAKE_DIRECTORY ${root}/${parent})
-  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder} ${root}/${folder} SYMBOLIC)
+  # A link to each entry, for folders below may have targets, and so roots, of their own.
+  file(MAKE_DIRECTORY ${root}/${folder})
+  file(GLOB entries RELATIVE ${PROJECT_SOURCE_DIR}/${folder} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*)
+  foreach(entry IN LISTS entries)
+    if(NOT EXISTS ${PROJECT_SOURCE_DIR}/${folder}/${entry}/CMakeLists.txt)
+      file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${folder}/${entry} ${root}/${folder}/${entry} SYMBOLIC)
+    endif()
+  endforeach()
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "INTERFACE_LIBRARY")
     target_include_directories(${target} INTERFACE ${root})

@@ -13,7 +13,7 @@ build=$(realpath "${1:-$source/build/release}") fuzz=${2:-$source/build/fuzz}
 parts=${PARTS:-kills jobs machines pauses hostile network slow seeds models fuzz large}
 seeds=${SEEDS:-300000} fuzz_seconds=${FUZZ_SECONDS:-600} points=${POINTS_LARGE:-10M}
 export KILLS=${KILLS:-100} COORDINATOR_KILLS=${COORDINATOR_KILLS:-30} SEED=${SEED:-$(date +%Y%m%d)}
-export TESSERA=$build/src/apps/tessera TESSERAD=$build/src/daemon/tesserad IGN=$source/data/ign PYTHONDONTWRITEBYTECODE=1
+export TESSERA=$build/src/front/apps/tessera TESSERAD=$build/src/front/daemon/tesserad IGN=$source/data/ign PYTHONDONTWRITEBYTECODE=1
 scratch=$(mktemp -d "${TMPDIR:-/tmp}/tessera-nightly-XXXXXX")
 trap 'rm -rf "$scratch"' EXIT
 figures=() failed=0

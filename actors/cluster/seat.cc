@@ -7,8 +7,8 @@
 #include "actors/cluster/member.h"
 #include "actors/cluster/network.h"
 #include "actors/cluster/registry.h"
+#include "src/base/files/free_space.h"
 #include "src/base/random_token.h"
-#include "src/files/free_space.h"
 
 namespace tessera {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "actors/run_owner.h"
 #include "src/base/progress.h"
-#include "src/run/run_summary.h"
-#include "src/store/tile_store.h"
+#include "src/delaunay/run/run_summary.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 

@@ -10,7 +10,7 @@
 #include "actors/failing.h"
 #include "actors/prepared.h"
 #include "actors/router.h"
-#include "src/run/routing.h"
+#include "src/delaunay/run/routing.h"
 
 namespace tessera {
 namespace {

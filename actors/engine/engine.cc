@@ -15,12 +15,12 @@
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
-#include "src/budget/budget.h"
+#include "src/delaunay/run/disk_parts.h"
+#include "src/delaunay/run/result_parts.h"
+#include "src/delaunay/run/settled_stages.h"
 #include "src/exchange/terms.h"
-#include "src/run/disk_parts.h"
-#include "src/run/result_parts.h"
-#include "src/run/settled_stages.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
+#include "src/tiling/budget/budget.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {

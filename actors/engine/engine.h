@@ -14,11 +14,11 @@
 #include "actors/node_meter.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/budget/budget.h"
 #include "src/cluster/members.h"
-#include "src/run/result_stages.h"
-#include "src/run/run_options.h"
-#include "src/run/run_summary.h"
+#include "src/delaunay/run/result_stages.h"
+#include "src/delaunay/run/run_options.h"
+#include "src/delaunay/run/run_summary.h"
+#include "src/tiling/budget/budget.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {

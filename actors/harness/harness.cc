@@ -7,7 +7,7 @@
 #include "actors/harness/life.h"
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/reference.h"
 
 namespace tessera {
 namespace {

@@ -13,7 +13,7 @@
 
 #include "actors/harness/memory_faults.h"
 #include "src/exchange/tile_program.h"
-#include "src/mesh/tile_mesh.h"
+#include "src/geometry/mesh/tile_mesh.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -50,7 +50,7 @@ class LaterStages {
 };
 
 struct HarnessOptions {
-  std::string kind = "uniform";  // src/reference/clouds.h
+  std::string kind = "uniform";  // src/geometry/reference/clouds.h
   int dimension = 3;
   std::size_t points = 40;
   std::uint32_t tiles = 7;

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "src/base/check.h"
-#include "src/store/digest.h"
-#include "src/tile/rebuild.h"
+#include "src/result/store/digest.h"
+#include "src/tiling/tile/rebuild.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <utility>
 
-#include "src/reference/clouds.h"
-#include "src/run/touching.h"
+#include "src/delaunay/run/touching.h"
+#include "src/geometry/reference/clouds.h"
 #include "src/tiling/seed_finder.h"
 #include "src/tiling/span_finder.h"
 

@@ -20,12 +20,12 @@
 #include <utility>
 
 #include "src/base/memory_pool.h"
-#include "src/budget/budget.h"
-#include "src/generate/generate.h"
-#include "src/store/points_tile.h"
-#include "src/store/tile_store.h"
-#include "src/tile/tile_triangulation.h"
+#include "src/input/generate/generate.h"
+#include "src/result/store/points_tile.h"
+#include "src/result/store/tile_store.h"
+#include "src/tiling/budget/budget.h"
 #include "src/tiling/routed_run.h"
+#include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera {
 namespace {

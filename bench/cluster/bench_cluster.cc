@@ -22,8 +22,8 @@
 #include "actors/harness/memory_storage.h"
 #include "actors/harness/setting.h"
 #include "actors/node_actor.h"
+#include "src/delaunay/run/touching.h"
 #include "src/exchange/assignment.h"
-#include "src/run/touching.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {

@@ -26,12 +26,12 @@ def last_line(command, **more):
 class Bench:
     def __init__(self, args, folder):
         self.args, self.folder = args, folder
-        self.tessera = args.build / "src/apps/tessera"
+        self.tessera = args.build / "src/front/apps/tessera"
         self.cloud, self.cluster = folder / "inputs" / "cloud.npy", folder / "cluster"
         self.cloud.parent.mkdir()
         subprocess.run([self.tessera, "generate", args.kind, "-n", args.n, "--seed", "7", "-o", self.cloud, "--quiet"], check=True)
         # The command looks for the daemon there.
-        os.environ["PATH"] = f"{(args.build / 'src/daemon').resolve()}:{os.environ['PATH']}"
+        os.environ["PATH"] = f"{(args.build / 'src/front/daemon').resolve()}:{os.environ['PATH']}"
         self.up()
 
     def up(self):

@@ -122,7 +122,7 @@ def main():
     parser.add_argument("--store", choices=("cells", "points"), default="cells")
     parser.add_argument("--folder", help="for clouds and results; default: a temporary one")
     args = parser.parse_args()
-    args.tessera = args.build / "src/apps/tessera"
+    args.tessera = args.build / "src/front/apps/tessera"
     for name in args.clouds:
         with tempfile.TemporaryDirectory(prefix="bench-compare-", dir=args.folder) as folder:
             cloud = Cloud(args, name, pathlib.Path(folder))

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/cut/search_trees.h"
 #include "src/result/tile_source.h"
+#include "src/surface/cut/search_trees.h"
 #include "src/surface/ray_caster.h"
 #include "src/surface/region.h"
 #include "src/surface/sensors.h"

@@ -19,10 +19,10 @@
 #include "actors/harness/memory_storage.h"
 #include "src/base/option.h"
 #include "src/delaunay/delaunay_program.h"
+#include "src/delaunay/run/touching.h"
 #include "src/exchange/tile_life.h"
-#include "src/generate/generate.h"
-#include "src/run/touching.h"
-#include "src/store/digest.h"
+#include "src/input/generate/generate.h"
+#include "src/result/store/digest.h"
 #include "src/tiling/seed_finder.h"
 #include "src/tiling/span_finder.h"
 

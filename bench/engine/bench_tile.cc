@@ -7,9 +7,9 @@
 #include <ctime>
 #include <string>
 
-#include "src/generate/generate.h"
-#include "src/tile/tile_triangulation.h"
+#include "src/input/generate/generate.h"
 #include "src/tiling/routed_run.h"
+#include "src/tiling/tile/tile_triangulation.h"
 
 int main(int argc, char** argv) {
   using namespace tessera;

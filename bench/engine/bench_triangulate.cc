@@ -11,7 +11,7 @@
 #include "bench/engine/cgal_sequential.h"
 #include "src/base/option.h"
 #include "src/base/phases.h"
-#include "src/generate/generate.h"
+#include "src/input/generate/generate.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
 #include "src/result/tile_source.h"
@@ -36,7 +36,8 @@ Result<double> digest_seconds(const std::filesystem::path& out) {
     const std::clock_t begin = std::clock();
     const Digest digest = digest_of(tile.mesh);
     total += std::clock() - begin;
-    if (digest != source.entry(i).digest) return error(Errc::internal, "a tile's digest is not the one in the manifest");
+    if (digest != source.entry(i).digest)
+      return error(Errc::internal, "a tile's digest is not the one in the manifest");
   }
   return static_cast<double>(total) / CLOCKS_PER_SEC;
 }

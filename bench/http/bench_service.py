@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The daemon with real jobs: what dismissing, submitting, many jobs, and watchers cost.
 
-    TESSERAD=build/release/src/daemon/tesserad TESSERA=build/release/src/apps/tessera \
+    TESSERAD=build/release/src/front/daemon/tesserad TESSERA=build/release/src/front/apps/tessera \
         /usr/bin/python3 bench/http/bench_service.py dismiss|submissions|memory|watchers [--points 2M] [--tiles 16] ...
 
 Data go below --folder, which is made and removed.

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/generate/generate.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/generate/generate.h"
 
 namespace tessera {
 namespace {

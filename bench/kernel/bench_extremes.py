@@ -39,7 +39,7 @@ def main():
     options.add_argument("build", type=pathlib.Path)
     options.add_argument("--seed", type=int, default=1)
     options = options.parse_args()
-    tessera = options.build.resolve() / "src/apps/tessera"
+    tessera = options.build.resolve() / "src/front/apps/tessera"
     print(f"seed {options.seed}\n{'cloud':18} tiles  flat, s  CGAL, s  flat / CGAL  points/s  peak, MiB")
     with tempfile.TemporaryDirectory() as folder:
         for name, (points, counts) in clouds(options.seed).items():

@@ -17,9 +17,9 @@
 #include "bench/engine/cgal_sequential.h"
 #include "src/base/option.h"
 #include "src/base/result.h"
-#include "src/generate/generate.h"
-#include "src/io/cloud/cloud.h"
-#include "src/kernel/kernel.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/generate/generate.h"
 #include "src/tiling/routed_run.h"
 
 namespace {

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/kernel.h"
-#include "src/tile/circumsphere.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/tiling/tile/circumsphere.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
 namespace {

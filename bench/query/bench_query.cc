@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/query/stored_triangulation.h"
+#include "src/result/query/stored_triangulation.h"
 
 namespace {
 

@@ -27,7 +27,7 @@ def main():
     parser.add_argument("--threads", default="2")
     parser.add_argument("--skip-scipy", action="store_true")
     args = parser.parse_args()
-    tessera, bench = args.build / "src/apps/tessera", args.build / "bench/query/bench_query"
+    tessera, bench = args.build / "src/front/apps/tessera", args.build / "bench/query/bench_query"
     with tempfile.TemporaryDirectory(prefix="bench-query-") as folder:
         folder = pathlib.Path(folder)
         subprocess.run([tessera, "generate", "terrain", "-n", args.n, "-o", folder / "cloud.las", "--quiet"], check=True)

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/query/stored_triangulation.h"
+#include "src/result/query/stored_triangulation.h"
 #include "src/result/tile_source.h"
 
 namespace {

@@ -19,10 +19,10 @@
 
 #include "src/base/option.h"
 #include "src/base/random.h"
-#include "src/generate/generate.h"
-#include "src/io/cloud/cloud.h"
-#include "src/store/integer_block.h"
-#include "src/store/points_file.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/generate/generate.h"
+#include "src/result/store/integer_block.h"
+#include "src/result/store/points_file.h"
 #include "src/tiling/partition.h"
 #include "src/tiling/routed_run.h"
 

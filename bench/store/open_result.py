@@ -2,7 +2,7 @@
 
     /usr/bin/python3 open_result.py MASTER...                                        in Debian's VTK (python3-vtk9)
     xvfb-run -a pvpython --force-offscreen-rendering open_result.py MASTER...        in ParaView, up to the picture
-    /usr/bin/python3 open_result.py --make build/release/src/apps/tessera 150 1.65M DIR
+    /usr/bin/python3 open_result.py --make build/release/src/front/apps/tessera 150 1.65M DIR
                                                               makes results of made-up terrain to open: DIR/out of so many
                                                               tiles and points, and DIR/plain.vtu, its cells in one file
 

@@ -50,7 +50,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--memory")
     options = parser.parse_args()
-    tessera = options.build / "src/apps/tessera"
+    tessera = options.build / "src/front/apps/tessera"
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         cloud = options.file or folder / "cloud.ply"

@@ -1,8 +1,9 @@
 // What one job or one question may take of the machine, and whether it goes on. All its threads draw from one ledger.
 //
-// A thread that works for a job holds a Ledger::Use. All that src/files writes on such a thread is drawn from the job's
-// ledger first, and refused when the job is to stop. So a new kind of job has a bound of disk, and ends when it is told
-// to, before its author thinks of either. Who computes for long without writing asks go_on() or looks at token().
+// A thread that works for a job holds a Ledger::Use. All that src/base/files writes on such a thread is drawn from the
+// job's ledger first, and refused when the job is to stop. So a new kind of job has a bound of disk, and ends when it
+// is told to, before its author thinks of either. Who computes for long without writing asks go_on() or looks at
+// token().
 #pragma once
 
 #include <algorithm>

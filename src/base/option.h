@@ -1,6 +1,6 @@
 // Options in sentences. Who writes a sentence does not know how an option was given: as a flag of the command, a
 // keyword argument, a member of a struct, a field of JSON. It is marked by its key, and named where the sentence is
-// shown (src/apps/words.cc, src/api/words.cc, python/tessera/_errors.py).
+// shown (src/front/apps/words.cc, src/front/api/words.cc, python/tessera/_errors.py).
 #pragma once
 
 #include <functional>

@@ -5,7 +5,7 @@
 
 namespace tessera {
 
-// Cells, or the points that they follow from (src/store/FORMAT.md).
+// Cells, or the points that they follow from (src/result/store/FORMAT.md).
 enum class TileKind : std::uint8_t { cells, points };
 
 }  // namespace tessera

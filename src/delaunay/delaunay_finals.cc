@@ -2,9 +2,9 @@
 #include <span>
 #include <utility>
 
+#include "src/base/files/checksum.h"
 #include "src/base/flat_codec.h"
 #include "src/delaunay/delaunay_program.h"
-#include "src/files/checksum.h"
 
 namespace tessera {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/delaunay/delaunay_program.h"
-#include "src/store/digest.h"
+#include "src/result/store/digest.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {

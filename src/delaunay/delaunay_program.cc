@@ -8,7 +8,7 @@
 
 #include "src/delaunay/duplicates.h"
 #include "src/exchange/update.h"
-#include "src/kernel/brio.h"
+#include "src/geometry/kernel/brio.h"
 #include "src/tiling/hilbert.h"
 
 namespace tessera {

@@ -1,5 +1,5 @@
 // Delaunay triangulations as a program of tiles: messages are lists of points, and a tile that is quiet has the cells
-// of the whole cloud that touch its points (src/tile/tile_triangulation.h).
+// of the whole cloud that touch its points (src/tiling/tile/tile_triangulation.h).
 #pragma once
 
 #include <future>
@@ -11,7 +11,7 @@
 #include "src/base/point.h"
 #include "src/delaunay/delaunay_store.h"
 #include "src/exchange/tile_program.h"
-#include "src/tile/tile_triangulation.h"
+#include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera {
 

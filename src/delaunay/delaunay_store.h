@@ -11,10 +11,10 @@
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/exchange/tile_program.h"
-#include "src/store/tile_store.h"
-#include "src/tile/collected_tile.h"
-#include "src/tile/early_finals.h"
+#include "src/result/store/tile_store.h"
 #include "src/tiling/routed_run.h"
+#include "src/tiling/tile/collected_tile.h"
+#include "src/tiling/tile/early_finals.h"
 
 namespace tessera {
 
@@ -47,7 +47,7 @@ class DelaunayStore {
   // The same bytes, of an earlier process or another node: an error when what they tell of cannot be gone on with.
   virtual Status take_early(TileId tile, BigVector<std::byte>& stored) = 0;
 
-  // As Finished::store(): the receipt is the tile's entry (bytes_of() in src/store/tile_store.h).
+  // As Finished::store(): the receipt is the tile's entry (bytes_of() in src/result/store/tile_store.h).
   virtual void store(TileId tile, CollectedTile collected, Finished::Stored done) = 0;
   virtual void store_points(TileId tile, PointsOfTile kept, Finished::Stored done) = 0;
 };

@@ -7,11 +7,11 @@
 #include <new>
 #include <utility>
 
+#include "src/base/files/folder_lock.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
-#include "src/files/folder_lock.h"
-#include "src/store/early_cells.h"
-#include "src/store/points_tile.h"
+#include "src/result/store/early_cells.h"
+#include "src/result/store/points_tile.h"
 
 namespace tessera {
 

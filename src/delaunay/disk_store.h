@@ -10,8 +10,8 @@
 
 #include "src/delaunay/delaunay_store.h"
 #include "src/exchange/writers.h"
-#include "src/store/tile_store.h"
-#include "src/store/tile_taker.h"
+#include "src/result/store/tile_store.h"
+#include "src/result/store/tile_taker.h"
 
 namespace tessera {
 

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "src/files/frame.h"
-#include "src/files/names.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/names.h"
 
 namespace tessera {
 namespace {

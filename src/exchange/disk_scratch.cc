@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "src/files/folder.h"
-#include "src/files/folder_lock.h"
-#include "src/files/handed_file.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/folder_lock.h"
+#include "src/base/files/handed_file.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera {
 namespace {

@@ -4,9 +4,9 @@
 #include <atomic>
 #include <filesystem>
 
+#include "src/base/files/frame.h"
 #include "src/exchange/settled_files.h"
 #include "src/exchange/tile_storage.h"
-#include "src/files/frame.h"
 
 namespace tessera {
 

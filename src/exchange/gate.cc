@@ -5,10 +5,10 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/files/frame.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/flat_codec.h"
 #include "src/exchange/update_bytes.h"
-#include "src/files/frame.h"
-#include "src/files/whole_file.h"
 
 namespace tessera {
 

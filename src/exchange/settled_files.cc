@@ -8,12 +8,12 @@
 #include <system_error>
 #include <utility>
 
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/frame.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera {
 

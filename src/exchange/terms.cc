@@ -12,11 +12,11 @@
 #include <system_error>
 #include <vector>
 
-#include "src/files/checksum.h"
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera {
 namespace {

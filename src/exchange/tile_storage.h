@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "src/base/big_vector.h"
+#include "src/base/files/names.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
-#include "src/files/names.h"
 
 namespace tessera {
 

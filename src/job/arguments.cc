@@ -8,7 +8,7 @@
 #include <sstream>
 #include <system_error>
 
-#include "src/io/column_names.h"
+#include "src/input/column_names.h"
 #include "src/job/job_options.h"
 
 namespace tessera {

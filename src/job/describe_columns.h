@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 

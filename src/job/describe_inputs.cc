@@ -3,11 +3,11 @@
 #include <utility>
 
 #include "src/base/attribute.h"
+#include "src/base/crs/crs.h"
 #include "src/base/option.h"
 #include "src/base/phases.h"
-#include "src/crs/crs.h"
-#include "src/io/bytes/spool.h"
-#include "src/io/cloud/inputs.h"
+#include "src/input/bytes/spool.h"
+#include "src/input/cloud/inputs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_points.h"
 #include "src/job/description.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/attribute.h"
-#include "src/io/bytes/fields.h"
+#include "src/input/bytes/fields.h"
 
 namespace tessera {
 namespace {

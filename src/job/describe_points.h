@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 
 namespace tessera {
 

@@ -1,11 +1,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "src/crs/crs.h"
+#include "src/base/crs/crs.h"
 #include "src/job/describe.h"
 #include "src/job/describe_columns.h"
 #include "src/job/description.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 namespace {

@@ -12,11 +12,11 @@
 
 #include "src/base/phases.h"
 #include "src/base/printable.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/job/describe.h"
 #include "src/job/describe_columns.h"
-#include "src/report/human.h"
-#include "src/report/summary.h"
+#include "src/job/report/human.h"
+#include "src/job/report/summary.h"
 
 namespace tessera {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/budget/budget.h"
+#include "src/tiling/budget/budget.h"
 
 #include "src/base/option.h"
 

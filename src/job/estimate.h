@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "src/budget/budget.h"
-#include "src/io/reader.h"
-#include "src/kernel/kernel.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/input/reader.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 

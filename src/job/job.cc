@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/delaunay/duplicates.h"
-#include "src/files/there.h"
 #include "src/job/job_report.h"
 #include "src/job/machine.h"
 #include "src/job/open_cloud.h"
-#include "src/report/human.h"
+#include "src/job/report/human.h"
 #include "src/tiling/kept_points.h"
 
 namespace tessera {

@@ -8,12 +8,12 @@
 #include "actors/engine/engine.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/job/job_options.h"
+#include "src/job/report/summary.h"
 #include "src/job/result_folder.h"
-#include "src/report/summary.h"
-#include "src/store/tile_store.h"
-#include "src/store/tile_taker.h"
+#include "src/result/store/tile_store.h"
+#include "src/result/store/tile_taker.h"
 
 namespace tessera {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/io/cloud/cloud.h"
-#include "src/run/run_options.h"
+#include "src/delaunay/run/run_options.h"
+#include "src/input/cloud/cloud.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
+#include "src/base/crs/crs.h"
 #include "src/base/phases.h"
-#include "src/crs/crs.h"
 #include "src/job/version.h"
-#include "src/store/digest.h"
+#include "src/result/store/digest.h"
 
 namespace tessera {
 

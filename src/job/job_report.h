@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "src/base/progress.h"
+#include "src/delaunay/run/run_summary.h"
 #include "src/job/job_options.h"
-#include "src/report/html_report.h"
-#include "src/report/summary.h"
-#include "src/run/run_summary.h"
-#include "src/store/tile_store.h"
+#include "src/job/report/html_report.h"
+#include "src/job/report/summary.h"
+#include "src/result/store/tile_store.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "src/base/option.h"
-#include "src/budget/budget.h"
 #include "src/job/estimate.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 

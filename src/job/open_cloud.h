@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/budget/budget.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/job/job_options.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 

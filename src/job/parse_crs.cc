@@ -2,10 +2,10 @@
 
 #include <string_view>
 
+#include "src/base/crs/crs.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/printable.h"
-#include "src/crs/crs.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 
 namespace tessera {
 namespace {

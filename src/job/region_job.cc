@@ -6,12 +6,12 @@
 #include <span>
 #include <utility>
 
+#include "src/base/files/whole_file.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
-#include "src/files/whole_file.h"
 #include "src/job/machine.h"
+#include "src/job/report/human.h"
 #include "src/job/version.h"
-#include "src/report/human.h"
 #include "src/tiling/kept_points.h"
 #include "src/tiling/partition.h"
 

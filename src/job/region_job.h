@@ -11,11 +11,11 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/io/cloud/cloud_units.h"
+#include "src/input/cloud/cloud_units.h"
 #include "src/job/result_folder.h"
-#include "src/region/region_shape.h"
-#include "src/region/regions.h"
-#include "src/store/tile_store.h"
+#include "src/result/region/region_shape.h"
+#include "src/result/region/regions.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 

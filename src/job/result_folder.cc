@@ -8,13 +8,13 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/option.h"
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 namespace fs = std::filesystem;

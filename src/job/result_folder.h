@@ -18,9 +18,9 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/files/folder_lock.h"
+#include "src/base/files/names.h"
 #include "src/base/result.h"
-#include "src/files/folder_lock.h"
-#include "src/files/names.h"
 
 namespace tessera {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "src/job/arguments.h"
-#include "src/track/track.h"
+#include "src/surface/track/track.h"
 
 namespace tessera {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "src/base/files/checksum.h"
 #include "src/base/result.h"
-#include "src/files/checksum.h"
 
 namespace tessera {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/names.h"
-#include "src/files/there.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
 
 namespace tessera::result {
 

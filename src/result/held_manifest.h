@@ -8,9 +8,9 @@
 #include <cstdint>
 #include <filesystem>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera::result {
 

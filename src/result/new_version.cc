@@ -11,17 +11,17 @@
 #include <system_error>
 #include <utility>
 
-#include "src/files/checksum.h"
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/free_space.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/free_space.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/result/old_versions.h"
-#include "src/store/manifest.h"
-#include "src/store/packed_array.h"
-#include "src/store/vtk_xml.h"
+#include "src/result/store/manifest.h"
+#include "src/result/store/packed_array.h"
+#include "src/result/store/vtk_xml.h"
 
 namespace tessera {
 

@@ -24,12 +24,12 @@
 #include <stop_token>
 #include <vector>
 
+#include "src/base/files/folder_lock.h"
+#include "src/base/files/temporary.h"
 #include "src/base/result.h"
-#include "src/files/folder_lock.h"
-#include "src/files/temporary.h"
+#include "src/result/store/tile_columns.h"
+#include "src/result/store/tile_store.h"
 #include "src/result/tile_source.h"
-#include "src/store/tile_columns.h"
-#include "src/store/tile_store.h"
 
 namespace tessera {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <string>
 
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
 
 namespace tessera::result {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera::result {
 

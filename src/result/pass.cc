@@ -8,13 +8,13 @@
 #include <span>
 #include <string>
 
+#include "src/base/files/disk_file.h"
+#include "src/base/files/names.h"
+#include "src/base/files/pass_names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/on_threads.h"
-#include "src/files/disk_file.h"
-#include "src/files/names.h"
-#include "src/files/pass_names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/mesh/tile_mesh.h"
+#include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/tile_queue.h"
 
 namespace tessera {

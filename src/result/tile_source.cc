@@ -8,13 +8,13 @@
 #include <string>
 #include <utility>
 
-#include "src/files/there.h"
-#include "src/kernel/kernel.h"
-#include "src/mesh/tile_mesh.h"
+#include "src/base/files/there.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/check_sum.h"
 #include "src/result/held_manifest.h"
-#include "src/store/points_file.h"
-#include "src/tile/rebuild.h"
+#include "src/result/store/points_file.h"
+#include "src/tiling/tile/rebuild.h"
 
 namespace tessera {
 

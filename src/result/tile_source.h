@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
-#include "src/store/points_file.h"
-#include "src/store/points_tile.h"
-#include "src/store/tile_reader.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/points_file.h"
+#include "src/result/store/points_tile.h"
+#include "src/result/store/tile_reader.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera {
 
@@ -44,8 +44,8 @@ class TileSource {
   // The tile's file has the checksum that the manifest says. Errors: corrupt, io.
   Status check(std::size_t i) const;
   // Every array is checked, and all is compared with what the manifest says of the tile. Cells of a tile that is kept
-  // as points are made again (src/tile/rebuild.h). Errors: corrupt, which names file and place; io; memory when a
-  // kernel cannot number the tile's points.
+  // as points are made again (src/tiling/tile/rebuild.h). Errors: corrupt, which names file and place; io; memory when
+  // a kernel cannot number the tile's points.
   Result<StoredTile> read(std::size_t i, const TileParts& parts) const;
   // What the file of a tile that is kept as points holds. Errors as above. REQUIRES: it is.
   Result<PointsTile> read_as_points(std::size_t i, const PointsParts& parts) const;

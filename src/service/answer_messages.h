@@ -1,4 +1,5 @@
-// Questions and answers as messages (proto/query.proto): the same as in JSON (src/query/answer_text.h, answers.h).
+// Questions and answers as messages (proto/query.proto): the same as in JSON (src/result/query/answer_text.h,
+// answers.h).
 #pragma once
 
 #include <optional>
@@ -10,9 +11,9 @@
 #include "query.pb.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/query/answers.h"
-#include "src/query/stored_triangulation.h"
-#include "src/terrain/profile.h"
+#include "src/result/query/answers.h"
+#include "src/result/query/stored_triangulation.h"
+#include "src/result/terrain/profile.h"
 
 namespace tessera {
 

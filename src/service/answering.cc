@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
+#include "src/base/files/names.h"
 #include "src/base/option.h"
-#include "src/files/names.h"
 #include "src/job/arguments.h"
-#include "src/query/answer_text.h"
+#include "src/result/query/answer_text.h"
 #include "src/service/answer_messages.h"
 #include "src/service/beneath.h"
 #include "src/service/json.h"

@@ -9,15 +9,15 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/export/export.h"
-#include "src/query/answers.h"
-#include "src/query/area.h"
-#include "src/query/stored_triangulation.h"
+#include "src/result/export/export.h"
+#include "src/result/query/answers.h"
+#include "src/result/query/area.h"
+#include "src/result/query/stored_triangulation.h"
+#include "src/result/tileset/shapes.h"
 #include "src/service/map_features.h"
 #include "src/service/questions.h"
 #include "src/service/readers.h"
 #include "src/service/service.h"
-#include "src/tileset/shapes.h"
 
 namespace tessera {
 

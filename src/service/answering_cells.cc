@@ -3,11 +3,11 @@
 #include <optional>
 #include <utility>
 
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 #include "src/job/arguments.h"
+#include "src/result/tileset/shapes.h"
 #include "src/service/answering.h"
-#include "src/tileset/shapes.h"
 
 namespace tessera {
 

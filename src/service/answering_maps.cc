@@ -4,17 +4,17 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/crs/lon_lat.h"
+#include "src/base/crs/storage_crs.h"
+#include "src/base/files/names.h"
 #include "src/base/option.h"
-#include "src/crs/lon_lat.h"
-#include "src/crs/storage_crs.h"
-#include "src/files/names.h"
 #include "src/job/arguments.h"
-#include "src/query/hull.h"
+#include "src/result/query/hull.h"
+#include "src/result/terrain/line_reader.h"
+#include "src/result/terrain/map_tile.h"
 #include "src/service/answering.h"
 #include "src/service/beneath.h"
 #include "src/service/map_features.h"
-#include "src/terrain/line_reader.h"
-#include "src/terrain/map_tile.h"
 
 namespace tessera {
 namespace {

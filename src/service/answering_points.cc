@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/io/cloud/cloud.h"
-#include "src/io/format.h"
-#include "src/report/human.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/format.h"
+#include "src/job/report/human.h"
 #include "src/service/answer_messages.h"
 #include "src/service/answering.h"
 #include "src/service/json.h"

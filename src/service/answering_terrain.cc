@@ -3,20 +3,20 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/files/names.h"
 #include "src/base/option.h"
-#include "src/files/names.h"
 #include "src/job/arguments.h"
-#include "src/query/answers.h"
-#include "src/query/geojson.h"
-#include "src/report/human.h"
+#include "src/job/report/human.h"
+#include "src/result/query/answers.h"
+#include "src/result/query/geojson.h"
+#include "src/result/terrain/contours.h"
+#include "src/result/terrain/dem.h"
+#include "src/result/terrain/grid.h"
+#include "src/result/terrain/profile.h"
 #include "src/service/answer_messages.h"
 #include "src/service/answering.h"
 #include "src/service/beneath.h"
 #include "src/service/json.h"
-#include "src/terrain/contours.h"
-#include "src/terrain/dem.h"
-#include "src/terrain/grid.h"
-#include "src/terrain/profile.h"
 
 namespace tessera {
 namespace {

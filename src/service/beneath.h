@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
 
 namespace tessera {
 

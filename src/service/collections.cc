@@ -1,13 +1,13 @@
 #include "src/service/collections.h"
 
-#include "src/crs/lon_lat.h"
-#include "src/crs/storage_crs.h"
-#include "src/files/names.h"
+#include "src/base/crs/lon_lat.h"
+#include "src/base/crs/storage_crs.h"
+#include "src/base/files/names.h"
+#include "src/result/terrain/line_reader.h"
+#include "src/result/terrain/map_tile.h"
 #include "src/service/beneath.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
-#include "src/terrain/line_reader.h"
-#include "src/terrain/map_tile.h"
 
 namespace tessera {
 namespace {

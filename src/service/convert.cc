@@ -4,12 +4,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "src/base/crs/crs.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
-#include "src/crs/crs.h"
-#include "src/io/column_names.h"
+#include "src/input/column_names.h"
 #include "src/job/arguments.h"
-#include "src/report/human.h"
+#include "src/job/report/human.h"
 #include "src/service/json.h"
 #include "src/tiling/partition.h"
 

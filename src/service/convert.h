@@ -7,10 +7,10 @@
 
 #include "service.pb.h"
 #include "src/base/result.h"
-#include "src/export/export.h"
 #include "src/job/job_options.h"
 #include "src/job/region_job.h"
-#include "src/verify/verify.h"
+#include "src/result/export/export.h"
+#include "src/result/verify/verify.h"
 
 namespace tessera {
 

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <array>
 
-#include "src/files/descriptor.h"
-#include "src/io/format.h"
+#include "src/base/files/descriptor.h"
+#include "src/input/format.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
-#include "src/report/human.h"
+#include "src/job/report/human.h"
+#include "src/result/terrain/grid.h"
+#include "src/result/tileset/tileset.h"
 #include "src/service/kinds.h"
 #include "src/service/problem.h"
-#include "src/terrain/grid.h"
-#include "src/tileset/tileset.h"
 
 namespace tessera {
 namespace {

@@ -9,17 +9,17 @@
 #include <vector>
 
 #include "service.pb.h"
+#include "src/base/files/free_space.h"
 #include "src/base/ledger.h"
 #include "src/base/result.h"
-#include "src/budget/budget.h"
-#include "src/export/export.h"
-#include "src/files/free_space.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/job/job_options.h"
+#include "src/result/export/export.h"
+#include "src/result/store/tile_store.h"
+#include "src/result/terrain/contours.h"
+#include "src/result/terrain/dem.h"
 #include "src/service/service.h"
-#include "src/store/tile_store.h"
-#include "src/terrain/contours.h"
-#include "src/terrain/dem.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/random.h"
 #include "src/exchange/terms.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 #include "src/service/costs.h"
 #include "src/service/data_format.h"
 #include "src/service/service.h"

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
-#include "src/files/folder_lock.h"
 #include "src/service/desk.h"
 
 namespace tessera {

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/there.h"
 #include "src/base/thread_name.h"
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/there.h"
 
 namespace tessera {
 namespace {

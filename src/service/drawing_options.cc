@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/names.h"
 #include "src/base/option.h"
-#include "src/export/export.h"
-#include "src/files/names.h"
 #include "src/job/job_options.h"
 #include "src/job/surface_arguments.h"
-#include "src/tileset/tileset.h"
+#include "src/result/export/export.h"
+#include "src/result/tileset/tileset.h"
 
 namespace tessera {
 namespace {

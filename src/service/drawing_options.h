@@ -3,10 +3,10 @@
 
 #include "service.pb.h"
 #include "src/base/result.h"
+#include "src/result/terrain/contours.h"
+#include "src/result/terrain/dem.h"
 #include "src/service/convert.h"
 #include "src/surface/surface.h"
-#include "src/terrain/contours.h"
-#include "src/terrain/dem.h"
 
 namespace tessera {
 

@@ -6,9 +6,9 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/thread_name.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 
 namespace tessera {
 namespace fs = std::filesystem;

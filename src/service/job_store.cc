@@ -7,11 +7,11 @@
 #include <span>
 #include <system_error>
 
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/service/job_state.h"
 #include "src/service/json.h"
 #include "src/service/naming.h"

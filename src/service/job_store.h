@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "job_record.pb.h"
+#include "src/base/files/shared_sync.h"
 #include "src/base/result.h"
-#include "src/files/shared_sync.h"
 #include "src/service/desk.h"
 
 namespace tessera {

@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "src/files/checksum.h"
-#include "src/report/human.h"
+#include "src/base/files/checksum.h"
+#include "src/job/report/human.h"
 #include "src/service/kinds.h"
 #include "src/service/problem.h"
 

@@ -1,7 +1,7 @@
 #include "src/service/kinds.h"
 
-#include "src/files/names.h"
-#include "src/tileset/tileset.h"
+#include "src/base/files/names.h"
+#include "src/result/tileset/tileset.h"
 
 namespace tessera {
 

@@ -5,13 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "src/base/crs/crs.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
 #include "src/base/printable.h"
-#include "src/crs/crs.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/io/cloud/cloud.h"
-#include "src/io/format.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/format.h"
 #include "src/service/deadline.h"
 #include "src/service/kinds.h"
 #include "src/service/owners.h"

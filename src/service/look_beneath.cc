@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "src/base/files/folder.h"
 #include "src/base/ledger.h"
-#include "src/files/folder.h"
 #include "src/service/beneath.h"
 
 namespace tessera {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
 
 namespace tessera {
 

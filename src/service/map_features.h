@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "src/base/crs/lon_lat.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/crs/lon_lat.h"
 
 namespace tessera {
 

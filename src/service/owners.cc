@@ -1,8 +1,8 @@
 #include "src/service/owners.h"
 
-#include "src/files/data_names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/data_names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera {
 

@@ -4,13 +4,13 @@
 #include <functional>
 #include <stop_token>
 
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/ledger.h"
 #include "src/base/random_token.h"
 #include "src/base/stopped.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/files/whole_file.h"
 #include "src/job/version.h"
 #include "src/service/answering.h"
 #include "src/service/beneath.h"

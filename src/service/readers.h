@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/query/stored_triangulation.h"
+#include "src/result/query/stored_triangulation.h"
 #include "src/service/results.h"
 
 namespace tessera {

@@ -1,5 +1,5 @@
 #include "src/service/region_clouds.h"
-#include "src/files/there.h"
+#include "src/base/files/there.h"
 
 #include <algorithm>
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/budget/budget.h"
-#include "src/query/area.h"
+#include "src/result/query/area.h"
 #include "src/service/convert.h"
 #include "src/service/json.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 namespace {

@@ -8,12 +8,12 @@
 #include <system_error>
 #include <utility>
 
+#include "src/base/files/checksum.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/random_token.h"
-#include "src/files/checksum.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 #include "src/service/beneath.h"
 #include "src/service/kinds.h"
 #include "src/service/naming.h"

@@ -15,11 +15,11 @@
 
 #include "job_record.pb.h"
 #include "service.pb.h"
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
+#include "src/result/store/tile_store.h"
 #include "src/service/desk.h"
 #include "src/service/service.h"
-#include "src/store/tile_store.h"
 
 namespace tessera {
 

@@ -14,8 +14,8 @@
 
 #include "src/base/ledger.h"
 #include "src/base/option.h"
-#include "src/io/cloud/inputs.h"
-#include "src/io/format.h"
+#include "src/input/cloud/inputs.h"
+#include "src/input/format.h"
 #include "src/service/beneath.h"
 #include "src/service/look_beneath.h"
 

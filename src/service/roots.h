@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "src/base/files/descriptor.h"
 #include "src/base/result.h"
-#include "src/files/descriptor.h"
 #include "src/service/look_beneath.h"
 
 namespace tessera {
@@ -26,7 +26,7 @@ class Roots {
   // `uploads` is the folder of uploads, or empty when none are taken. Error io for one that is no folder.
   static Result<Roots> open(const std::vector<std::filesystem::path>& roots, const std::filesystem::path& uploads);
 
-  // The files that these inputs mean, as find_inputs() (src/io/cloud) orders them: files, folders and patterns,
+  // The files that these inputs mean, as find_inputs() (src/input/cloud) orders them: files, folders and patterns,
   // absolute or from a root on (the first in which they are found), or "upload:NAME/FILE". Each was opened below its
   // root, is a regular file, and is given by its real path, once. Errors: usage for one that leads out of the roots,
   // for a pattern with "..", for standard input and for addresses; io for one that is not there; of the thread's ledger

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "src/base/ledger.h"
-#include "src/io/cloud/inputs.h"
-#include "src/io/format.h"
+#include "src/input/cloud/inputs.h"
+#include "src/input/format.h"
 #include "src/service/roots.h"
 
 namespace tessera {

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include "actors/cluster/seat.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/thread_name.h"
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
 #include "src/service/beneath.h"
 #include "src/service/data_folder.h"
 #include "src/service/data_format.h"

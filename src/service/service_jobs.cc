@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/report/progress_line.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
+#include "src/job/report/progress_line.h"
 #include "src/service/problem.h"
 #include "src/service/service_impl.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "src/certs/certificates.h"
+#include "src/cluster/certs/certificates.h"
 #include "src/job/machine.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "src/crs/survey_system.h"
-#include "src/files/descriptor.h"
-#include "src/files/names.h"
-#include "src/report/human.h"
+#include "src/base/crs/survey_system.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/names.h"
+#include "src/job/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/owners.h"
 #include "src/service/problem.h"

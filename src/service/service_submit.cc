@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "src/job/open_cloud.h"
-#include "src/report/human.h"
+#include "src/job/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/deadline.h"
 #include "src/service/drawing_options.h"

@@ -9,12 +9,12 @@
 #include <system_error>
 #include <utility>
 
-#include "src/files/descriptor.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/report/human.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/job/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/naming.h"
 #include "src/service/owners.h"

@@ -7,24 +7,24 @@
 #include <optional>
 #include <system_error>
 
+#include "src/base/files/there.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
-#include "src/files/there.h"
 #include "src/job/describe.h"
 #include "src/job/estimate.h"
 #include "src/job/job.h"
 #include "src/job/job_report.h"
 #include "src/job/open_cloud.h"
+#include "src/job/report/human.h"
+#include "src/job/report/summary.h"
 #include "src/job/result_folder.h"
-#include "src/report/human.h"
-#include "src/report/summary.h"
+#include "src/result/verify/verify.h"
 #include "src/service/costs.h"
 #include "src/service/disk_watch.h"
 #include "src/service/naming.h"
 #include "src/service/problem.h"
 #include "src/service/work_exports.h"
 #include "src/service/work_region.h"
-#include "src/verify/verify.h"
 
 namespace tessera {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "actors/engine/engine.h"
 #include "job_record.pb.h"
+#include "src/base/files/folder_lock.h"
 #include "src/base/ledger.h"
 #include "src/base/progress.h"
-#include "src/files/folder_lock.h"
 #include "src/service/convert.h"
 #include "src/service/kinds.h"
 #include "src/service/region_clouds.h"

@@ -7,20 +7,20 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/checksum.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/surface_names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
-#include "src/export/export.h"
-#include "src/files/checksum.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/surface_names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 #include "src/job/engine_steps.h"
+#include "src/result/export/export.h"
+#include "src/result/tileset/tileset.h"
 #include "src/service/drawing_options.h"
 #include "src/service/kinds.h"
 #include "src/service/problem.h"
-#include "src/tileset/tileset.h"
 
 namespace tessera {
 namespace {

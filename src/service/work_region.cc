@@ -6,16 +6,16 @@
 #include <utility>
 
 #include "src/base/attribute.h"
-#include "src/budget/budget.h"
-#include "src/files/folder.h"
+#include "src/base/files/folder.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
 #include "src/job/region_job.h"
+#include "src/job/report/human.h"
 #include "src/job/result_folder.h"
-#include "src/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/json.h"
 #include "src/service/problem.h"
+#include "src/tiling/budget/budget.h"
 
 namespace tessera {
 namespace {

@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "src/base/files/disk_file.h"
+#include "src/base/files/there.h"
 #include "src/base/result.h"
-#include "src/files/disk_file.h"
-#include "src/files/there.h"
 
 namespace tessera::surface {
 

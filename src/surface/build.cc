@@ -5,25 +5,25 @@
 #include <random>
 #include <utility>
 
+#include "src/base/files/checksum.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/surface_names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/flat_codec.h"
 #include "src/base/option.h"
+#include "src/delaunay/run/result_stages.h"
 #include "src/exchange/tile_storage.h"
-#include "src/files/checksum.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/surface_names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/run/result_stages.h"
 #include "src/surface/folder_store.h"
 #include "src/surface/kept_codec.h"
 #include "src/surface/manifold.h"
 #include "src/surface/smooth.h"
 #include "src/surface/surface_stages.h"
+#include "src/surface/track/estimate.h"
+#include "src/surface/track/pulses.h"
+#include "src/surface/track/scan_angles.h"
 #include "src/surface/triangle_store.h"
-#include "src/track/estimate.h"
-#include "src/track/pulses.h"
-#include "src/track/scan_angles.h"
 
 namespace tessera::surface {
 

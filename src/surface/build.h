@@ -9,8 +9,8 @@
 #include <string>
 
 #include "src/base/result.h"
+#include "src/result/store/digest.h"
 #include "src/result/tile_source.h"
-#include "src/store/digest.h"
 #include "src/surface/kept_codec.h"
 #include "src/surface/steps_runner.h"
 #include "src/surface/surface.h"
@@ -33,9 +33,9 @@ struct BuildFolder {
   bool resume = false;              // goes on with what an earlier process has left there
 };
 
-// `prove`: each cut is proved by its flow (src/cut/certificate.h); error internal when one is not. Errors: usage for
-// results that have no surface, and when what is to be gone on with is of another one; those of reading and running.
-// `progress`: or null.
+// `prove`: each cut is proved by its flow (src/surface/cut/certificate.h); error internal when one is not. Errors:
+// usage for results that have no surface, and when what is to be gone on with is of another one; those of reading and
+// running. `progress`: or null.
 Result<Built> build(const TileSource& source, const SurfaceOptions& options, const BuildFolder& folder, bool prove,
                     StepsRunner& runner, const std::function<void(double)>& progress, const std::stop_token& stop);
 

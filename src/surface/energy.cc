@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "src/base/ieee_arithmetic.h"
-#include "src/cut/cut_graph.h"
+#include "src/surface/cut/cut_graph.h"
 
 namespace tessera::surface {
 

@@ -3,13 +3,13 @@
 #include <charconv>
 #include <string>
 
-#include "src/files/folder.h"
-#include "src/files/frame.h"
-#include "src/files/names.h"
-#include "src/files/surface_names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/names.h"
+#include "src/base/files/surface_names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera::surface {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "src/run/result_stages.h"
+#include "src/delaunay/run/result_stages.h"
 #include "src/surface/shelf.h"
 #include "src/surface/step_store.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "src/cut/cut_graph.h"
+#include "src/surface/cut/cut_graph.h"
 #include "src/surface/kept_work.h"
 
 namespace tessera::surface {

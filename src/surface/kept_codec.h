@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "src/cut/cut_graph.h"
+#include "src/surface/cut/cut_graph.h"
 #include "src/surface/region.h"
 #include "src/surface/step_store.h"
 #include "src/surface/surface_tile.h"

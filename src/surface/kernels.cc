@@ -2,8 +2,8 @@
 #include <string>
 #include <utility>
 
-#include "src/cut/certificate.h"
-#include "src/cut/search_trees.h"
+#include "src/surface/cut/certificate.h"
+#include "src/surface/cut/search_trees.h"
 #include "src/surface/region.h"
 
 namespace tessera::surface {

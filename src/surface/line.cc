@@ -1,6 +1,6 @@
 #include "src/surface/line.h"
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera::surface {
 

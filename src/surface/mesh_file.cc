@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "src/io/bytes/byte_source.h"
-#include "src/io/ply/ply_header.h"
+#include "src/input/bytes/byte_source.h"
+#include "src/input/ply/ply_header.h"
 
 namespace tessera::surface {
 

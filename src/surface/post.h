@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/disk_file.h"
+#include "src/base/files/surface_names.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/result.h"
-#include "src/files/disk_file.h"
-#include "src/files/surface_names.h"
-#include "src/files/whole_file.h"
 
 namespace tessera::surface {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 #include "src/surface/surface.h"
 
 namespace tessera::surface {

@@ -10,7 +10,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/base/result.h"
-#include "src/cut/reduce.h"
+#include "src/surface/cut/reduce.h"
 #include "src/surface/records.h"
 #include "src/surface/surface_tile.h"
 

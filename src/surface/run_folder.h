@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
-#include "src/files/folder_lock.h"
 
 namespace tessera::surface {
 

@@ -12,8 +12,8 @@
 #include "src/base/attribute_value.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/track/estimate.h"
-#include "src/track/track.h"
+#include "src/surface/track/estimate.h"
+#include "src/surface/track/track.h"
 
 namespace tessera {
 

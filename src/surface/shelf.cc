@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera::surface {
 

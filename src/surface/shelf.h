@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/surface_names.h"
 #include "src/base/result.h"
-#include "src/files/surface_names.h"
 #include "src/result/tile_source.h"
 #include "src/surface/surface_tile.h"
 

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/folder.h"
+#include "src/base/files/surface_names.h"
 #include "src/base/on_threads.h"
-#include "src/files/folder.h"
-#include "src/files/surface_names.h"
 #include "src/surface/arrays.h"
 #include "src/surface/post.h"
 

@@ -8,7 +8,7 @@
 #include "src/base/big_vector.h"
 #include "src/base/ids.h"
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 #include "src/surface/step.h"
 #include "src/surface/surface_tile.h"
 

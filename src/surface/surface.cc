@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/files/surface_names.h"
 #include "src/base/option.h"
-#include "src/files/surface_names.h"
+#include "src/result/tileset/tileset.h"
 #include "src/surface/build.h"
 #include "src/surface/recipe.h"
 #include "src/surface/run_folder.h"
-#include "src/tileset/tileset.h"
 
 namespace tessera {
 

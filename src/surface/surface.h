@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
-#include "src/export/export.h"
-#include "src/files/folder_lock.h"
-#include "src/store/digest.h"
+#include "src/result/export/export.h"
+#include "src/result/store/digest.h"
 #include "src/surface/energy.h"
 #include "src/surface/sensors.h"
 #include "src/surface/steps_runner.h"

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 #include "src/surface/folder_store.h"
 
 namespace tessera::surface {

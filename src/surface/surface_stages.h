@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "src/run/result_stages.h"
+#include "src/delaunay/run/result_stages.h"
 #include "src/surface/sensors.h"
 #include "src/surface/steps.h"
 

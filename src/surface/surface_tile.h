@@ -11,7 +11,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 #include "src/surface/energy.h"
 
 namespace tessera::surface {

@@ -9,8 +9,8 @@
 #include <stop_token>
 
 #include "src/base/result.h"
+#include "src/result/store/tile_store.h"
 #include "src/result/tile_source.h"
-#include "src/store/tile_store.h"
 
 namespace tessera::surface {
 

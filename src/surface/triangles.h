@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 #include "src/surface/region.h"
 #include "src/surface/surface_tile.h"
 

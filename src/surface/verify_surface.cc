@@ -8,11 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/files/there.h"
-#include "src/store/external_sort.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/there.h"
+#include "src/result/store/external_sort.h"
 #include "src/surface/build.h"
 #include "src/surface/mesh_file.h"
 

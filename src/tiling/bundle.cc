@@ -6,10 +6,10 @@
 #include <cerrno>
 #include <string>
 
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/names.h"
 #include "src/base/option.h"
-#include "src/files/checksum.h"
-#include "src/files/descriptor.h"
-#include "src/files/names.h"
 
 namespace tessera {
 namespace {

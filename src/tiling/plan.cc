@@ -8,13 +8,13 @@
 #include <span>
 #include <utility>
 
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/disk_file.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/printable.h"
-#include "src/files/checksum.h"
-#include "src/files/descriptor.h"
-#include "src/files/disk_file.h"
-#include "src/files/names.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
 #include "src/tiling/json_read.h"
 
 namespace tessera {

@@ -7,12 +7,12 @@
 #include <string>
 #include <utility>
 
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/option.h"
-#include "src/budget/budget.h"
-#include "src/files/folder.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/io/cloud/point_filter.h"
+#include "src/input/cloud/point_filter.h"
+#include "src/tiling/budget/budget.h"
 #include "src/tiling/kept_points.h"
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/tiling/bundle.h"
 #include "src/tiling/seed_finder.h"
 #include "src/tiling/span_finder.h"

@@ -19,13 +19,13 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/files/mapped_file.h"
+#include "src/base/files/names.h"
 #include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/files/mapped_file.h"
-#include "src/files/names.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/tiling/bundle.h"
 #include "src/tiling/partition.h"
 #include "src/tiling/stretch.h"

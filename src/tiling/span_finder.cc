@@ -1,6 +1,6 @@
 #include "src/tiling/span_finder.h"
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
 

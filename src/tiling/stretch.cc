@@ -3,10 +3,10 @@
 #include <span>
 #include <string>
 
-#include "src/budget/budget.h"
-#include "src/files/checksum.h"
-#include "src/files/frame.h"
-#include "src/files/names.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/names.h"
+#include "src/tiling/budget/budget.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {

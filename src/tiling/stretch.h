@@ -9,7 +9,7 @@
 
 #include "src/base/progress.h"
 #include "src/base/result.h"
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 #include "src/tiling/partition.h"
 #include "src/tiling/routed_points.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "src/base/big_vector.h"
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "src/tiling/kept_points.h"
 #include "src/tiling/routed_run.h"
 

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <utility>
 
-#include "src/files/checksum.h"
-#include "src/files/disk_file.h"
-#include "src/files/names.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/disk_file.h"
+#include "src/base/files/names.h"
 
 namespace tessera {
 namespace {

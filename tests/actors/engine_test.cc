@@ -11,11 +11,11 @@
 #include <thread>
 #include <vector>
 
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/files/whole_file.h"
-#include "src/io/npy/array_source.h"
-#include "src/reference/clouds.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/whole_file.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/input/npy/array_source.h"
 
 namespace tessera {
 namespace {

@@ -12,12 +12,12 @@
 #include "actors/coordinator.h"
 #include "actors/node_actor.h"
 #include "actors/run_owner.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/io/npy/array_source.h"
-#include "src/reference/clouds.h"
-#include "src/run/disk_parts.h"
-#include "src/run/run_options.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/delaunay/run/disk_parts.h"
+#include "src/delaunay/run/run_options.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/input/npy/array_source.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "tessera/tessera.h"
 
 namespace tessera::testing {

@@ -10,7 +10,7 @@
 #include <thread>
 #include <tuple>
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 #include "tests/api/api_testing.h"
 
 namespace tessera {

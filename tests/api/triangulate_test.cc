@@ -6,7 +6,7 @@
 #include <thread>
 #include <tuple>
 
-#include "src/generate/generate.h"
+#include "src/input/generate/generate.h"
 #include "tests/api/api_testing.h"
 #include "tests/api/temporary_home.h"
 

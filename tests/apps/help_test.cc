@@ -1,4 +1,4 @@
-#include "src/apps/help.h"
+#include "src/front/apps/help.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/apps/man_page.h"
+#include "src/front/apps/man_page.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 """Runs the command with small budgets and watches its resident memory. A run holds its budget within 5 %, or it is
 refused at the start with status 7 and a figure, with which it then runs and holds that.
 
-    memory_held.py --tessera build/release/src/apps/tessera                       what is tried by default, in seconds
+    memory_held.py --tessera build/release/src/front/apps/tessera                       what is tried by default, in seconds
     memory_held.py --tessera ... --random 50 --seed 3                             so many drawn at random as well
     memory_held.py --tessera ... --cloud scan.laz --memory 200M --threads 8 [--extra=--tiles=64]
     memory_held.py --tessera ... --cloud uniform:10M --memory 200M --threads 2    made by 'tessera generate'

@@ -1,4 +1,4 @@
-#include "src/apps/settings.h"
+#include "src/front/apps/settings.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <fstream>
 #include <map>
 
-#include "src/apps/machine_options.h"
+#include "src/front/apps/machine_options.h"
 #include "src/job/arguments.h"
 #include "src/job/machine.h"
 

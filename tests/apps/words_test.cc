@@ -1,4 +1,4 @@
-#include "src/apps/words.h"
+#include "src/front/apps/words.h"
 
 #include <gtest/gtest.h>
 

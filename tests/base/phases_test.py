@@ -22,7 +22,7 @@ TOKEN = re.compile(r'R"\((?P<raw>.*?)\)"|"""(?P<long>.*?)"""|"(?P<text>(?:\\.|[^
 SPELLS = {
     "src/base/phases.h",            # the table
     "src/job/job.cc",               # goes from phase to phase
-    "src/budget/budget.cc",         # what reading takes
+    "src/tiling/budget/budget.cc",         # what reading takes
     "python/tessera/_progress.py",  # tells users which there are
 }
 
@@ -79,7 +79,7 @@ class Phases(unittest.TestCase):
                      "`p-planning`", "a = Phase::done;",
                      "phases.routing = 1;", "const words = {splaying: 'x'};"):
             self.assertTrue(spells(text), text)
-        for text in ('return "routing points";', '"routing.bin"', '#include "src/run/routing.h"', "// the splaying phase",
+        for text in ('return "routing points";', '"routing.bin"', '#include "src/delaunay/run/routing.h"', "// the splaying phase",
                      "State::finishing", '"done"', "case State::finishing:", "Schedule::Phase::collecting", "read_routing(routing.path)"):
             self.assertFalse(spells(text), text)
         for text in ("if (phase >= Phase::collecting)", "while (Phase::done != phase) {", "case Phase::routing:",

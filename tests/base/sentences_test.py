@@ -4,8 +4,8 @@ import re
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-COMMAND = ROOT / "src" / "apps"
-PROGRAMS = {COMMAND, ROOT / "src" / "daemon"}  # what users type stands there
+COMMAND = ROOT / "src/front/apps"
+PROGRAMS = {COMMAND, ROOT / "src/front/daemon"}  # what users type stands there
 LITERAL = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 
 

@@ -8,7 +8,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 WRITES = re.compile(r"(?<![\w:])::p?write\(|\bo?f?stream\s+\w+\(|\bofstream\b|\bfopen\(|\bcopy_file\(|\bGDALCreate(?:Copy)?\(|"
                     r"\bGDALDEMProcessing\(")
 # What writes to memory alone: an array that its asker holds, files of the size of one map tile.
-EXEMPT = {"src/terrain/hillshade.cc", "src/terrain/map_tile.cc"}
+EXEMPT = {"src/result/terrain/hillshade.cc", "src/result/terrain/map_tile.cc"}
 
 
 def writers():
@@ -25,8 +25,8 @@ class Writes(unittest.TestCase):
 
     def test_the_search_finds_what_it_is_for(self):
         found = {name for name, _ in writers()}
-        for name in ("src/files/descriptor.cc", "src/store/direct_writer.cc", "src/io/bytes/spool.cc",
-                     "src/export/geopackage.cc", "src/terrain/cog_file.cc"):
+        for name in ("src/base/files/descriptor.cc", "src/result/store/direct_writer.cc", "src/input/bytes/spool.cc",
+                     "src/result/export/geopackage.cc", "src/result/terrain/cog_file.cc"):
             self.assertIn(name, found)
 
 

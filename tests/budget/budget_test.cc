@@ -1,4 +1,4 @@
-#include "src/budget/budget.h"
+#include "src/tiling/budget/budget.h"
 #include "src/base/option.h"
 
 #include <gtest/gtest.h>

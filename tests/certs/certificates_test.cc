@@ -1,4 +1,4 @@
-#include "src/certs/certificates.h"
+#include "src/cluster/certs/certificates.h"
 
 #include <sys/stat.h>
 

@@ -11,8 +11,8 @@
 #include <memory>
 #include <string>
 
-#include "src/certs/certificates.h"
-#include "src/files/temporary.h"
+#include "src/base/files/temporary.h"
+#include "src/cluster/certs/certificates.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "src/client/address.h"
+#include "src/service/client/address.h"
 
 #include <gtest/gtest.h>
 

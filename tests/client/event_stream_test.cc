@@ -1,4 +1,4 @@
-#include "src/client/event_stream.h"
+#include "src/service/client/event_stream.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/client/written.h"
+#include "src/service/client/written.h"
 
 #include <gtest/gtest.h>
 

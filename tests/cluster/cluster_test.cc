@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "actors/engine/engine.h"
-#include "src/certs/certificates.h"
+#include "src/cluster/certs/certificates.h"
 #include "tests/cluster/cluster_testing.h"
 
 namespace tessera {

@@ -18,12 +18,12 @@
 
 #include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
-#include "src/certs/certificates.h"
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/generate/generate.h"
-#include "src/io/npy/array_source.h"
-#include "src/reference/clouds.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/cluster/certs/certificates.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/input/generate/generate.h"
+#include "src/input/npy/array_source.h"
 
 namespace tessera {
 

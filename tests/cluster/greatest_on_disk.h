@@ -12,10 +12,10 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/folder.h"
-#include "src/files/there.h"
-#include "src/files/whole_file.h"
-#include "src/run/result_stages.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/delaunay/run/result_stages.h"
 #include "tests/exchange/greatest.h"
 
 namespace tessera::testing {

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/run/settled_stages.h"
+#include "src/delaunay/run/settled_stages.h"
 #include "tests/cluster/cluster_testing.h"
 #include "tests/cluster/greatest_on_disk.h"
 #include "tests/store/sample_result.h"

@@ -9,7 +9,7 @@
 
 #include "actors/cluster/seat.h"
 #include "actors/engine/engine.h"
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "tests/cluster/greatest_on_disk.h"
 
 int main(int argc, char** argv) {

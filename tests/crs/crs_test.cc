@@ -1,4 +1,4 @@
-#include "src/crs/crs.h"
+#include "src/base/crs/crs.h"
 
 #include <gtest/gtest.h>
 

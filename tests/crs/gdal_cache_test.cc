@@ -1,4 +1,4 @@
-#include "src/crs/gdal_cache.h"
+#include "src/base/crs/gdal_cache.h"
 
 #include <gtest/gtest.h>
 

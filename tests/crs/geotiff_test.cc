@@ -1,4 +1,4 @@
-#include "src/crs/geotiff.h"
+#include "src/base/crs/geotiff.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "src/crs/crs.h"
+#include "src/base/crs/crs.h"
 
 namespace tessera {
 namespace {

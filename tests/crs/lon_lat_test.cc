@@ -1,4 +1,4 @@
-#include "src/crs/lon_lat.h"
+#include "src/base/crs/lon_lat.h"
 
 #include <gtest/gtest.h>
 

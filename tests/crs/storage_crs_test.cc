@@ -1,4 +1,4 @@
-#include "src/crs/storage_crs.h"
+#include "src/base/crs/storage_crs.h"
 
 #include <gtest/gtest.h>
 

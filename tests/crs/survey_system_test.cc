@@ -1,4 +1,4 @@
-#include "src/crs/survey_system.h"
+#include "src/base/crs/survey_system.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/crs/wkt.h"
+#include "src/base/crs/wkt.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <random>
 #include <vector>
 
-#include "src/cut/certificate.h"
-#include "src/cut/search_trees.h"
+#include "src/surface/cut/certificate.h"
+#include "src/surface/cut/search_trees.h"
 #include "tests/cut/whole_graph.h"
 
 namespace tessera::cut {

@@ -1,4 +1,4 @@
-#include "src/daemon/daemon_options.h"
+#include "src/front/daemon/daemon_options.h"
 
 #include <gtest/gtest.h>
 

@@ -45,7 +45,7 @@ class Guide(DaemonTest):
 
     def test_the_lines_are_right_for_what_is_started_with_one_command(self):
         root = pathlib.Path(os.environ["SERVICE_GUIDE"]).parents[1]
-        (inputs,) = re.findall(r"src/daemon/tesserad .*--inputs (\S+)", (root / "tessera.sh").read_text())
+        (inputs,) = re.findall(r"src/front/daemon/tesserad .*--inputs (\S+)", (root / "tessera.sh").read_text())
         self.assertEqual((root / inputs).resolve(), IGN.resolve())  # which the other tests serve
 
     def section(self, title):

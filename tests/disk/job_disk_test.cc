@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/names.h"
-#include "src/files/temporary.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
 #include "src/result/tile_source.h"
 #include "tests/disk/failing_disk.h"
 #include "tests/engine/sets.h"

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "src/files/names.h"
-#include "src/files/temporary.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
 #include "src/exchange/settled_files.h"
 #include "tests/disk/failing_disk.h"
 

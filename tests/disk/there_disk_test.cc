@@ -4,8 +4,8 @@
 #include <fstream>
 #include <string>
 
-#include "src/files/temporary.h"
-#include "src/files/there.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/there.h"
 #include "tests/disk/failing_disk.h"
 
 namespace tessera::testing {

@@ -4,10 +4,10 @@
 #include <array>
 #include <stop_token>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 #include "src/result/tile_source.h"
+#include "src/result/verify/verify.h"
 #include "src/tiling/partition.h"
-#include "src/verify/verify.h"
 
 namespace tessera::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/reference.h"
 #include "tests/engine/engine_run.h"
 
 namespace tessera::testing {

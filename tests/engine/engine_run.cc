@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/io/cloud/cloud.h"
 #include "src/delaunay/duplicates.h"
+#include "src/input/cloud/cloud.h"
 
 namespace tessera::testing {
 

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "src/files/temporary.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
+#include "src/base/files/temporary.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "src/result/tile_source.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"

@@ -17,8 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/temporary.h"
 #include "src/base/option.h"
-#include "src/files/temporary.h"
 #include "tests/engine/checks.h"
 #include "tests/engine/engine_run.h"
 #include "tests/engine/sets.h"

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "src/io/reader.h"
+#include "src/input/reader.h"
 
 namespace tessera::testing {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/temporary.h"
+#include "src/base/files/temporary.h"
 
 namespace tessera {
 namespace {

@@ -7,8 +7,8 @@
 #include <set>
 #include <thread>
 
-#include "src/files/names.h"
-#include "src/files/temporary.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/export/cell_filter.h"
+#include "src/result/export/cell_filter.h"
 
 #include <gtest/gtest.h>
 

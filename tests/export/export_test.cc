@@ -1,6 +1,6 @@
 // Refusals, names, and what is left behind. What the formats hold is read back by other people's readers: by CGAL in
 // read_by_cgal_test.cc, by VTK, GDAL, Gmsh and NumPy in read_back_test.py.
-#include "src/export/export.h"
+#include "src/result/export/export.h"
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "src/base/attribute.h"
+#include "src/base/files/whole_file.h"
 #include "src/base/option.h"
-#include "src/files/whole_file.h"
 #include "src/result/new_version.h"
 #include "tests/store/sample_result.h"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <set>
 
-#include "src/export/export.h"
+#include "src/result/export/export.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera {

@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/checksum.h"
-#include "src/files/descriptor.h"
-#include "src/files/disk_file.h"
-#include "src/files/frame.h"
-#include "src/files/mapped_file.h"
-#include "src/files/names.h"
-#include "src/files/output_file.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/disk_file.h"
+#include "src/base/files/frame.h"
+#include "src/base/files/mapped_file.h"
+#include "src/base/files/names.h"
+#include "src/base/files/output_file.h"
 #include "tests/files/files_testing.h"
 
 namespace tessera {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "src/base/big_vector.h"
-#include "src/files/temporary.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/whole_file.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "src/files/folder_lock.h"
+#include "src/base/files/folder_lock.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "src/files/lock_owner.h"
-#include "src/files/names.h"
+#include "src/base/files/lock_owner.h"
+#include "src/base/files/names.h"
 #include "tests/files/files_testing.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "src/files/folder.h"
+#include "src/base/files/folder.h"
 
 #include <gtest/gtest.h>
 

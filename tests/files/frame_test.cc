@@ -1,4 +1,4 @@
-#include "src/files/frame.h"
+#include "src/base/files/frame.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <span>
 #include <string>
 
+#include "src/base/files/checksum.h"
 #include "src/base/flat_codec.h"
-#include "src/files/checksum.h"
 #include "tests/files/files_testing.h"
 
 namespace tessera {

@@ -1,4 +1,4 @@
-#include "src/files/free_space.h"
+#include "src/base/files/free_space.h"
 
 #include "tests/files/files_testing.h"
 

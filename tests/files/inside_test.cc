@@ -1,10 +1,10 @@
-#include "src/files/inside.h"
+#include "src/base/files/inside.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "src/files/temporary.h"
+#include "src/base/files/temporary.h"
 
 namespace tessera {
 namespace {

@@ -1,4 +1,4 @@
-"""No file but src/files/names.cc spells a name of a result or run folder. Argument: the project's folder."""
+"""No file but src/base/files/names.cc spells a name of a result or run folder. Argument: the project's folder."""
 import pathlib
 import re
 import sys
@@ -19,14 +19,14 @@ def spelled(text):
 
 def main():
     root = pathlib.Path(sys.argv[1])
-    names = root / "src" / "files" / "names.cc"
+    names = root / "src/base/files/names.cc"
     assert len(spelled(names.read_text())) > 15, "the pattern does not see the names where they are made"
     files = [file for folder in ("src", "actors") for file in sorted((root / folder).rglob("*")) if
              file.suffix in (".h", ".cc") and file != names]
     assert len(files) > 150, "the sources are not where they were"
     found = [f"{file.relative_to(root)}:{number}" for file in files for number in spelled(file.read_text())]
     if found:
-        sys.exit("names that src/files/names.h should make: " + ", ".join(found))
+        sys.exit("names that src/base/files/names.h should make: " + ", ".join(found))
 
 
 main()

@@ -1,4 +1,4 @@
-#include "src/files/private_file.h"
+#include "src/base/files/private_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 #include "tests/kernel/differential.h"
 
 namespace tessera::testing {

@@ -154,7 +154,7 @@ def binary_stl():
 
 
 def integers(numbers, relative, pack):
-    """A block of src/store/FORMAT.md: relative to the least of the numbers (0), or to the one before (1)."""
+    """A block of src/result/store/FORMAT.md: relative to the least of the numbers (0), or to the one before (1)."""
     base = numbers[0] if relative else min(numbers)
     moved = [a - b for a, b in zip(numbers, [base] + numbers[:-1] if relative else [base] * len(numbers))]
     if relative:

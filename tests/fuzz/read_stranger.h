@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "src/io/bytes/byte_source.h"
-#include "src/io/bytes/spool.h"
-#include "src/io/reader.h"
+#include "src/input/bytes/byte_source.h"
+#include "src/input/bytes/spool.h"
+#include "src/input/reader.h"
 
 namespace tessera {
 

@@ -1,4 +1,4 @@
-#include "src/generate/generate.h"
+#include "src/input/generate/generate.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <set>
 
 #include "src/base/random.h"
-#include "src/generate/portable_math.h"
-#include "src/generate/terrain.h"
-#include "tests/io/io_testing.h"
+#include "src/input/generate/portable_math.h"
+#include "src/input/generate/terrain.h"
+#include "tests/input/io_testing.h"
 
 namespace tessera::testing_io {
 namespace {

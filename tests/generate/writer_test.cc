@@ -1,4 +1,4 @@
-#include "src/generate/writer.h"
+#include "src/input/generate/writer.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -8,8 +8,8 @@
 #include <limits>
 
 #include "src/base/random.h"
-#include "src/generate/generate.h"
-#include "tests/io/io_testing.h"
+#include "src/input/generate/generate.h"
+#include "tests/input/io_testing.h"
 
 namespace tessera::testing_io {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/http/connection_counts.h"
-#include "src/http/refusal_log.h"
+#include "src/service/http/connection_counts.h"
+#include "src/service/http/refusal_log.h"
 
 namespace tessera::http {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/http/events.h"
+#include "src/service/http/events.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/http/front.h"
+#include "src/service/http/front.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <string>
 
 #include "query.pb.h"
-#include "src/http/secrets.h"
+#include "src/service/http/secrets.h"
 #include "tests/http/fake_backend.h"
 
 namespace tessera::http {

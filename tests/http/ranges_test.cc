@@ -1,4 +1,4 @@
-#include "src/http/ranges.h"
+#include "src/service/http/ranges.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "src/http/server.h"
+#include "src/service/http/server.h"
 
 namespace tessera::http {
 namespace {

@@ -13,8 +13,8 @@
 #include <sstream>
 #include <string>
 
-#include "src/files/open_files.h"
-#include "src/http/server.h"
+#include "src/base/files/open_files.h"
+#include "src/service/http/server.h"
 #include "tests/http/fake_backend.h"
 
 int main(int argc, char** argv) {

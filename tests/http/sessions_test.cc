@@ -1,4 +1,4 @@
-#include "src/http/sessions.h"
+#include "src/service/http/sessions.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
-#include "src/files/temporary.h"
-#include "src/http/secrets.h"
+#include "src/base/files/temporary.h"
+#include "src/service/http/secrets.h"
 
 namespace tessera::http {
 namespace {

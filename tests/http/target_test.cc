@@ -1,4 +1,4 @@
-#include "src/http/target.h"
+#include "src/service/http/target.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "src/http/tokens.h"
+#include "src/service/http/tokens.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "src/http/guard.h"
-#include "src/http/secrets.h"
+#include "src/service/http/guard.h"
+#include "src/service/http/secrets.h"
 
 namespace tessera::http {
 namespace {

@@ -1,4 +1,4 @@
-#include "src/http/turns.h"
+#include "src/service/http/turns.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/stopped.h"
-#include "src/reference/clouds.h"
+#include "src/geometry/reference/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
-#include "src/kernel/flat/flat_kernel.h"
-#include "src/predicates/independent/predicates.h"
-#include "src/tile/circumsphere.h"
+#include "src/geometry/kernel/flat/flat_kernel.h"
+#include "src/geometry/predicates/independent/predicates.h"
+#include "src/tiling/tile/circumsphere.h"
 
 namespace tessera::testing {
 namespace {

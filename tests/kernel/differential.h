@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/kernel.h"
+#include "src/geometry/kernel/kernel.h"
 
 namespace tessera::testing {
 

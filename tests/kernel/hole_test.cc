@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/tile/circumsphere.h"
+#include "src/tiling/tile/circumsphere.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

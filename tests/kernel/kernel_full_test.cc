@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/flat/flat_kernel.h"
-#include "src/reference/clouds.h"
+#include "src/geometry/kernel/flat/flat_kernel.h"
+#include "src/geometry/reference/clouds.h"
 #include "tests/kernel/kernel_testing.h"
 
 namespace tessera::testing {

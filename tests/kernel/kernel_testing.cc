@@ -9,8 +9,8 @@
 #include <set>
 #include <span>
 
-#include "src/predicates/independent/predicates.h"
-#include "src/reference/clouds.h"
+#include "src/geometry/predicates/independent/predicates.h"
+#include "src/geometry/reference/clouds.h"
 
 namespace tessera::testing {
 namespace {

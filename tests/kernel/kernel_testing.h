@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/kernel.h"
-#include "src/reference/reference.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/geometry/reference/reference.h"
 
 namespace tessera::testing {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "src/kernel/kernel.h"
+#include "src/geometry/kernel/kernel.h"
 #include "src/tiling/routed_run.h"
 
 namespace tessera::testing {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "src/io/reader.h"
+#include "src/input/reader.h"
 #include "src/tiling/routed_run.h"
 #include "tests/kernel/differential.h"
 

@@ -1,4 +1,4 @@
-#include "src/measure/exact_volume.h"
+#include "src/result/measure/exact_volume.h"
 
 #include <gtest/gtest.h>
 

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
-#include "src/measure/measure.h"
+#include "src/result/measure/measure.h"
 #include "src/result/tile_source.h"
-#include "src/verify/verify.h"
+#include "src/result/verify/verify.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

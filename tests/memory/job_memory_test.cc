@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/files/temporary.h"
 #include "src/base/memory_pool.h"
-#include "src/budget/budget.h"
-#include "src/files/temporary.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "src/job/job.h"
 #include "src/job/open_cloud.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
 #include "src/result/tile_source.h"
+#include "src/tiling/budget/budget.h"
 #include "tests/engine/sets.h"
 #include "tests/memory/failing_memory.h"
 #include "tests/memory/runs.h"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "src/job/job_options.h"
-#include "src/store/manifest.h"
+#include "src/result/store/manifest.h"
 #include "src/tiling/partition.h"
 #include "src/tiling/routed_run.h"
 #include "tests/memory/failing_memory.h"

@@ -76,7 +76,7 @@ inline rely(vertex, tile) {
   fi
 }
 
-// As src/tile/introduce.cc: what arrived, `v`, and its neighbour `u`.
+// As src/tiling/tile/introduce.cc: what arrived, `v`, and its neighbour `u`.
 inline introduce() {
   introduced[AT(me, v)] = introduced[AT(me, v)] | (1 << u);
   if

@@ -1,6 +1,6 @@
-// crs_probe FILE: does everything that src/crs does with each of the texts in FILE, which zeros separate. Before the
-// text i the program asks whether the file /text/i exists, by which who watches it knows where it is. Prints one line
-// a text: "taken" or "refused".
+// crs_probe FILE: does everything that src/base/crs does with each of the texts in FILE, which zeros separate. Before
+// the text i the program asks whether the file /text/i exists, by which who watches it knows where it is. Prints one
+// line a text: "taken" or "refused".
 #include <unistd.h>
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "src/crs/crs.h"
-#include "src/crs/geotiff.h"
-#include "src/crs/lon_lat.h"
-#include "src/crs/storage_crs.h"
-#include "src/crs/survey_system.h"
+#include "src/base/crs/crs.h"
+#include "src/base/crs/geotiff.h"
+#include "src/base/crs/lon_lat.h"
+#include "src/base/crs/storage_crs.h"
+#include "src/base/crs/survey_system.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The exact predicates: value, symmetries, and the stage that decided, against exact rational arithmetic.
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 
 namespace tessera::testing {
 namespace {

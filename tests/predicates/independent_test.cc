@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 
 namespace tessera::testing {
 namespace {

@@ -1,5 +1,5 @@
 // Polygons of any shape: what they take, and that they are what their rings say.
-#include "src/query/area.h"
+#include "src/result/query/area.h"
 
 #include <gtest/gtest.h>
 #include <malloc.h>

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <random>
 
-#include "src/predicates/independent/predicates.h"
-#include "src/reference/clouds.h"
+#include "src/geometry/predicates/independent/predicates.h"
+#include "src/geometry/reference/clouds.h"
 
 namespace tessera::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/query/stored_triangulation.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/reference.h"
+#include "src/result/query/stored_triangulation.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

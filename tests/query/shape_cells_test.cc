@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "src/export/cell_filter.h"
+#include "src/result/export/cell_filter.h"
 #include "tests/query/query_testing.h"
 
 namespace tessera {

@@ -6,9 +6,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "src/io/laz/prediction.h"
-#include "tests/io/las_file.h"
-#include "tests/io/laz_encoder.h"
+#include "src/input/laz/prediction.h"
+#include "tests/input/las_file.h"
+#include "tests/input/laz_encoder.h"
 
 namespace tessera::testing_region {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/io/io_testing.h"
+#include "tests/input/io_testing.h"
 
 namespace tessera::testing_region {
 

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "src/io/bytes/fields.h"
-#include "src/io/cloud/cloud_units.h"
-#include "src/predicates/exact/predicates.h"
-#include "src/reference/reference.h"
-#include "src/region/meets.h"
-#include "src/region/regions.h"
-#include "tests/io/real_clouds.h"
+#include "src/geometry/predicates/exact/predicates.h"
+#include "src/geometry/reference/reference.h"
+#include "src/input/bytes/fields.h"
+#include "src/input/cloud/cloud_units.h"
+#include "src/result/region/meets.h"
+#include "src/result/region/regions.h"
+#include "tests/input/real_clouds.h"
 #include "tests/region/copc_file.h"
 
 namespace tessera {

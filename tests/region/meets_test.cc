@@ -1,6 +1,6 @@
 // Whether cells meet boxes, against clipping of segments in rational numbers: two convex bodies have a point in common
 // if and only if an edge of one has one with the other.
-#include "src/region/meets.h"
+#include "src/result/region/meets.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "src/io/cloud/point_units.h"
+#include "src/input/cloud/point_units.h"
 
 namespace tessera::testing_region {
 

@@ -1,5 +1,5 @@
 // What a cell can be changed from: never less than it is, and not much more.
-#include "src/region/reach.h"
+#include "src/result/region/reach.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <span>
 
-#include "src/predicates/exact/predicates.h"
+#include "src/geometry/predicates/exact/predicates.h"
 
 namespace tessera {
 namespace {

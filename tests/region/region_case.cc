@@ -7,11 +7,11 @@
 #include <unordered_map>
 #include <vector>
 
-#include "src/predicates/exact/predicates.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
-#include "src/region/meets.h"
-#include "src/region/regions.h"
+#include "src/geometry/predicates/exact/predicates.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
+#include "src/result/region/meets.h"
+#include "src/result/region/regions.h"
 #include "tests/region/memory_units.h"
 
 namespace tessera::testing_region {

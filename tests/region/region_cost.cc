@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "src/base/option.h"
-#include "src/generate/generate.h"
-#include "src/io/cloud/cloud_units.h"
-#include "src/region/regions.h"
+#include "src/input/cloud/cloud_units.h"
+#include "src/input/generate/generate.h"
+#include "src/result/region/regions.h"
 #include "tests/region/copc_file.h"
 
 namespace tessera {

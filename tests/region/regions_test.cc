@@ -1,5 +1,5 @@
 // Regions of clouds in memory: right for random ones, and what is asked for is what is read.
-#include "src/region/regions.h"
+#include "src/result/region/regions.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <stop_token>
 
 #include "src/base/option.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "tests/region/memory_units.h"
 #include "tests/region/region_case.h"
 

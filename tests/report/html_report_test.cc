@@ -1,4 +1,4 @@
-#include "src/report/html_report.h"
+#include "src/job/report/html_report.h"
 
 #include <gtest/gtest.h>
 

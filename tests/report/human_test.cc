@@ -1,4 +1,4 @@
-#include "src/report/human.h"
+#include "src/job/report/human.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "src/report/progress_display.h"
-#include "src/report/progress_line.h"
+#include "src/job/report/progress_display.h"
+#include "src/job/report/progress_line.h"
 
 namespace tessera {
 namespace {

@@ -13,12 +13,12 @@
 #include <span>
 #include <string>
 
-#include "src/files/checksum.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/store/manifest.h"
-#include "src/store/points_file.h"
-#include "src/verify/verify.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/manifest.h"
+#include "src/result/store/points_file.h"
+#include "src/result/verify/verify.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "src/files/temporary.h"
+#include "src/base/files/temporary.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

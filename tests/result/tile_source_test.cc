@@ -8,8 +8,8 @@
 #include <stop_token>
 #include <string>
 
-#include "src/files/whole_file.h"
-#include "src/store/manifest.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/manifest.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

@@ -7,13 +7,13 @@
 #include <span>
 #include <stop_token>
 
+#include "src/base/files/folder_lock.h"
+#include "src/base/files/handed_file.h"
+#include "src/base/files/temporary.h"
 #include "src/base/stopped.h"
 #include "src/delaunay/disk_store.h"
-#include "src/files/folder_lock.h"
-#include "src/files/handed_file.h"
-#include "src/files/temporary.h"
-#include "src/run/disk_parts.h"
-#include "src/run/settled_stages.h"
+#include "src/delaunay/run/disk_parts.h"
+#include "src/delaunay/run/settled_stages.h"
 
 namespace tessera {
 namespace {

@@ -1,11 +1,11 @@
-#include "src/run/routing.h"
+#include "src/delaunay/run/routing.h"
 
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "src/files/temporary.h"
+#include "src/base/files/temporary.h"
 
 namespace tessera {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "src/run/run_options.h"
+#include "src/delaunay/run/run_options.h"
 
 namespace tessera {
 namespace {

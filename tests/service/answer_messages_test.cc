@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "src/query/answer_text.h"
-#include "src/query/answers.h"
+#include "src/result/query/answer_text.h"
+#include "src/result/query/answers.h"
 
 namespace tessera {
 namespace {

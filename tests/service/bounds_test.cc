@@ -7,13 +7,13 @@
 #include <set>
 
 #include "job_record.pb.h"
+#include "src/base/files/names.h"
 #include "src/base/ledger.h"
-#include "src/files/names.h"
 #include "src/job/engine_steps.h"
+#include "src/result/tileset/tileset.h"
 #include "src/service/desk.h"
 #include "src/service/kinds.h"
 #include "src/service/work.h"
-#include "src/tileset/tileset.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <thread>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera {

@@ -4,7 +4,7 @@
 #include <map>
 #include <sstream>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "tests/disk/failing_disk.h"
 #include "tests/service/service_testing.h"
 

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <thread>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "src/service/deaths.h"
 #include "tests/service/service_testing.h"
 

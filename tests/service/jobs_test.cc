@@ -2,7 +2,7 @@
 #include <map>
 #include <set>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {

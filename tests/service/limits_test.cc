@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "src/service/deadline.h"
 #include "src/service/desk.h"
 #include "src/service/kept_inputs.h"

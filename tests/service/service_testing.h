@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "src/files/temporary.h"
-#include "src/generate/generate.h"
+#include "src/base/files/temporary.h"
+#include "src/input/generate/generate.h"
 #include "src/service/service.h"
 
 namespace tessera::testing {

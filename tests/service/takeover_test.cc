@@ -3,8 +3,8 @@
 #include <map>
 #include <sstream>
 
-#include "src/files/lock_owner.h"
-#include "src/files/names.h"
+#include "src/base/files/lock_owner.h"
+#include "src/base/files/names.h"
 #include "src/service/desk.h"
 #include "tests/service/service_testing.h"
 

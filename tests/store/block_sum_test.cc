@@ -1,4 +1,4 @@
-#include "src/store/block_sum.h"
+#include "src/result/store/block_sum.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

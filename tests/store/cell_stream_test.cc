@@ -1,12 +1,12 @@
-#include "src/mesh/cell_stream.h"
+#include "src/geometry/mesh/cell_stream.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <span>
 
-#include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/tile_store.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

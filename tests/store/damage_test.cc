@@ -6,11 +6,11 @@
 #include <functional>
 #include <string>
 
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/store/packed_array.h"
-#include "src/store/tile_store.h"
-#include "src/store/vtk_xml.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/packed_array.h"
+#include "src/result/store/tile_store.h"
+#include "src/result/store/vtk_xml.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

@@ -1,4 +1,4 @@
-#include "src/store/deflate_runs.h"
+#include "src/result/store/deflate_runs.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "src/store/packed_array.h"
+#include "src/result/store/packed_array.h"
 
 namespace tessera::store {
 namespace {

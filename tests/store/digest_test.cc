@@ -1,4 +1,4 @@
-#include "src/store/digest.h"
+#include "src/result/store/digest.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
-#include "src/store/early_cells.h"
+#include "src/result/store/early_cells.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <span>
 
-#include "src/files/checksum.h"
-#include "src/files/whole_file.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/whole_file.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

@@ -1,4 +1,4 @@
-#include "src/store/external_sort.h"
+#include "src/result/store/external_sort.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <map>
 
-#include "src/files/checksum.h"
-#include "src/files/names.h"
-#include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/names.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/tile_store.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera {

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <string>
 
-#include "src/files/whole_file.h"
-#include "src/store/integer_block.h"
-#include "src/store/points_file.h"
-#include "src/store/points_head.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/integer_block.h"
+#include "src/result/store/points_file.h"
+#include "src/result/store/points_head.h"
 #include "tests/store/points_testing.h"
 #include "tests/store/sample_result.h"
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <string>
 
-#include "src/files/checksum.h"
-#include "src/files/whole_file.h"
-#include "src/store/points_file.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/points_file.h"
 #include "tests/store/points_testing.h"
 #include "tests/store/sample_result.h"
 

@@ -1,5 +1,5 @@
 // Tiles as files of points: what is read is what was written, bit for bit, and small.
-#include "src/store/points_file.h"
+#include "src/result/store/points_file.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "src/files/whole_file.h"
-#include "src/store/integer_block.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/integer_block.h"
 #include "tests/store/points_testing.h"
 #include "tests/store/sample_result.h"
 

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "src/files/whole_file.h"
-#include "src/store/points_file.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/points_file.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

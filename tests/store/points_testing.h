@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "src/store/points_tile.h"
-#include "src/store/tile_columns.h"
+#include "src/result/store/points_tile.h"
+#include "src/result/store/tile_columns.h"
 
 namespace tessera::test {
 

@@ -13,8 +13,8 @@
 #include <set>
 #include <sstream>
 
-#include "src/kernel/kernel.h"
-#include "src/store/points_tile.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/result/store/points_tile.h"
 
 namespace tessera::test {
 

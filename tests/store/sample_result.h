@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/mesh/tile_mesh.h"
-#include "src/store/tile_reader.h"
-#include "src/store/tile_store.h"
+#include "src/geometry/mesh/tile_mesh.h"
+#include "src/result/store/tile_reader.h"
+#include "src/result/store/tile_store.h"
 
 namespace tessera::test {
 

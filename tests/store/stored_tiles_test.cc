@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "src/files/names.h"
-#include "src/files/temporary.h"
-#include "src/files/whole_file.h"
-#include "src/store/tile_store.h"
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/tile_store.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

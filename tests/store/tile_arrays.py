@@ -1,4 +1,4 @@
-"""The arrays of a tile file, read by its specification alone (src/store/FORMAT.md)."""
+"""The arrays of a tile file, read by its specification alone (src/result/store/FORMAT.md)."""
 import re
 import struct
 import zlib

@@ -1,4 +1,4 @@
-#include "src/store/tile_store.h"
+#include "src/result/store/tile_store.h"
 
 #include <gtest/gtest.h>
 #include <sys/mount.h>
@@ -10,9 +10,9 @@
 #include <limits>
 #include <thread>
 
-#include "src/files/checksum.h"
-#include "src/files/whole_file.h"
-#include "src/store/manifest.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/manifest.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

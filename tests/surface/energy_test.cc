@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "src/cut/cut_graph.h"
+#include "src/surface/cut/cut_graph.h"
 
 namespace tessera::surface {
 namespace {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/cut/reduce.h"
+#include "src/surface/cut/reduce.h"
 #include "src/surface/region.h"
 #include "tests/cut/whole_graph.h"
 

@@ -1,4 +1,4 @@
-#include "src/tile/circumsphere.h"
+#include "src/tiling/tile/circumsphere.h"
 
 #include <gtest/gtest.h>
 

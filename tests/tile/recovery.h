@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/kernel/kernel.h"
-#include "src/mesh/tile_mesh.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/geometry/mesh/tile_mesh.h"
 #include "tests/tile/setting.h"
 
 namespace tessera::testing {

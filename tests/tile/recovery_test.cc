@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 
 namespace tessera::testing {
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "src/tile/tile_triangulation.h"
+#include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera::testing {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 
 namespace tessera::testing {
 

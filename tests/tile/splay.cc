@@ -5,10 +5,10 @@
 #include <random>
 #include <set>
 
-#include "src/kernel/kernel.h"
-#include "src/predicates/independent/predicates.h"
-#include "src/tile/early_finals.h"
-#include "src/tile/rebuild.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/geometry/predicates/independent/predicates.h"
+#include "src/tiling/tile/early_finals.h"
+#include "src/tiling/tile/rebuild.h"
 
 namespace tessera::testing {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "src/base/point.h"
-#include "src/mesh/tile_mesh.h"
-#include "src/tile/tile_triangulation.h"
+#include "src/geometry/mesh/tile_mesh.h"
+#include "src/tiling/tile/tile_triangulation.h"
 #include "tests/tile/setting.h"
 
 namespace tessera::testing {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "src/base/stopped.h"
-#include "src/reference/clouds.h"
-#include "src/reference/reference.h"
+#include "src/geometry/reference/clouds.h"
+#include "src/geometry/reference/reference.h"
 #include "tests/tile/splay.h"
 
 namespace tessera::testing {

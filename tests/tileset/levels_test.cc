@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "src/tileset/surface.h"
+#include "src/result/tileset/surface.h"
 
 namespace tessera::tileset {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "src/files/checksum.h"
+#include "src/base/files/checksum.h"
 #include "src/tiling/plan.h"
 #include "tests/tiling/run_fixture.h"
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <functional>
 
-#include "src/files/names.h"
+#include "src/base/files/names.h"
 #include "tests/tiling/run_fixture.h"
 
 namespace tessera {

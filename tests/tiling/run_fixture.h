@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "src/predicates/independent/predicates.h"
+#include "src/geometry/predicates/independent/predicates.h"
 #include "src/tiling/routed_run.h"
 #include "tests/tiling/clouds.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "src/io/cloud/cloud.h"
-#include "src/track/estimate.h"
+#include "src/input/cloud/cloud.h"
+#include "src/surface/track/estimate.h"
 
 namespace tessera {
 namespace {

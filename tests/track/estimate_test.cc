@@ -1,4 +1,4 @@
-#include "src/track/estimate.h"
+#include "src/surface/track/estimate.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "src/io/cloud/cloud.h"
+#include "src/input/cloud/cloud.h"
 
 namespace tessera {
 namespace {

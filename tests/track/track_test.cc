@@ -1,4 +1,4 @@
-#include "src/track/track.h"
+#include "src/surface/track/track.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

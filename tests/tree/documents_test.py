@@ -46,7 +46,7 @@ class Documents(unittest.TestCase):
         self.assertEqual(large, [])
 
     def test_every_name_of_a_column_that_text_may_have_is_told(self):
-        source = (SOURCE / "src/io/text/text_columns.cc").read_text()
+        source = (SOURCE / "src/input/text/text_columns.cc").read_text()
         names = re.findall(r'"([a-z]+)"', re.search(r"families\{.*?heights\{.*?\}", source, re.DOTALL)[0])
         self.assertGreater(len(names), 20)
         told = re.search(r"^### Text: .*?^### ", self.pages["docs/formats.md"], re.MULTILINE | re.DOTALL)[0]

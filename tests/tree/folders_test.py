@@ -45,9 +45,9 @@ class Folders(unittest.TestCase):
 
     def test_tiles_are_read_through_one_door(self):
         """src/result reads tile files, and looks what the manifest says of them; nobody else does."""
-        readers = {path for path, text in self.texts.items() if "src/store/tile_reader.h" in tree.includes(text)
+        readers = {path for path, text in self.texts.items() if "src/result/store/tile_reader.h" in tree.includes(text)
                    and not path.startswith("tests/")}
-        self.assertEqual(readers, {"src/result/tile_source.h", "src/store/tile_reader.cc"})
+        self.assertEqual(readers, {"src/result/tile_source.h", "src/result/store/tile_reader.cc"})
 
     def test_headers_are_named_from_the_project_folder(self):
         wrong = [f"{path} includes {name}" for path, text in self.texts.items() for name in tree.includes(text)

@@ -1,4 +1,4 @@
-"""That no code takes an error of the system for "nothing is there": src/files/there.h is asked, std::filesystem is not."""
+"""That no code takes an error of the system for "nothing is there": src/base/files/there.h is asked, std::filesystem is not."""
 
 import os
 import pathlib
@@ -7,7 +7,7 @@ import unittest
 
 import tree
 
-DOOR = "src/files/there.cc"  # where the system is asked
+DOOR = "src/base/files/there.cc"  # where the system is asked
 QUESTIONS = ("exists|is_empty|is_directory|is_regular_file|is_symlink|is_other|is_fifo|is_socket|is_block_file"
              "|is_character_file|file_size|status|symlink_status|last_write_time|hard_link_count|equivalent")
 COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
@@ -63,7 +63,7 @@ class Looks(unittest.TestCase):
         self.assertGreater(len(code), 300)
         self.assertTrue(bare_looks((source / DOOR).read_text()), "the one place that may ask is not seen")
         found = [f"{path}:{line}" for path in code if path != DOOR for line in bare_looks((source / path).read_text())]
-        self.assertEqual(found, [], "ask src/files/there.h")
+        self.assertEqual(found, [], "ask src/base/files/there.h")
 
 
 if __name__ == "__main__":

@@ -41,19 +41,19 @@ class Walls(unittest.TestCase):
         return done.returncode == 0
 
     def test_a_header_of_a_linked_library_is_found(self):
-        self.assertTrue(self.compiles("src/store/manifest.cc", "src/mesh/tile_mesh.h"))
-        self.assertTrue(self.compiles("src/store/manifest.cc", "src/store/tile_store.h"))
+        self.assertTrue(self.compiles("src/result/store/manifest.cc", "src/geometry/mesh/tile_mesh.h"))
+        self.assertTrue(self.compiles("src/result/store/manifest.cc", "src/result/store/tile_store.h"))
 
     def test_a_header_of_what_is_linked_publicly_by_a_linked_library_is_found(self):
-        self.assertTrue(self.compiles("src/export/export.cc", "src/mesh/tile_mesh.h"))
+        self.assertTrue(self.compiles("src/result/export/export.cc", "src/geometry/mesh/tile_mesh.h"))
 
     def test_a_header_of_a_library_that_is_not_linked_is_not_found(self):
-        self.assertFalse(self.compiles("src/store/manifest.cc", "src/tile/collect.h"))
-        self.assertFalse(self.compiles("src/tile/collect.cc", "src/io/reader.h"))
-        self.assertFalse(self.compiles("src/kernel/kernel.cc", "tests/kernel/kernel_testing.h"))
+        self.assertFalse(self.compiles("src/result/store/manifest.cc", "src/tiling/tile/collect.h"))
+        self.assertFalse(self.compiles("src/tiling/tile/collect.cc", "src/input/reader.h"))
+        self.assertFalse(self.compiles("src/geometry/kernel/kernel.cc", "tests/kernel/kernel_testing.h"))
 
     def test_a_header_of_what_a_linked_library_links_privately_is_not_found(self):
-        self.assertFalse(self.compiles("src/job/estimate.cc", "src/reference/clouds.h"))
+        self.assertFalse(self.compiles("src/job/estimate.cc", "src/geometry/reference/clouds.h"))
 
     # What the machine carries, only programs know.
     def test_exchange_and_actors_name_nothing_of_what_programs_compute(self):
@@ -65,8 +65,8 @@ class Walls(unittest.TestCase):
                  if re.search(r"points?\b|points?_|_points?|cells?\b|cells?_|kernel|delaunay|triangul|mesh", line, re.IGNORECASE)
                  and not re.search(r"time_point", line)]
         self.assertEqual(wrong, [])
-        for header in ("src/kernel/kernel.h", "src/tile/tile_triangulation.h", "src/mesh/tile_mesh.h",
-                       "src/delaunay/delaunay_program.h", "src/store/tile_store.h", "src/tiling/routed_run.h"):
+        for header in ("src/geometry/kernel/kernel.h", "src/tiling/tile/tile_triangulation.h", "src/geometry/mesh/tile_mesh.h",
+                       "src/delaunay/delaunay_program.h", "src/result/store/tile_store.h", "src/tiling/routed_run.h"):
             self.assertFalse(self.compiles("src/exchange/tile_life.cc", header))
 
     def test_no_source_sees_the_folder_of_the_project(self):

@@ -1,4 +1,4 @@
-#include "src/verify/boxes.h"
+#include "src/result/verify/boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -7,10 +7,10 @@
 #include <functional>
 #include <limits>
 
-#include "src/files/checksum.h"
-#include "src/files/whole_file.h"
-#include "src/store/manifest.h"
-#include "src/store/vtk_xml.h"
+#include "src/base/files/checksum.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/manifest.h"
+#include "src/result/store/vtk_xml.h"
 #include "src/tiling/partition.h"
 #include "tests/verify/verify_testing.h"
 

@@ -1,13 +1,13 @@
 // Sound results pass, and small triangulations that are known to be right or wrong are told apart.
-#include "src/verify/verify.h"
+#include "src/result/verify/verify.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "src/verify/against_cgal.h"
-#include "src/verify/match_facets.h"
+#include "src/result/verify/against_cgal.h"
+#include "src/result/verify/match_facets.h"
 #include "tests/verify/verify_testing.h"
 
 namespace tessera::test {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "src/verify/verify.h"
+#include "src/result/verify/verify.h"
 #include "tests/store/sample_result.h"
 
 namespace tessera::test {

@@ -13,10 +13,10 @@
 
 #include "src/base/attribute.h"
 #include "src/base/big_vector.h"
+#include "src/base/files/checksum.h"
 #include "src/base/point.h"
-#include "src/files/checksum.h"
-#include "src/store/column_block.h"
-#include "src/store/points_file.h"
+#include "src/result/store/column_block.h"
+#include "src/result/store/points_file.h"
 
 namespace tessera {
 

@@ -15,16 +15,16 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/files/temporary.h"
 #include "src/base/point.h"
-#include "src/files/temporary.h"
-#include "src/http/front.h"
-#include "src/http/head.h"
-#include "src/http/processes.h"
-#include "src/http/ranges.h"
-#include "src/http/target.h"
-#include "src/http/tokens.h"
 #include "src/service/answer_messages.h"
 #include "src/service/convert.h"
+#include "src/service/http/front.h"
+#include "src/service/http/head.h"
+#include "src/service/http/processes.h"
+#include "src/service/http/ranges.h"
+#include "src/service/http/target.h"
+#include "src/service/http/tokens.h"
 #include "src/service/json.h"
 #include "tests/http/fake_backend.h"
 

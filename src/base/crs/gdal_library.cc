@@ -1,0 +1,99 @@
+#include "src/base/crs/gdal_library.h"
+
+#include <dlfcn.h>
+
+#include "src/base/crs/crs.h"
+#include "src/base/crs/proj_files.h"
+#include "src/base/default_arithmetic.h"
+
+namespace tessera {
+
+namespace {
+
+Result<GdalLibrary> load() {
+  const DefaultArithmetic kept;  // whatever the 110 libraries behind it do when they are loaded
+  // Never closed again: GDAL keeps threads and caches.
+  void* handle = ::dlopen(TESSERA_GDAL_SONAME, RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr)
+    return error(Errc::io, std::string("coordinate systems need GDAL (Debian's package libgdal32): ") + ::dlerror());
+  GdalLibrary gdal;
+  const char* missing = nullptr;
+  const auto find = [&]<class Function>(Function& function, const char* name) {
+    function = reinterpret_cast<Function>(::dlsym(handle, name));
+    if (function == nullptr) missing = name;
+  };
+#define TESSERA_GDAL_FIND(name) find(gdal.name, #name);
+  TESSERA_GDAL_FUNCTIONS(TESSERA_GDAL_FIND)
+#undef TESSERA_GDAL_FIND
+  if (missing != nullptr) return error(Errc::io, std::string(TESSERA_GDAL_SONAME) + " has no function " + missing);
+  // Before GDAL makes its first context of PROJ's.
+  keep_to_own_files(gdal);
+  gdal.GDALRegister_GTiff();
+  gdal.GDALRegister_COG();
+  gdal.GDALRegister_PNG();
+  gdal.GDALRegister_MEM();
+  gdal.RegisterOGRGeoPackage();
+  return gdal;
+}
+
+void keep_quiet(CPLErr, CPLErrorNum, const char*) {}
+
+// Before it transforms, GDAL looks up what AUTHORITY of a WKT says, as if a user had typed "name:code": so it would
+// open the file of that name.
+constexpr const char* ask_authority = "OGR_CT_PREFER_OFFICIAL_SRS_DEF";
+thread_local int quiet_on_this_thread = 0;
+
+}  // namespace
+
+Result<const GdalLibrary*> gdal_library() {
+  static const Result<GdalLibrary> gdal = load();
+  if (!gdal) return gdal.error();
+  return &gdal.value();
+}
+
+GdalQuiet::GdalQuiet(const GdalLibrary& gdal) : gdal_(gdal) {
+  gdal_.CPLPushErrorHandler(keep_quiet);
+  gdal_.CPLErrorReset();
+  if (quiet_on_this_thread++ == 0) gdal_.CPLSetThreadLocalConfigOption(ask_authority, "NO");
+}
+
+GdalQuiet::~GdalQuiet() {
+  if (--quiet_on_this_thread == 0) gdal_.CPLSetThreadLocalConfigOption(ask_authority, nullptr);
+  gdal_.CPLPopErrorHandler();
+}
+
+std::string GdalQuiet::message() const {
+  const std::string message = gdal_.CPLGetLastErrorMsg();
+  return message.empty() ? "GDAL gives no reason" : message;
+}
+
+Result<SpatialReference> SpatialReference::parse(const GdalLibrary& gdal, const std::string& text) {
+  const GdalQuiet quiet(gdal);
+  std::string wkt = text.empty() ? undefined_crs : text;
+  if (const auto checked = check_crs_text(wkt); !checked)
+    return error(Errc::bad_input, "the coordinate system " + checked.error().where);
+  SpatialReference reference(gdal, gdal.OSRNewSpatialReference(nullptr));
+  const auto code = code_in(wkt);
+  // Never OSRSetFromUserInput: it takes texts for PROJ's strings, for addresses, and in the end for names of files.
+  char* at = wkt.data();
+  if ((code ? gdal.OSRImportFromEPSG(reference.get(), *code) : gdal.OSRImportFromWkt(reference.get(), &at)) !=
+      OGRERR_NONE)
+    return error(Errc::bad_input, "the coordinate system is not understood: " + quiet.message());
+  // Coordinates are x, y as they were read, whatever order an authority gives the axes.
+  gdal.OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  return reference;
+}
+
+std::string epsg_code(const GdalLibrary& gdal, OGRSpatialReferenceH reference) {
+  const char* authority = gdal.OSRGetAuthorityName(reference, nullptr);
+  const char* code = gdal.OSRGetAuthorityCode(reference, nullptr);
+  return authority != nullptr && code != nullptr && std::string(authority) == "EPSG" ? code : "";
+}
+
+bool equivalent(const GdalLibrary& gdal, OGRSpatialReferenceH a, OGRSpatialReferenceH b) {
+  const char* const options[] = {"CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS",
+                                 "IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", nullptr};
+  return gdal.OSRIsSameEx(a, b, options) != 0;
+}
+
+}  // namespace tessera

@@ -1,0 +1,38 @@
+// From errors as values, and the exceptions of libraries, to the one exception of the public library.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "src/base/result.h"
+#include "src/front/api/entry.h"
+#include "tessera/failure.h"
+
+namespace tessera {
+
+// As a Failure.
+[[noreturn]] void throw_failure(const Error& error);
+// The exception that is being handled, as a Failure.
+[[noreturn]] void rethrow_as_failure();
+
+template <class T>
+T value_or_throw(Result<T> result) {
+  if (!result) throw_failure(result.error());
+  return std::move(result).value();
+}
+inline void or_throw(const Status& status) {
+  if (!status) throw_failure(status.error());
+}
+
+// Runs `work` as a call of the library (see Entry): whatever it throws comes out as a Failure.
+template <class Work>
+auto guarded(Work&& work) {
+  try {
+    const Entry entry;
+    return work();
+  } catch (...) {
+    rethrow_as_failure();
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,128 @@
+// tessera certs: the authority of a cluster, and certificates of its nodes.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "src/base/files/names.h"
+#include "src/cluster/certs/certificates.h"
+#include "src/front/apps/command.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/server_options.h"
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Arguments {
+  std::string action, folder;
+  std::vector<std::string> nodes;
+};
+
+constexpr const char* help = "try 'tessera certs --help'";
+
+Status make_cluster(const fs::path& folder, const CertificateOptions& options, const OutputOptions& output) {
+  BOOST_OUTCOME_TRYV(make_authority(folder, options));
+  const fs::path file = authority_file(folder), key = authority_key_file(folder);
+  BOOST_OUTCOME_TRY(until, valid_until(file));
+  if (output.json) {
+    print_json_line({{"event", "authority"},
+                     {"cluster", options.cluster},
+                     {"authority", file.string()},
+                     {"key", key.string()},
+                     {"valid_until", date_text(until)}});
+  } else if (!output.quiet) {
+    say("%s: the authority of the cluster %s, valid until %s\n", file.c_str(), options.cluster.c_str(),
+        date_text(until).c_str());
+    say("%s: its key; whoever has it can make nodes of this cluster: keep it here\n", key.c_str());
+    say("next: tessera certs node %s NAME ...\n", folder.c_str());
+  }
+  return success();
+}
+
+Status make_nodes(const fs::path& folder, const std::vector<std::string>& nodes, const CertificateOptions& options,
+                  const OutputOptions& output) {
+  std::set<std::string> different;
+  for (const auto& node : nodes) {
+    BOOST_OUTCOME_TRYV(check_node_name(node));
+    if (!different.insert(node).second) return error(Errc::usage, "the node '" + node + "' is given twice");
+  }
+  for (const auto& node : nodes) {
+    BOOST_OUTCOME_TRYV(make_node(folder, node, options));
+    const fs::path file = node_certificate_file(folder, node), key = node_key_file(folder, node);
+    BOOST_OUTCOME_TRY(until, valid_until(file));
+    if (output.json) {
+      print_json_line({{"event", "node"},
+                       {"node", node},
+                       {"authority", authority_file(folder).string()},
+                       {"certificate", file.string()},
+                       {"key", key.string()},
+                       {"valid_until", date_text(until)}});
+    } else if (!output.quiet) {
+      say("%s, %s: the node %s, valid until %s\n", file.c_str(), key.c_str(), node.c_str(), date_text(until).c_str());
+    }
+  }
+  if (!output.json && !output.quiet)
+    say("copy %s and the two files of a node to a folder of that node; %s stays here\n", authority_file(folder).c_str(),
+        authority_key_file(folder).c_str());
+  return success();
+}
+
+Status run_certs(Settings& settings, const Arguments& arguments) {
+  const bool init = arguments.action == "init";
+  if (arguments.action.empty()) return error(Errc::usage, std::string("nothing to make is given; ") + help);
+  if (!init && arguments.action != "node")
+    return error(Errc::usage, "'" + arguments.action + "' is nothing to make; there are init and node");
+  if (arguments.folder.empty()) return error(Errc::usage, std::string("no folder of certificates is given; ") + help);
+  if (init && !arguments.nodes.empty())
+    return error(Errc::usage, "init makes no nodes; 'tessera certs node' does, and --name names the cluster");
+  if (!init && arguments.nodes.empty()) return error(Errc::usage, std::string("no name of a node is given; ") + help);
+  CertificateOptions options;
+  BOOST_OUTCOME_TRY(days, settings.get("days", [](const std::string& text) { return parse_integer(text, 1, 36500); }));
+  if (days) options.days = static_cast<int>(*days);
+  const auto name = settings.text("name");
+  if (name && !init) return error(Errc::usage, "--name: is of the cluster, which 'tessera certs init' makes");
+  if (name) options.cluster = *name;
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  return init ? make_cluster(arguments.folder, options, output)
+              : make_nodes(arguments.folder, arguments.nodes, options, output);
+}
+
+}  // namespace
+
+Command add_certs(CLI::App& root) {
+  auto command =
+      new_command(root, "certs", "Makes the certificates by which the nodes of a cluster know each other",
+                  "  tessera certs init certs                    ca.pem and ca.key: the authority of a cluster\n"
+                  "  tessera certs init certs --name lyon --days 1000\n"
+                  "  tessera certs node certs alpha beta         alpha.pem, alpha.key, beta.pem, beta.key\n\n"
+                  "To the node alpha copy ca.pem, alpha.pem and alpha.key, to a folder that its daemon alone can\n"
+                  "read. ca.key stays: whoever has it can make nodes. Nodes do not compare names, so each cluster\n"
+                  "has an authority of its own. Nothing that is there is replaced.");
+  add_value(command, "days", "N",
+            "how long it is valid; default: 3650 of init, 730 of node, which never outlives its authority", 0, true);
+  add_value(command, "name", "CLUSTER", "init: what its certificate calls the cluster; default: tessera", 0, true);
+  add_switch(command, "quiet", "say nothing but errors");
+  add_switch(command, "json", "one JSON object a line on stdout, instead of text");
+  auto arguments = std::make_shared<Arguments>();
+  command.app->add_option("action", arguments->action, "init: an authority; node: certificates of nodes")
+      ->type_name("init|node");
+  add_choices(command, "action", "init, node");
+  command.app->add_option("folder", arguments->folder, "the folder of the authority, which init makes")
+      ->type_name("DIR");
+  command.app->add_option("names", arguments->nodes, "node: what they are called, as node-1 or 10.0.0.7")
+      ->type_name("NAME");
+  command.run = [settings = command.settings.get(), arguments](const std::vector<std::string>&) {
+    return run_certs(*settings, *arguments);
+  };
+  return command;
+}
+
+}  // namespace tessera

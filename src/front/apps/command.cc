@@ -1,0 +1,79 @@
+#include "src/front/apps/command.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+
+namespace tessera {
+
+Command new_command(CLI::App& root, const std::string& name, const std::string& description,
+                    const std::string& examples) {
+  Command command;
+  command.app = root.add_subcommand(name, description)->group("Commands");
+  command.app->footer("Examples:\n" + examples);
+  command.settings = std::make_unique<Settings>(name);
+  add_value(command, "config", "FILE",
+            "read options from this TOML file (see config/tessera.toml); else TESSERA_CONFIG");
+  return command;
+}
+
+void add_value(Command& command, const std::string& key, const std::string& metavar, const std::string& help,
+               char short_name, bool flag_only) {
+  auto* settings = command.settings.get();
+  settings->declare(key, flag_only);
+  const std::string names = (short_name != 0 ? std::string("-") + short_name + "," : std::string()) + "--" + key;
+  command.app
+      ->add_option_function<std::string>(
+          names, [settings, key](const std::string& text) { settings->set_flag(key, text); }, help)
+      ->type_name(metavar);
+}
+
+void add_switch(Command& command, const std::string& key, const std::string& help, char short_name, bool flag_only,
+                bool on_by_default) {
+  auto* settings = command.settings.get();
+  settings->declare(key, flag_only);
+  const std::string short_part = short_name != 0 ? std::string("-") + short_name + "," : std::string();
+  auto* on = command.app->add_flag_callback(
+      short_part + "--" + key, [settings, key] { settings->set_flag(key, "true"); }, help);
+  auto* off = command.app->add_flag_callback(
+      "--no-" + key, [settings, key] { settings->set_flag(key, "false"); }, help);
+  // The help shows the one that changes something.
+  (on_by_default ? on : off)->group("");
+  on->excludes(off);
+}
+
+void add_choices(Command& command, const std::string& key, const std::string& values) {
+  auto& list = command.choices[key];
+  for (std::size_t at = 0; at < values.size();) {
+    const auto end = std::min(values.find(", ", at), values.size());
+    list.push_back(values.substr(at, end - at));
+    at = end + 2;
+  }
+}
+
+void add_output_switches(Command& command) {
+  add_switch(command, "quiet", "no progress and no summary; errors only");
+  add_switch(command, "verbose", "log what happens on stderr", 'v');
+  add_switch(command, "json", "one JSON object a line on stdout, instead of text");
+}
+
+Result<OutputOptions> output_options(Settings& settings) {
+  OutputOptions options;
+  // A switch that is off contradicts nothing.
+  BOOST_OUTCOME_TRY(quiet, settings.on("quiet"));
+  BOOST_OUTCOME_TRY(verbose, settings.on("verbose"));
+  BOOST_OUTCOME_TRY(json, settings.on("json"));
+  if (quiet && verbose) {
+    BOOST_OUTCOME_TRYV(settings.exclusive("quiet", "verbose"));
+  }
+  if (quiet && json) {
+    BOOST_OUTCOME_TRYV(settings.exclusive("quiet", "json"));
+  }
+  const auto stays = [&](bool on, const char* key) { return on && settings.source(key) != Settings::Source::none; };
+  options.quiet = stays(quiet, "quiet");
+  options.verbose = stays(verbose, "verbose");
+  options.json = stays(json, "json");
+  return options;
+}
+
+}  // namespace tessera

@@ -1,0 +1,91 @@
+#include "src/front/apps/completion.h"
+
+#include <CLI/CLI.hpp>
+
+namespace tessera {
+namespace {
+
+void add_word(std::string& list, const std::string& word) { list += (list.empty() ? "" : " ") + word; }
+
+std::string words(const std::vector<std::string>& list) {
+  std::string text;
+  for (const auto& word : list) add_word(text, word);
+  return text;
+}
+
+// What the value can be, as words; none when anything can.
+std::string values_of(const Command& command, const CLI::Option& option) {
+  const auto key = option.get_positional() ? option.get_name() : option.get_lnames().front();
+  const auto known = command.choices.find(key);
+  if (known != command.choices.end()) return words(known->second);
+  if (option.get_positional()) return "";
+  // "2|3"; in capitals stand names for what is given.
+  auto list = option.get_type_name();
+  if (list.find('|') == std::string::npos || list.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") != std::string::npos)
+    return "";
+  for (auto& c : list) c = c == '|' ? ' ' : c;
+  return list;
+}
+
+// The branches of one command: its options, and the values of those that have few. An option whose value can be
+// anything gets no words, and with them the names of files.
+std::string branches(const Command& command) {
+  const auto name = command.app->get_name();
+  std::string options, arguments, values, any;
+  int positionals = 0;
+  for (const auto* option : command.app->get_options()) {
+    if (option->get_group().empty()) continue;
+    if (option->get_positional()) {
+      if (positionals++ == 0) arguments = values_of(command, *option);
+      continue;
+    }
+    std::vector<std::string> flags;
+    for (const auto& flag : option->get_snames()) flags.push_back("-" + flag);
+    for (const auto& flag : option->get_lnames()) flags.push_back("--" + flag);
+    for (const auto& flag : flags) add_word(options, flag);
+    if (option->get_type_name().empty()) continue;  // a switch
+    const auto choices = values_of(command, *option);
+    for (const auto& flag : flags) {
+      const auto pattern = name + "\\ " + flag;
+      if (choices.empty()) {
+        any += (any.empty() ? "" : "|") + pattern;
+      } else {
+        values += "    " + pattern + ") offered='" + choices + "' ;;\n";
+      }
+    }
+  }
+  if (!any.empty()) values += "    " + any + ") ;;\n";
+  const auto branch = [&](const std::string& after, const std::string& words) {
+    return "    " + name + "\\ " + after + ") case $current in -*) offered='" + options + "' ;; *) offered='" + words +
+           "' ;; esac ;;\n";
+  };
+  // Of several arguments only the first has its place: right after the command.
+  return values + (positionals > 1 ? branch(name, arguments) + branch("*", "") : branch("*", arguments));
+}
+
+}  // namespace
+
+std::string completion(const std::vector<Command>& commands) {
+  std::string names, cases;
+  for (const auto& command : commands) {
+    add_word(names, command.app->get_name());
+    cases += branches(command);
+  }
+  return "# Completion of the command tessera for bash.\n"
+         "_tessera() {\n"
+         "  local current=${COMP_WORDS[COMP_CWORD]} offered=\n"
+         "  COMPREPLY=()\n"
+         "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+         "    offered='" +
+         names +
+         " help --help --version'\n"
+         "  else case ${COMP_WORDS[1]}\\ ${COMP_WORDS[COMP_CWORD-1]} in\n"
+         "    help\\ *) offered='" +
+         names + "' ;;\n" + cases +
+         "  esac; fi\n"
+         "  COMPREPLY=($(compgen -W \"$offered\" -- \"$current\"))\n"
+         "}\n"
+         "complete -o default -F _tessera tessera\n";
+}
+
+}  // namespace tessera

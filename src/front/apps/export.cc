@@ -1,0 +1,114 @@
+// tessera export: a result folder as a file for other programs.
+#include "src/result/export/export.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/machine_options.h"
+#include "src/front/apps/one_step.h"
+#include "src/front/apps/outcome.h"
+#include "src/front/apps/remote_result.h"
+#include "src/front/apps/server_options.h"
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+// A line on the terminal, redrawn when its percentage changes; nothing elsewhere.
+std::function<void(double)> progress_line(const OutputOptions& output) {
+  if (output.quiet || output.json || output.verbose || isatty(STDERR_FILENO) == 0) return {};
+  return [shown = -1](double fraction) mutable {
+    const int percent = static_cast<int>(fraction * 100);
+    if (percent == shown) return;
+    shown = percent;
+    // The end is not the end: a spatial index may follow, and writing back to disk.
+    const std::string text = percent < 100 ? "exporting " + std::to_string(percent) + " %" : "finishing     ";
+    std::fprintf(stderr, "\r%s", text.c_str());
+  };
+}
+
+Status run_export(Settings& settings, const OneStep& made_of) {
+  const std::filesystem::path target = settings.text("output").value_or("");
+  if (made_of.sources.empty()) return error(Errc::usage, "no result folder is given; try 'tessera export --help'");
+  if (target.empty()) return error(Errc::usage, "no file to write is given; add -o FILE");
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+
+  BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
+  BOOST_OUTCOME_TRY(index, settings.get("index", [](const std::string& text) { return parse_switch(text); }));
+  BOOST_OUTCOME_TRY(max_edge, settings.get("max-edge", [](const std::string& text) { return parse_distance(text); }));
+  BOOST_OUTCOME_TRY(local, settings.on("local"));
+  const ExportOptions options{.format = settings.text("format").value_or(""),
+                              .heights = heights.value_or(true),
+                              .spatial_index = index.value_or(true),
+                              .max_edge = max_edge,
+                              .local = local,
+                              .overwrite = overwrite,
+                              .progress = progress_line(output)};
+
+  return on_result(settings, made_of, output, [&](const std::string& folder) -> Status {
+    if (names_server(settings)) return export_remotely(settings, folder, target, options, output);
+    BOOST_OUTCOME_TRYV(refuse_detach(settings));
+    const Interrupt interrupt;
+    auto result = export_result(folder, target, options, interrupt.token());
+    if (options.progress) std::fprintf(stderr, "\r\x1b[K");
+    BOOST_OUTCOME_TRY(exported, std::move(result));
+    print_exported(exported, settings.text("max-edge"), output);
+    return success();
+  });
+}
+
+}  // namespace
+
+Command add_export(CLI::App& root) {
+  auto command = new_command(
+      root, "export", "Writes a result folder as files for other programs",
+      "  tessera export out/ -o mesh.ply                 (one file; the ending tells the format)\n"
+      "  tessera export out/ -o tiles/ --format vtu      (a folder: one .vtu a tile, a .pvtu over them)\n"
+      "  tessera export ground/ -o ground.gpkg           (2D)\n"
+      "  tessera export out/ -o near.vtu --max-edge 2    (without what bridges gaps and the hull's bays)\n"
+      "  tessera export NAME -o mesh.ply --server http://127.0.0.1:7070      (of a daemon's result, to a file here)\n\n"
+      "Formats:\n" +
+          export_format_help());
+  add_value(command, "format", "NAME", "one of those below; default: as the ending of --output says");
+  add_choices(command, "format", export_format_names());
+  add_value(command, "output", "PATH", "the file to write; a folder, or a name without an ending, gets one file a tile",
+            'o', true);
+  add_value(
+      command, "max-edge", "LENGTH",
+      "leave out cells with a longer edge, in units of the coordinates (2D: in the plane), and vertices left alone");
+  add_switch(command, "z", "2D: leave out the heights, which else become the third coordinate", 0, false, true);
+  add_switch(command, "local",
+             "ply, obj, off, stl: coordinates count from the corner of the result's box, rounded down to whole "
+             "numbers, which is "
+             "told: for programs that keep 32 bits of them, and lose centimetres in national grids");
+  add_switch(command, "index", "gpkg: leave out the spatial index: written four times as fast, but slow on maps", 0,
+             false, true);
+  add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_remote_options(command);
+  add_output_switches(command);
+  add_threads_option(command);
+  add_memory_option(command, "making a result of point files");
+  auto sources = add_sources(command, 0);
+  command.run = [settings = command.settings.get(), sources](const std::vector<std::string>& command_line) -> Status {
+    return run_export(*settings, {.sources = *sources,
+                                  .dimension = 0,
+                                  .beside = settings->text("output").value_or(""),
+                                  .command_line = command_line});
+  };
+  return command;
+}
+
+}  // namespace tessera

@@ -1,0 +1,63 @@
+// tessera info: what is in a file or a result folder, and what triangulating it would take.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "src/front/apps/command.h"
+#include "src/front/apps/remote_result.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/server_options.h"
+#include "src/front/apps/triangulate_options.h"
+#include "src/front/apps/words.h"
+#include "src/job/describe.h"
+
+namespace tessera {
+namespace {
+
+Status run_info(Settings& settings, const std::vector<std::string>& what) {
+  JobOptions options;
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, options));
+  BOOST_OUTCOME_TRY(json, settings.on("json"));
+  if (what.empty() && options.cloud.input_list.empty())
+    return error(Errc::usage, "neither an input file nor a result folder is given; try 'tessera info --help'");
+
+  BOOST_OUTCOME_TRY(counters, settings.on("verbose"));
+  if (names_server(settings)) return info_remotely(settings, what, {.json = json, .counters = counters});
+  DescribeOptions how{.json = json, .counters = counters, .names = flag_name};
+  BOOST_OUTCOME_TRY(statistics, settings.on("stats"));
+  how.statistics = statistics;
+  const auto described = describe(what, std::move(options), how);
+  say_whole(described.text, json);
+  if (described.error) return *described.error;
+  return success();
+}
+
+}  // namespace
+
+Command add_info(CLI::App& root) {
+  auto command =
+      new_command(root, "info", "Tells what is in input files or a result folder",
+                  "  tessera info scan.las\n"
+                  "  tessera info block/*.las --memory 4G --threads 8      (what triangulating them would take)\n"
+                  "  tessera info block/ --recursive --stats\n"
+                  "  tessera info out/ --json\n"
+                  "  tessera info NAME --server http://127.0.0.1:7070      (a result, or inputs, of a daemon)");
+  add_cloud_options(command);
+  add_switch(command, "stats", "read all points: their classes, returns, flags, box and density");
+  add_server_options(command);
+  add_switch(command, "verbose", "of a result, all counters of the run that made it", 'v');
+  add_switch(command, "json", "one JSON object on stdout, instead of text");
+  auto what = std::make_shared<std::vector<std::string>>();
+  command.app
+      ->add_option("what", *what,
+                   "input files, folders of them, - for standard input; or one result folder. With --server, as the "
+                   "daemon names them")
+      ->type_name("FILE|FOLDER");
+  command.run = [settings = command.settings.get(), what](const std::vector<std::string>&) {
+    return run_info(*settings, *what);
+  };
+  return command;
+}
+
+}  // namespace tessera

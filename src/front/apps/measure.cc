@@ -1,0 +1,106 @@
+// tessera measure and tessera columns: what is computed of a finished result, and what there is.
+#include "src/result/measure/measure.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/machine_options.h"
+#include "src/front/apps/percent_line.h"
+#include "src/front/apps/say.h"
+#include "src/job/describe.h"
+#include "src/job/version.h"
+
+namespace tessera {
+namespace {
+
+void print(const Measured& measured, const OutputOptions& output) {
+  if (output.json) {
+    std::printf("%s\n", to_json(measured).c_str());
+    return;
+  }
+  if (output.quiet) return;
+  const std::string unit = measured.unit.empty() ? "" : " " + measured.unit;
+  const char* const folder = measured.folder.c_str();
+  if (measured.made) {
+    say("%s: version %u has the columns %s of cells and %s of vertices\n", folder, measured.version,
+        measured.of_cells.c_str(), measured.of_vertices.c_str());
+  } else {
+    say("%s: has the columns %s and %s already; nothing was changed\n", folder, measured.of_cells.c_str(),
+        measured.of_vertices.c_str());
+  }
+  say("%s of all cells: %.17g%s\n", measured.of_cells.c_str(), measured.total, unit.c_str());
+  if (!measured.note.empty()) say("%s\n", measured.note.c_str());
+}
+
+Status run_measure(Settings& settings, const std::string& folder, const std::vector<std::string>& command_line) {
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera measure --help'");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  if (output.verbose) log_everything();
+  MeasureOptions options{.command = command_line, .software_version = version()};
+  BOOST_OUTCOME_TRY(volume, settings.on("volume"));
+  options.volume = volume;
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  options.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
+  options.progress = share_line("measuring", output);
+
+  const Interrupt interrupt;
+  auto result = measure(folder, options, interrupt.token());
+  clear_line(output);
+  BOOST_OUTCOME_TRY(measured, std::move(result));
+  print(measured, output);
+  return success();
+}
+
+Status run_columns(Settings& settings, const std::string& folder) {
+  if (folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera columns --help'");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  BOOST_OUTCOME_TRY(text, describe_columns(folder, output.json));
+  std::fputs(text.c_str(), stdout);
+  return success();
+}
+
+}  // namespace
+
+Command add_measure(CLI::App& root) {
+  auto command = new_command(
+      root, "measure", "Computes columns of a result: the volume of each cell, and around each vertex",
+      "  tessera measure out/ --volume                 (columns volume and star_volume; in 2D area, star_area)\n"
+      "  tessera measure out/ --volume --threads 4 --memory 2G\n"
+      "  tessera columns out/                          (what there is)");
+  add_switch(command, "volume",
+             "the volume of each cell, and of each vertex that of the cells around it; of a 2D result areas", 0, true);
+  add_threads_option(command);
+  add_memory_option(command, "tiles");
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>& command_line) {
+    return run_measure(*settings, *folder, command_line);
+  };
+  return command;
+}
+
+Command add_columns(CLI::App& root) {
+  auto command =
+      new_command(root, "columns", "Lists the columns of a result: what was carried with the points or computed",
+                  "  tessera columns out/\n"
+                  "  tessera columns out/ --json");
+  add_output_switches(command);
+  auto folder = std::make_shared<std::string>();
+  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
+    return run_columns(*settings, *folder);
+  };
+  return command;
+}
+
+}  // namespace tessera

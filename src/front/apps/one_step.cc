@@ -1,0 +1,145 @@
+#include "src/front/apps/one_step.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "src/base/files/names.h"
+#include "src/base/files/temporary.h"
+#include "src/base/files/there.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/server_options.h"
+#include "src/front/apps/triangulate_options.h"
+#include "src/front/apps/watching.h"
+#include "src/job/job.h"
+#include "src/job/open_cloud.h"
+#include "src/job/report/progress_display.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kept = "keep-result";
+
+// What is not there, and an unfinished run, is told of as of a result.
+Result<bool> is_result(const std::vector<std::string>& sources) {
+  if (sources.empty()) return true;
+  if (sources.size() > 1) return false;
+  const bool names_files = sources[0] == "-" || sources[0].find_first_of("*?[") != std::string::npos;
+  BOOST_OUTCOME_TRY(there, is_there(sources[0]));
+  if (!there) return !names_files;
+  BOOST_OUTCOME_TRY(folder, is_folder(sources[0]));
+  if (!folder) return false;
+  for (const fs::path& mark : {manifest_file(sources[0]), tiles_folder(sources[0]), run_folder(sources[0])}) {
+    BOOST_OUTCOME_TRY(marked, is_there(mark));
+    if (marked) return true;
+  }
+  return false;
+}
+
+// A job whose folder goes unless it has come to a good end. `work`: with its options, engine, way to its points.
+template <class Work>
+Status work_in(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output,
+               std::uint64_t beside_bytes, const Work& work) {
+  JobOptions job;
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, job));
+  if (what.dimension != 0) job.cloud.dimension = what.dimension;
+  if (what.carry_all && !settings.text("attributes")) job.cloud.attributes = {"all"};
+  job.memory_bytes -= beside_bytes;
+  job.store = StoreAs::points;
+  job.resumable = false;
+  job.command = what.command_line;
+  job.log = log_debug;
+  const Interrupt interrupt;
+  Progress progress;
+  BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
+  ProgressDisplay display(progress, progress_style(output), output.json ? stdout : stderr);
+  const auto open = [&](JobOptions& options, const std::stop_token& stop) {
+    return open_cloud(what.sources, options, stop);
+  };
+  Engine engine(job.threads, job.memory_bytes);
+  Status worked = work(engine, job, open, folder, progress, interrupt.token());
+  display.stop();
+  if (!worked) folder.abandon();
+  return worked;
+}
+
+Status make_result(Settings& settings, const OneStep& what, const fs::path& out, const OutputOptions& output) {
+  return work_in(settings, what, out, output, 0,
+                 [](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
+                    Progress& progress, const std::stop_token& stop) -> Status {
+                   BOOST_OUTCOME_TRYV(run_job(engine, job, open, folder, progress, stop));
+                   return success();
+                 });
+}
+
+Status make_product(Settings& settings, const OneStep& what, const fs::path& scratch, const OutputOptions& output,
+                    const TileProduct& product) {
+  return work_in(settings, what, scratch, output, product.memory_bytes,
+                 [&](Engine& engine, const JobOptions& job, const OpenCloud& open, ResultFolder& folder,
+                     Progress& progress, const std::stop_token& stop) -> Status {
+                   const auto make = [&](const Manifest& manifest) { return product.make(manifest, stop); };
+                   BOOST_OUTCOME_TRYV(run_tiles(engine, job, open, make, folder, progress, stop));
+                   return product.finish();
+                 });
+}
+
+// Not the name that the product has while it is written.
+Result<TemporaryFolder> folder_beside(const OneStep& what) {
+  const fs::path beside = what.beside.empty() ? fs::path("tessera") : fs::path(what.beside);
+  if (const fs::path parent = beside.parent_path(); !parent.empty()) {
+    BOOST_OUTCOME_TRY(parent_there, is_folder(parent));
+    if (!parent_there)
+      return error(Errc::io, beside.string() + ": cannot be written: there is no folder " + parent.string());
+  }
+  return TemporaryFolder::make(temporary_name_of_process(beside.string() + ".result"));
+}
+
+}  // namespace
+
+std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dimension) {
+  add_value(command, kept, "FOLDER", "of point files: keep the result that is made of them first, in this folder", 0,
+            true);
+  add_source_options(command);
+  if (dimension == 0) add_dimension(command);
+  auto sources = std::make_shared<std::vector<std::string>>();
+  command.app
+      ->add_option("result", *sources,
+                   "result folder; with --server, the name of the result; or point files, as of tessera triangulate")
+      ->type_name("FOLDER");
+  return sources;
+}
+
+Status on_result(Settings& settings, const OneStep& what, const OutputOptions& output,
+                 const std::function<Status(const std::string& folder)>& use) {
+  const auto keep = settings.text(kept);
+  BOOST_OUTCOME_TRY(there, is_result(what.sources));
+  if (names_server(settings) || there) {
+    if (what.sources.size() > 1) return error(Errc::usage, "one result is asked for, not several");
+    if (keep)
+      return error(Errc::usage, "--keep-result belongs to point files, and " + what.sources[0] + " is a result");
+    return use(what.sources.empty() ? std::string() : what.sources[0]);
+  }
+  if (keep) {
+    BOOST_OUTCOME_TRYV(make_result(settings, what, *keep, output));
+    return use(*keep);
+  }
+  BOOST_OUTCOME_TRY(folder, folder_beside(what));
+  BOOST_OUTCOME_TRYV(make_result(settings, what, folder.path() / "result", output));
+  return use((folder.path() / "result").string());
+}
+
+Status on_tiles(Settings& settings, const OneStep& what, const OutputOptions& output, const TileProduct& product,
+                const std::function<Status(const std::string& folder)>& use) {
+  BOOST_OUTCOME_TRY(there, is_result(what.sources));
+  if (there || names_server(settings) || settings.text(kept)) return on_result(settings, what, output, use);
+  BOOST_OUTCOME_TRY(folder, folder_beside(what));
+  return make_product(settings, what, folder.path() / "run", output, product);
+}
+
+}  // namespace tessera

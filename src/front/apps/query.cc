@@ -1,0 +1,148 @@
+// tessera query: questions to a result folder.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/machine_options.h"
+#include "src/front/apps/query_run.h"
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+struct Asked {
+  std::string folder, question, argument;
+};
+
+// Of which options a question makes no use: they would be passed over in silence.
+Status refuse_others(const Settings& settings, const std::string& question) {
+  const std::pair<const char*, const char*> uses[] = {
+      {"points", "locate"},     {"bbox", "cells"},         {"polygon", "cells"},      {"tile", "star"},
+      {"value", "interpolate"}, {"method", "interpolate"}, {"weights", "interpolate"}};
+  for (const auto& [key, user] : uses)
+    if (question != user && settings.source(key) == Settings::Source::flag)
+      return error(Errc::usage, "--" + std::string(key) + " belongs to '" + user + "', not to '" + question + "'");
+  return success();
+}
+
+Result<query::Method> parse_method(const std::string& text) {
+  if (text == "linear") return query::Method::linear;
+  if (text == "natural") return query::Method::natural;
+  return error(Errc::usage, "'" + text + "' is no way to interpolate; there are linear and natural");
+}
+
+Status run_query(Settings& settings, const Asked& asked) {
+  if (asked.folder.empty()) return error(Errc::usage, "no result folder is given; try 'tessera query --help'");
+  const std::string& question = asked.question;
+  if (question != "locate" && question != "star" && question != "cells" && question != "interpolate")
+    return error(Errc::usage, "'" + question + "' is no question; there are locate, star, cells and interpolate");
+  BOOST_OUTCOME_TRYV(refuse_others(settings, question));
+  if (question == "cells" && !asked.argument.empty())
+    return error(Errc::usage, "'" + asked.argument + "' is too much: 'cells' takes --bbox or --polygon");
+
+  QueryRequest request{.folder = asked.folder,
+                       .argument = asked.argument,
+                       .points = settings.text("points").value_or(""),
+                       .columns = {},
+                       .bbox = settings.text("bbox").value_or(""),
+                       .polygon = settings.text("polygon").value_or(""),
+                       .tile = {},
+                       .target = settings.text("output").value_or("")};
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  request.output = output;
+  if (output.verbose) log_everything();
+  BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
+  if (columns && question != "interpolate" && (question != "locate" || request.points.empty()))
+    return error(Errc::usage, "--columns belongs to a file with points, of 'locate --points' or 'interpolate'");
+  request.columns = columns.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  BOOST_OUTCOME_TRY(tile,
+                    settings.get("tile", [](const std::string& text) { return parse_integer(text, 0, 999'999); }));
+  if (tile) request.tile = TileId{static_cast<std::uint32_t>(*tile)};
+  BOOST_OUTCOME_TRY(method, settings.get("method", parse_method));
+  BOOST_OUTCOME_TRY(weights, settings.on("weights"));
+  request.value = {.value = settings.text("value").value_or(""),
+                   .method = method.value_or(query::Method::linear),
+                   .weights = weights};
+  BOOST_OUTCOME_TRY(memory, memory_option(settings));
+  request.memory_bytes = memory;
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  request.ask.threads = threads;
+  const std::string format = settings.text("format").value_or("");
+  const bool many = question == "interpolate" || (question == "locate" && !request.points.empty());
+  if (many) {
+    BOOST_OUTCOME_TRY(answers, answer_format(format, request.target, output.json));
+    request.answers = {.format = answers, .target = request.target, .overwrite = overwrite};
+  } else if (question != "cells") {
+    if (!request.target.empty()) return error(Errc::usage, "one answer goes to standard output; -o is for many");
+    if (format == "json") request.output.json = true;
+    if (format != "json" && settings.source("format") == Settings::Source::flag)
+      return error(Errc::usage, "--format " + format + ": one answer is text, or with --format json JSON");
+  }
+  request.cells = {.format = format, .overwrite = overwrite};
+
+  const Interrupt interrupt;
+  request.ask.stop = interrupt.token();
+  if (question == "locate") return query_locate(request);
+  if (question == "star") return query_star(request);
+  if (question == "cells") return query_cells(request);
+  return query_interpolate(request);
+}
+
+}  // namespace
+
+Command add_query(CLI::App& root) {
+  auto command = new_command(
+      root, "query", "Asks a result folder: which cell, which star, which cells, which value",
+      "  tessera query out/ locate 885100,629050,12                 (the cell, its vertices and neighbours)\n"
+      "  tessera query out/ locate --points where.csv -o cells.npy  (of many points, from any format that is read)\n"
+      "  tessera query out/ star 123456                             (cells and neighbours of a vertex, its Voronoi "
+      "volume)\n"
+      "  tessera query out/ cells --bbox 0,0,50,50 -o part.vtu      (the cells that meet a box)\n"
+      "  tessera query out/ cells --polygon area.geojson -o part.ply\n"
+      "  tessera query ground/ interpolate points.csv --value z -o heights.csv");
+  add_value(command, "points", "FILE", "locate: many points, from a file of any format that is read", 0, true);
+  add_value(command, "columns", "NAMES",
+            "locate, interpolate: what the columns of the file with points are, in their order: x, y, z, or _ to leave "
+            "one out, as _,y,x",
+            0, true);
+  add_value(command, "tile", "N", "star: the tile that owns the vertex, if it is known; else it is looked for", 0,
+            true);
+  add_value(command, "bbox", "BOX", "cells: xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax, closed", 0, true);
+  add_value(command, "polygon", "FILE", "cells: the polygons of a GeoJSON file, in the coordinates of the result", 0,
+            true);
+  add_value(command, "value", "NAME", "interpolate: an attribute of the vertices; z: the heights of a 2D result", 0,
+            true);
+  add_value(command, "method", "NAME",
+            "interpolate: linear (default) in the cell, or natural: by Sibson's natural neighbours");
+  add_choices(command, "method", "linear, natural");
+  add_switch(command, "weights", "interpolate: tell also of which vertices a value is made, and how much of each");
+  add_value(command, "output", "PATH", "the file to write; without it, answers go to standard output", 'o', true);
+  add_value(
+      command, "format", "NAME",
+      "of answers: csv, json (a line each) or npy; of one answer: json; of cells: those of tessera export; default: as "
+      "the ending of --output says");
+  add_memory_option(command, "tiles");
+  add_threads_option(command);
+  add_switch(command, "overwrite", "replace files that exist", 0, true);
+  add_output_switches(command);
+  auto asked = std::make_shared<Asked>();
+  command.app->add_option("result", asked->folder, "result folder")->type_name("FOLDER");
+  command.app->add_option("question", asked->question, "locate, star, cells or interpolate")->type_name("QUESTION");
+  add_choices(command, "question", "locate, star, cells, interpolate");
+  command.app
+      ->add_option("about", asked->argument,
+                   "locate: a point as X,Y[,Z]; star: the source index of a vertex; interpolate: a file with points")
+      ->type_name("ABOUT");
+  command.run = [settings = command.settings.get(), asked](const std::vector<std::string>&) {
+    return run_query(*settings, *asked);
+  };
+  return command;
+}
+
+}  // namespace tessera

@@ -1,0 +1,40 @@
+// What tessera query does, once its options are read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/front/apps/command.h"
+#include "src/result/export/export.h"
+#include "src/result/query/answers.h"
+#include "src/result/query/stored_triangulation.h"
+
+namespace tessera {
+
+struct QueryRequest {
+  std::filesystem::path folder;
+  std::string argument;                  // what stands behind the question
+  std::string points;                    // --points
+  std::vector<std::string> columns;      // of that file, or of interpolate's
+  std::string bbox, polygon;             // of cells
+  std::optional<TileId> tile;            // of star
+  query::InterpolateOptions value = {};  // of interpolate
+  AnswerOptions answers = {};
+  ExportOptions cells = {};
+  std::filesystem::path target;
+  std::uint64_t memory_bytes = 0;
+  query::AskOptions ask = {};
+  OutputOptions output = {};
+};
+
+Status query_locate(QueryRequest& request);
+Status query_star(const QueryRequest& request);
+Status query_cells(const QueryRequest& request);
+Status query_interpolate(QueryRequest& request);
+
+}  // namespace tessera

@@ -1,0 +1,150 @@
+#include "src/front/apps/remote_drawing.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/base/option.h"
+#include "src/front/apps/drawn.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/percent_line.h"
+#include "src/front/apps/remote_inputs.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/server_options.h"
+#include "src/front/apps/watching.h"
+#include "src/service/client/written.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Result<proto::StatusInfo> submit(Server& server, const std::string& process, const Json& inputs,
+                                 const std::stop_token& stop) {
+  auto submitted = server.submit(process, inputs, new_idempotency_key(), stop);
+  if (!submitted && submitted.error().code == Errc::interrupted)
+    return error(Errc::interrupted, "interrupted; 'tessera jobs' tells whether the daemon has the job");
+  return submitted;
+}
+
+Status check_target(const Settings& settings, const fs::path& target) {
+  BOOST_OUTCOME_TRY(found, look_at(target));
+  if (found && S_ISDIR(found->st_mode)) return error(Errc::usage, target.string() + ": is a folder");
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  if (found && !overwrite) return error(Errc::usage, target.string() + ": exists already; --overwrite replaces it");
+  const auto beside = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  BOOST_OUTCOME_TRY(place, is_folder(beside));
+  if (!place) return error(Errc::io, beside.string() + ": there is no such folder");
+  return success();
+}
+
+Status refuse_what_is_local(const Settings& settings, const RemoteRegion& region) {
+  if (std::find(region.inputs.begin(), region.inputs.end(), "-") != region.inputs.end())
+    return error(Errc::usage, "standard input cannot be sent to a daemon; save it in a file below one of its folders");
+  if (settings.text("input-list").has_value())
+    return error(Errc::usage, "--input-list is not for a job of a daemon: name its files, folders or patterns");
+  if (!settings.text("format").value_or("").empty() || fs::path(region.name).has_extension())
+    return error(Errc::usage, "-o '" + region.name +
+                                  "': a daemon makes a result of this name, so no format and no ending; 'tessera "
+                                  "export' makes files for other programs of it");
+  return success();
+}
+
+}  // namespace
+
+Status region_remotely(Settings& settings, const RemoteRegion& region, const OutputOptions& output) {
+  BOOST_OUTCOME_TRYV(refuse_what_is_local(settings, region));
+  BOOST_OUTCOME_TRY(
+      inputs, remote_inputs(settings, *proto::RegionInputs::descriptor(), only_here({"polygon", "crs", "format"})));
+  if (const auto file = settings.text("polygon")) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(*file));
+    inputs["polygon"] = as_text(bytes);
+  }
+  inputs["inputs"] = region.inputs;
+  inputs["output"] = without_slash(region.name);
+  if (!region.crs.empty()) inputs["crs"] = region.crs;
+  BOOST_OUTCOME_TRY(detach, settings.on("detach"));
+  BOOST_OUTCOME_TRY(server, open_server(settings));
+  proto::StatusInfo job;
+  {
+    const Interrupt interrupt;
+    auto submitted = submit(server, "region", inputs, interrupt.token());
+    if (!submitted) return advise_upload(submitted.error(), region.inputs);
+    job = std::move(submitted).value();
+  }
+  if (!detach) return watch_job(server, settings, job.job_id(), output);
+  print_detached(settings, job, output);
+  return success();
+}
+
+Status draw_remotely(Settings& settings, const std::string& process, const std::string& result, const fs::path& target,
+                     const OutputOptions& output) {
+  BOOST_OUTCOME_TRY(detach, settings.on("detach"));
+  if (!detach) {
+    BOOST_OUTCOME_TRYV(check_target(settings, target));
+  }
+  BOOST_OUTCOME_TRY(
+      inputs,
+      remote_inputs(settings, process == "dem" ? *proto::DemInputs::descriptor() : *proto::ContoursInputs::descriptor(),
+                    only_here({})));
+  inputs["triangulation"] = without_slash(result);
+  // What does not stay has a name of its own: what others have drawn of the result is theirs.
+  const std::string made = detach ? target.filename().string() : new_idempotency_key() + target.extension().string();
+  inputs["output"] = made;
+  BOOST_OUTCOME_TRY(server, open_server(settings));
+  const Interrupt interrupt;
+  // In the words of who asks, who has not seen that name.
+  const auto as_asked = [&](Error failed) {
+    if (const auto at = failed.where.find(made); at != std::string::npos)
+      failed.where.replace(at, made.size(), target.string());
+    return failed;
+  };
+  const auto submitted = submit(server, process, inputs, interrupt.token());
+  if (!submitted) return as_asked(advise_here(submitted.error(), result));
+  const auto& job = submitted.value();
+  if (detach) {
+    print_detached(settings, job, output);
+    return success();
+  }
+  const auto with_advice = [&](Error failed) {
+    if (failed.code == Errc::interrupted)
+      failed.where +=
+          "; " + command_for(settings, "fetch", job.job_id() + " -o " + target.string()) + " fetches what it makes";
+    return as_asked(std::move(failed));
+  };
+  const auto done = await_job(server, settings, job.job_id(), output, interrupt.token());
+  if (!done) return with_advice(done.error());
+  const auto fetched = fetch_drawing(server, done.value(), target, output, interrupt.token());
+  if (!fetched) return with_advice(fetched.error());
+  const auto removed = server.remove_export(done.value().triangulation(), made, interrupt.token());
+  if (!removed)
+    say_beside("note: the file stays at the daemon, too: %s\n", in_plain_words(removed.error().where).c_str());
+  return success();
+}
+
+bool is_drawing(const proto::StatusInfo& job) { return job.process_id() == "dem" || job.process_id() == "contours"; }
+
+Status fetch_drawing(Server& server, const proto::StatusInfo& job, const fs::path& target, const OutputOptions& output,
+                     const std::stop_token& stop) {
+  BOOST_OUTCOME_TRY(outcome, server.outcome(job.job_id(), stop));
+  BOOST_OUTCOME_TRY(files, written_files(outcome));
+  if (files.size() != 1)
+    return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
+  const auto fetched =
+      fetch_written(server, job.triangulation(), files, {target}, percent_line("fetching", output), stop);
+  clear_line(output);
+  BOOST_OUTCOME_TRYV(fetched);
+  outcome["output"] = target.string();
+  if (!print_drawn(outcome, output))
+    return error(Errc::io, server.address().text() + ": the server's answer is not what was asked for");
+  return success();
+}
+
+}  // namespace tessera

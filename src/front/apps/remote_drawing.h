@@ -1,0 +1,31 @@
+// region, dem and contours, done by a daemon.
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/base/result.h"
+#include "src/front/apps/command.h"
+#include "src/service/client/server.h"
+
+namespace tessera {
+
+struct RemoteRegion {
+  std::vector<std::string> inputs;
+  std::string name;  // of the result there
+  std::string crs;   // empty: the files'
+};
+Status region_remotely(Settings& settings, const RemoteRegion& region, const OutputOptions& output);
+
+// `process`: dem or contours. The file arrives at `target`, and stays at the daemon only with --detach.
+Status draw_remotely(Settings& settings, const std::string& process, const std::string& result,
+                     const std::filesystem::path& target, const OutputOptions& output);
+
+bool is_drawing(const proto::StatusInfo& job);
+// What a successful job of dem or contours has written, to `target`, which is then told; in place of what is there.
+Status fetch_drawing(Server& server, const proto::StatusInfo& job, const std::filesystem::path& target,
+                     const OutputOptions& output, const std::stop_token& stop);
+
+}  // namespace tessera

@@ -1,0 +1,136 @@
+// tessera results and fetch: what a daemon has made.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/files/there.h"
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/job_text.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/percent_line.h"
+#include "src/front/apps/remote_drawing.h"
+#include "src/front/apps/remote_result.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/server_options.h"
+#include "src/job/report/human.h"
+#include "src/service/client/fetch.h"
+
+namespace tessera {
+namespace {
+
+Status run_results(Settings& settings) {
+  BOOST_OUTCOME_TRY(json, settings.on("json"));
+  BOOST_OUTCOME_TRY(server, open_server(settings));
+  const Interrupt interrupt;
+  BOOST_OUTCOME_TRY(results, server.triangulations(interrupt.token()));
+  if (!json) say("%s", results_text(results).c_str());
+  if (json) {
+    for (const auto& result : results) print_json_line(result_json(result));
+  }
+  return success();
+}
+
+// What a job of export, dem or contours has written.
+Status fetch_of_job(Server& server, const std::string& id, const std::filesystem::path& path,
+                    const OutputOptions& output, const std::stop_token& stop) {
+  const auto job = server.job(id, stop);
+  if (!job && job.error().code != Errc::usage) return job.error();
+  if (!job || (job.value().process_id() != "export" && !is_drawing(job.value())))
+    return error(Errc::usage,
+                 "there is no result '" + id +
+                     "', and no job of this id that exports or draws one; 'tessera results' lists results");
+  if (job.value().status() != "successful")
+    return error(Errc::usage, "job " + id + " is " + job.value().status() + ": there is nothing to fetch of it");
+  const auto taken = error(Errc::usage, path.string() + ": exists already; name something new");
+  BOOST_OUTCOME_TRY(there, is_there(path));
+  if (is_drawing(job.value())) {
+    if (there) return taken;
+    return fetch_drawing(server, job.value(), path, output, stop);
+  }
+  BOOST_OUTCOME_TRY(stands, is_folder(path));
+  const bool folder = !path.has_filename() || !path.has_extension() || stands;
+  if (there && !stands) return taken;
+  if (stands) {
+    BOOST_OUTCOME_TRY(empty, is_empty_folder(path));
+    if (!empty) return taken;
+  }
+  const ExportTarget target{.path = path.has_filename() ? path : path.parent_path(), .folder = folder};
+  return fetch_export(server, job.value(), "", target, "", std::nullopt, output, stop);
+}
+
+Status run_fetch(Settings& settings, const std::string& name) {
+  const std::filesystem::path folder = settings.text("output").value_or("");
+  if (name.empty()) return error(Errc::usage, "no result is given; 'tessera results' lists them");
+  if (folder.empty()) return error(Errc::usage, "no folder is given; add -o FOLDER");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  BOOST_OUTCOME_TRY(server, open_server(settings));
+  if (output.verbose) log_everything();
+  const Interrupt interrupt;
+  BOOST_OUTCOME_TRY(known, server.triangulation(name, interrupt.token()));
+  if (!known) return fetch_of_job(server, name, folder, output, interrupt.token());
+  auto result = fetch_result(
+      server, name, folder,
+      [line = percent_line("fetching", output)](const FetchProgress& now) { line(now.bytes, now.bytes_total); },
+      interrupt.token());
+  clear_line(output);
+  if (!result && result.error().code == Errc::interrupted)
+    return error(Errc::interrupted, "interrupted; the same command goes on");
+  BOOST_OUTCOME_TRY(fetched, std::move(result));
+  if (output.json) {
+    print_json_line({{"event", "fetched"},
+                     {"result", name},
+                     {"output", folder.string()},
+                     {"files", fetched.files},
+                     {"bytes", fetched.bytes},
+                     {"vertices", fetched.vertices},
+                     {"cells", fetched.cells},
+                     {"tiles", fetched.tiles}});
+  } else if (!output.quiet) {
+    say("%s: %s vertices, %s cells, %s tiles, %s\n", folder.c_str(), grouped(fetched.vertices).c_str(),
+        grouped(fetched.cells).c_str(), grouped(fetched.tiles).c_str(), human_bytes(fetched.bytes).c_str());
+  }
+  return success();
+}
+
+}  // namespace
+
+Command add_results(CLI::App& root) {
+  auto command = new_command(root, "results", "Lists the results that a daemon has",
+                             "  tessera results --server http://127.0.0.1:7070\n"
+                             "  tessera results --json");
+  command.app->group(daemon_group);
+  add_server_options(command);
+  add_switch(command, "json", "one JSON object a line on stdout, instead of text");
+  command.run = [settings = command.settings.get()](const std::vector<std::string>&) { return run_results(*settings); };
+  return command;
+}
+
+Command add_fetch(CLI::App& root) {
+  auto command = new_command(root, "fetch", "Copies a result of a daemon into a folder here, and checks every file",
+                             "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
+                             "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)\n"
+                             "  tessera fetch ID -o mesh.ply    (what a job of export, dem or contours has written)");
+  command.app->group(daemon_group);
+  add_value(command, "output", "FOLDER",
+            "the result folder: new, empty, or what an earlier fetch has left; of a job's files, the file or folder",
+            'o', true);
+  add_server_options(command);
+  add_output_switches(command);
+  auto name = std::make_shared<std::string>();
+  command.app
+      ->add_option("result", *name,
+                   "its name, as 'tessera results' shows it; or the id of a job of export, dem or contours")
+      ->type_name("NAME");
+  command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
+    return run_fetch(*settings, *name);
+  };
+  return command;
+}
+
+}  // namespace tessera

@@ -1,0 +1,75 @@
+#include "src/front/apps/server_options.h"
+
+#include <chrono>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "src/base/files/whole_file.h"
+#include "src/job/arguments.h"
+
+namespace tessera {
+namespace {
+
+Result<std::string> read_token(const std::string& path) {
+  BOOST_OUTCOME_TRY(bytes, read_whole(path));
+  std::string token(as_text(bytes));
+  token.erase(0, token.find_first_not_of(" \t\r\n"));
+  token.erase(token.find_last_not_of(" \t\r\n") + 1);
+  if (token.empty()) return error(Errc::usage, path + ": holds no token");
+  return token;
+}
+
+}  // namespace
+
+void add_server_options(Command& command) {
+  add_value(command, "server", "URL",
+            "the daemon that is asked, as http://127.0.0.1:7070; also with the token that it prints at its start");
+  add_value(command, "token-file", "FILE", "the token, in the first line of this file; else from TESSERA_TOKEN");
+  // Not as a flag: other users of the machine would see it.
+  command.settings->declare("token");
+  add_value(command, "ca", "FILE", "https: trust the certificates in this PEM file, instead of those of the system");
+  add_value(command, "patience", "SECONDS", "how long to wait for a daemon that has gone; default: 600");
+}
+
+void add_remote_options(Command& command) {
+  add_switch(command, "detach", "with --server: do not wait for the job", 0, true);
+  add_server_options(command);
+}
+
+Status refuse_detach(const Settings& settings) {
+  BOOST_OUTCOME_TRY(detach, settings.on("detach"));
+  if (detach) return error(Errc::usage, "--detach is for a job of a daemon: give --server, too");
+  return success();
+}
+
+bool names_server(const Settings& settings) { return !settings.text("server").value_or("").empty(); }
+
+Result<Server> open_server(Settings& settings) {
+  ServerOptions options;
+  if (!names_server(settings))
+    return error(Errc::usage, "no daemon is named; give --server URL, or set TESSERA_SERVER");
+  BOOST_OUTCOME_TRY(address, settings.get("server", [](const std::string& text) { return parse_address(text); }));
+  options.address = *std::move(address);
+  BOOST_OUTCOME_TRYV(settings.exclusive("token-file", "token"));
+  if (const auto file = settings.text("token-file"); file && !file->empty()) {
+    BOOST_OUTCOME_TRY(token, read_token(*file));
+    options.token = std::move(token);
+  } else {
+    options.token = settings.text("token").value_or("");
+  }
+  options.authorities = settings.text("ca").value_or("");
+  BOOST_OUTCOME_TRY(
+      patience, settings.get("patience", [](const std::string& text) { return parse_integer(text, 0, 1'000'000); }));
+  options.patience = std::chrono::seconds(patience.value_or(600));
+  options.token_advice = "give it with --token-file, or in TESSERA_TOKEN";
+  options.authorities_advice = "name the file with its authority's with --ca";
+  return Server::make(std::move(options));
+}
+
+void print_json_line(const nlohmann::ordered_json& object) {
+  std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+}  // namespace tessera

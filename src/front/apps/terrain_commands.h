@@ -1,0 +1,11 @@
+// The commands that draw lines of a surface.
+#pragma once
+
+#include "src/front/apps/command.h"
+
+namespace tessera {
+
+Command add_contours(CLI::App& root);
+Command add_profile(CLI::App& root);
+
+}  // namespace tessera

@@ -1,0 +1,117 @@
+// The command `tessera`: reads the command line, the environment and the configuration file, runs one subcommand, and
+// turns its error into one line on stderr and an exit status (docs/exit-status.md).
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/option.h"
+#include "src/base/printable.h"
+#include "src/base/result.h"
+#include "src/front/apps/command.h"
+#include "src/front/apps/commands.h"
+#include "src/front/apps/help.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/say.h"
+#include "src/front/apps/settings.h"
+#include "src/front/apps/words.h"
+
+namespace tessera {
+namespace {
+
+int fail(const Error& error, bool json) {
+  auto sentence = printable(render(error.where, flag_name));
+  sentence.erase(sentence.find_last_not_of(' ') + 1);
+  say_beside("tessera: %s\n", sentence.c_str());
+  if (json) {
+    const nlohmann::ordered_json object{{"event", "error"},
+                                        {"status", static_cast<int>(error.code)},
+                                        {"message", sentence},
+                                        {"options", option_keys(error.where)}};
+    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::fflush(stdout);
+  }
+  return static_cast<int>(error.code);
+}
+
+Status run(const Command& command, const std::vector<Command>& commands, const std::vector<std::string>& command_line) {
+  command.settings->load_environment([](const char* name) { return std::getenv(name); });
+  const auto file = command.settings->text("config");
+  if (file && !file->empty()) {
+    std::vector<Settings*> all;
+    for (const auto& each : commands) all.push_back(each.settings.get());
+    BOOST_OUTCOME_TRYV(load_settings_file(*file, all));
+  }
+  BOOST_OUTCOME_TRYV(command.run(command_line));
+  // What was printed must have arrived, or a pipeline would take half an answer for a whole one.
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+    return error(Errc::io, "standard output: cannot be written");
+  return success();
+}
+
+// A standard stream that is closed would become the number of the next file that is opened, and points be read from it
+// or lines written into it. For reading alone: what is written there still fails.
+void occupy_standard_streams() {
+  int file = 0;
+  while (file >= 0 && file <= STDERR_FILENO) file = ::open("/dev/null", O_RDONLY);
+  if (file > STDERR_FILENO) ::close(file);
+}
+
+int tessera_main(int argc, char** argv) {
+  occupy_standard_streams();
+  // A write beyond the limit of `ulimit -f` shall be an error with a sentence, not the end.
+  std::signal(SIGXFSZ, SIG_IGN);
+  start_log();
+
+  CLI::App app;
+  const auto commands = add_commands(app);
+  std::vector<std::string> names;
+  for (const auto& command : commands) names.push_back(command.app->get_name());
+  auto arguments = resolve_command(std::vector<std::string>(argv + std::min(argc, 1), argv + argc), names);
+  if (!arguments) return fail(arguments.error(), false);
+  try {
+    std::reverse(arguments.value().begin(), arguments.value().end());  // as the parser wants them
+    app.parse(std::move(arguments).value());
+  } catch (const CLI::Success& help) {
+    const int status = app.exit(help);
+    std::cout.flush();
+    return std::cout ? status : fail(error(Errc::io, "standard output: cannot be written"), false);
+  } catch (const CLI::ParseError& wrong) {
+    const auto chosen = app.get_subcommands();
+    const CLI::App& of = chosen.empty() ? app : *chosen.front();
+    const std::string name = "tessera" + (chosen.empty() ? "" : " " + of.get_name());
+    return fail(error(Errc::usage, wrong_arguments(of, name, wrong) + "; see '" + name + " --help'"), false);
+  }
+  for (const auto& command : commands) {
+    if (!command.app->parsed()) continue;
+    const auto status = run(command, commands, std::vector<std::string>(argv, argv + argc));
+    if (status) return 0;
+    const auto json = command.settings->on("json");
+    return fail(status.error(), json && json.value());
+  }
+  return fail(error(Errc::internal, "no command was run"), false);
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  try {
+    return tessera::tessera_main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"), false);
+  } catch (const std::exception& e) {
+    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()), false);
+  }
+}

@@ -1,0 +1,185 @@
+#include "src/front/apps/triangulate_options.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/front/apps/machine_options.h"
+#include "src/job/arguments.h"
+#include "src/job/machine.h"
+#include "src/job/parse_crs.h"
+
+namespace tessera {
+namespace {
+
+Result<std::uint64_t> parse_positive_count(const std::string& text) {
+  BOOST_OUTCOME_TRY(count, parse_count(text));
+  if (count == 0) return error(Errc::usage, "must be at least 1");
+  return count;
+}
+
+Result<KernelKind> parse_kernel(const std::string& text) {
+  if (text == "flat") return KernelKind::flat;
+  if (text == "cgal") return KernelKind::cgal;
+  return error(Errc::usage, "'" + text + "' is no kernel; there are flat and cgal");
+}
+
+}  // namespace
+
+void add_source_options(Command& command) {
+  add_switch(command, "recursive", "take the files in subfolders of input folders, too");
+  add_value(command, "class", "LIST", "keep points of these LAS classes only, as 2,9");
+  add_value(command, "returns", "WHICH", "LAS: keep the first, last or single return of each pulse; default: all");
+  add_value(command, "without", "FLAGS",
+            "LAS: drop points with one of these flags: withheld, synthetic, overlap, key_point");
+  add_value(
+      command, "columns", "NAMES",
+      "text, NumPy: what the columns are, in their order: x, y, z, an attribute's name, or _ to leave one out, as "
+      "p,y,x,z");
+  add_value(command, "crs", "CRS",
+            "the coordinate system of all input files, whatever they say: EPSG:n, WKT, or a file with one of them");
+  add_value(command, "attributes", "NAMES", "carry these point attributes to the result, as intensity,red; or all");
+  add_value(command, "keep", "WHICH",
+            "2D: of points with equal x and y keep the first (default), last, lowest or highest; heights that are no "
+            "numbers count last");
+  add_choices(command, "keep", "first, last, lowest, highest");
+  add_switch(command, "skip-invalid", "drop points with NaN or infinite coordinates, instead of refusing the file");
+}
+
+void add_dimension(Command& command) {
+  add_value(command, "dim", "2|3",
+            "triangulate in 2D (x and y alone) or 3D; default: 3, or 2 when the files hold x and y alone");
+}
+
+void add_point_options(Command& command) {
+  add_value(
+      command, "input-list", "FILE",
+      "read more inputs from this text file (- for standard input), one a line; relative ones begin at its folder", 0,
+      true);
+  add_source_options(command);
+  add_value(command, "resolution", "R",
+            "COPC files: read only the octree levels down to the first whose points are at most R apart; default: all");
+  add_dimension(command);
+  add_threads_option(command);
+  add_value(command, "memory", "SIZE", "memory the job may use, as 800M or 4G; default: 70 % of what is available");
+  add_switch(command, "z", "2D: do not carry the heights z of the input as the attribute z", 0, false, true);
+  add_switch(command, "neighbors", "leave the neighbours of cells out: the files are half as large", 0, false, true);
+}
+
+void add_cloud_options(Command& command) {
+  add_point_options(command);
+  add_value(command, "max-points-per-tile", "N",
+            "most points a tile may hold, as 500k; default: from memory and threads");
+  add_value(command, "tiles", "N", "the number of tiles, instead of their size");
+  add_value(command, "partition", "KIND", "kdtree (default), grid, octree, or random (for tests: no spatial order)");
+  add_choices(command, "partition", "kdtree, grid, octree, random");
+  add_value(command, "crop", "BOX", "xmin,ymin,xmax,ymax or xmin,ymin,zmin,xmax,ymax,zmax: drop points outside");
+}
+
+Status read_cloud_options(Settings& settings, JobOptions& options) {
+  const auto given = [&](const char* key) { return settings.text(key).value_or("auto") != "auto"; };
+  if (given("tiles") && given("max-points-per-tile")) {
+    BOOST_OUTCOME_TRYV(settings.exclusive("tiles", "max-points-per-tile"));
+  }
+  BOOST_OUTCOME_TRY(dimension,
+                    settings.get("dim", or_auto([](const std::string& text) { return parse_integer(text, 2, 3); }, 0)));
+  options.cloud.dimension = static_cast<int>(dimension.value_or(0));
+  BOOST_OUTCOME_TRY(limit, settings.get("max-points-per-tile", or_auto(parse_positive_count, 0)));
+  options.max_points_per_tile = limit.value_or(0);
+  BOOST_OUTCOME_TRY(tiles, settings.get("tiles", or_auto(parse_positive_count, 0)));
+  if (tiles.value_or(0) > Partition::tiles_max) {
+    return error(Errc::usage, "--tiles: more than " + std::to_string(Partition::tiles_max) + " tiles are not possible");
+  }
+  options.tiles = static_cast<std::uint32_t>(tiles.value_or(0));
+  BOOST_OUTCOME_TRY(partition,
+                    settings.get("partition", [](const std::string& text) { return parse_partition_kind(text); }));
+  options.partition = partition.value_or(PartitionKind::kdtree);
+  BOOST_OUTCOME_TRY(threads, threads_option(settings));
+  options.threads = threads;
+  BOOST_OUTCOME_TRY(memory,
+                    settings.get("memory", or_auto([](const std::string& text) { return parse_memory(text); }, 0)));
+  options.memory_bytes = given("memory") ? *memory : default_memory();
+  BOOST_OUTCOME_TRY(crop, settings.get("crop", [&](const std::string& text) {
+    return parse_crop(text, options.cloud.dimension == 2 ? 2 : 3);
+  }));
+  options.cloud.crop = crop;
+  BOOST_OUTCOME_TRY(
+      resolution, settings.get("resolution", or_auto([](const std::string& text) { return parse_distance(text); }, 0)));
+  options.cloud.resolution = resolution.value_or(0);
+  options.cloud.threads = options.threads;
+  options.cloud.input_list = settings.text("input-list").value_or("");
+  BOOST_OUTCOME_TRY(recursive, settings.on("recursive"));
+  options.cloud.recursive = recursive;
+  BOOST_OUTCOME_TRY(classes, settings.get("class", [](const std::string& text) { return parse_classes(text); }));
+  options.cloud.classes = classes.value_or(std::vector<int>{});
+  BOOST_OUTCOME_TRY(returns, settings.get("returns", [](const std::string& text) { return parse_returns(text); }));
+  options.cloud.returns = returns.value_or(Returns::all);
+  BOOST_OUTCOME_TRY(without, settings.get("without", [](const std::string& text) -> Result<std::vector<std::string>> {
+    BOOST_OUTCOME_TRY(flags, parse_names(text));
+    BOOST_OUTCOME_TRYV(check_flags(flags));
+    return std::move(flags);
+  }));
+  options.cloud.without = without.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(columns, settings.get("columns", parse_columns));
+  options.cloud.columns = columns.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(crs, settings.get("crs", parse_crs));
+  options.cloud.crs = crs.value_or("");
+  BOOST_OUTCOME_TRY(attributes, settings.get("attributes", [](const std::string& text) { return parse_names(text); }));
+  options.cloud.attributes = attributes.value_or(std::vector<std::string>{});
+  BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
+  options.cloud.heights = heights.value_or(true);
+  BOOST_OUTCOME_TRY(keep, settings.get("keep", [](const std::string& text) { return parse_kept_point(text); }));
+  options.cloud.keep = keep.value_or(KeptPoint::first);
+  BOOST_OUTCOME_TRY(skip_invalid, settings.on("skip-invalid"));
+  options.cloud.skip_invalid = skip_invalid;
+  BOOST_OUTCOME_TRY(neighbors, settings.get("neighbors", [](const std::string& text) { return parse_switch(text); }));
+  options.neighbors = neighbors.value_or(true);
+  return success();
+}
+
+void add_triangulate_options(Command& command) {
+  add_value(command, "output", "FOLDER", "the result folder; with --server, the name of the result", 'o', true);
+  add_cloud_options(command);
+  add_value(command, "store", "WHAT",
+            "cells: files that ParaView opens; points: a tenth of the bytes, cells are made again when they are asked "
+            "for; auto (default): points for clouds of more than 50 million");
+  add_choices(command, "store", "auto, cells, points");
+  add_value(command, "kernel", "KIND", "flat (default), cgal");
+  add_choices(command, "kernel", "flat, cgal");
+  add_switch(command, "resume", "continue the unfinished run in the result folder, or start one", 0, true);
+  add_switch(command, "overwrite", "replace the result or unfinished run in the result folder", 0, true);
+  add_output_switches(command);
+}
+
+Result<TriangulateOptions> read_triangulate_options(Settings& settings, std::vector<std::string> inputs) {
+  TriangulateOptions options;
+  BOOST_OUTCOME_TRYV(read_cloud_options(settings, options.job));
+  BOOST_OUTCOME_TRY(store, settings.get("store", [](const std::string& text) { return parse_store_as(text); }));
+  options.job.store = store.value_or(StoreAs::by_size);
+  BOOST_OUTCOME_TRY(kernel, settings.get("kernel", parse_kernel));
+  options.job.kernel = kernel.value_or(KernelKind::flat);
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  options.output = output;
+  if (inputs.empty() && options.job.cloud.input_list.empty())
+    return error(Errc::usage, "no input file is given; try 'tessera triangulate --help'");
+  for (const auto& input : inputs) {
+    if (input.empty()) return error(Errc::usage, "an input file has an empty name");
+  }
+  options.inputs = std::move(inputs);
+  options.out = settings.text("output").value_or("");
+  if (options.out.empty()) return error(Errc::usage, "no result folder is given; add -o FOLDER");
+  BOOST_OUTCOME_TRY(resume, settings.on("resume"));
+  BOOST_OUTCOME_TRY(overwrite, settings.on("overwrite"));
+  if (resume && overwrite)
+    return error(Errc::usage, "--resume and --overwrite contradict each other: give one of them");
+  options.resume = resume;
+  options.overwrite = overwrite;
+  if (resume && reads_standard_input(options))
+    return error(Errc::usage, "--resume: standard input cannot be read again; save it in a file, and triangulate that");
+  return options;
+}
+
+bool reads_standard_input(const TriangulateOptions& options) {
+  return std::find(options.inputs.begin(), options.inputs.end(), "-") != options.inputs.end();
+}
+
+}  // namespace tessera

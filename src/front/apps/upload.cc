@@ -1,0 +1,91 @@
+// tessera upload: files here, as inputs for jobs of a daemon.
+#include "src/service/client/upload.h"
+#include "src/front/apps/say.h"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "src/base/files/there.h"
+#include "src/front/apps/command.h"
+#include "src/front/apps/interrupt.h"
+#include "src/front/apps/log.h"
+#include "src/front/apps/percent_line.h"
+#include "src/front/apps/server_options.h"
+#include "src/job/report/human.h"
+
+namespace tessera {
+namespace {
+
+namespace fs = std::filesystem;
+
+Status check_files(const std::vector<std::string>& files) {
+  std::set<std::string> names;
+  for (const auto& file : files) {
+    BOOST_OUTCOME_TRY(found, look_at(file));
+    if (found && S_ISDIR(found->st_mode)) return error(Errc::usage, file + ": is a folder; name the files in it");
+    if (!found) return error(Errc::io, file + ": there is no such file");
+    if (!names.insert(fs::path(file).filename()).second)
+      return error(Errc::usage, file + ": another file to send has the same name; send them to two folders");
+  }
+  return success();
+}
+
+Status run_upload(Settings& settings, const std::vector<std::string>& files) {
+  auto folder = settings.text("output").value_or("");
+  while (folder.size() > 1 && folder.ends_with('/')) folder.pop_back();
+  if (files.empty()) return error(Errc::usage, "no file to send is given; try 'tessera upload --help'");
+  if (folder.empty()) return error(Errc::usage, "no folder is given; add -o NAME");
+  BOOST_OUTCOME_TRY(output, output_options(settings));
+  BOOST_OUTCOME_TRY(server, open_server(settings));
+  BOOST_OUTCOME_TRYV(check_files(files));
+  if (output.verbose) log_everything();
+  const Interrupt interrupt;
+  for (const auto& file : files) {
+    const auto name = fs::path(file).filename().string();
+    BOOST_OUTCOME_TRY(there, bytes_if_there(file));
+    const auto size = there.value_or(0);  // a pipe's is not known
+    const auto line = percent_line("sending " + name + ":", output);
+    const auto sent = upload(
+        server, file, folder, name, [&](std::uint64_t bytes) { line(bytes, size); }, interrupt.token());
+    clear_line(output);
+    if (!sent && sent.error().code == Errc::interrupted)
+      return error(Errc::interrupted, "interrupted; " + file + " has not been sent");
+    if (!sent) return sent.error();
+    const auto input = "upload:" + folder + "/" + name;
+    if (output.json) {
+      print_json_line({{"event", "uploaded"}, {"input", input}, {"bytes", sent.value()}});
+    } else if (!output.quiet) {
+      say("%s: %s\n", input.c_str(), human_bytes(sent.value()).c_str());
+    }
+  }
+  return success();
+}
+
+}  // namespace
+
+Command add_upload(CLI::App& root) {
+  auto command =
+      new_command(root, "upload", "Sends files to a daemon, for its jobs to read",
+                  "  tessera upload block/*.laz -o block --server http://127.0.0.1:7070\n"
+                  "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n\n"
+                  "A daemon takes files when it was started with --uploads. A connection that ends is gone on with;\n"
+                  "what has the same name there is replaced.");
+  command.app->group(daemon_group);
+  add_value(command, "output", "NAME", "the folder there, which jobs call upload:NAME", 'o', true);
+  add_server_options(command);
+  add_output_switches(command);
+  auto files = std::make_shared<std::vector<std::string>>();
+  command.app->add_option("files", *files, "point files of this machine")->type_name("FILE");
+  command.run = [settings = command.settings.get(), files](const std::vector<std::string>&) {
+    return run_upload(*settings, *files);
+  };
+  return command;
+}
+
+}  // namespace tessera

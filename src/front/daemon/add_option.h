@@ -1,0 +1,25 @@
+// An option of `tesserad`: a flag, a variable, and a key of the file, all of one name.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "src/front/apps/settings.h"
+
+namespace tessera {
+
+inline void add_option(CLI::App& app, Settings& settings, const std::string& key, const std::string& metavar,
+                       const std::string& help) {
+  settings.declare(key);
+  app.add_option_function<std::string>(
+         "--" + key, [&settings, key](const std::string& text) { settings.set_flag(key, text); }, help)
+      ->type_name(metavar);
+}
+
+inline void add_switch(CLI::App& app, Settings& settings, const std::string& key, const std::string& help) {
+  settings.declare(key);
+  app.add_flag_callback(
+      "--" + key, [&settings, key] { settings.set_flag(key, "true"); }, help);
+}
+
+}  // namespace tessera

@@ -1,0 +1,185 @@
+#include "src/front/daemon/daemon_options.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "src/base/files/data_names.h"
+#include "src/base/files/names.h"
+#include "src/cluster/cluster_options.h"
+#include "src/front/daemon/add_option.h"
+#include "src/front/daemon/cluster_settings.h"
+#include "src/job/arguments.h"
+#include "src/job/machine.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::uint64_t data_lease_min_s = 2, data_lease_max_s = 3600;
+
+Result<std::string> as_text(const std::string& text) { return text; }
+
+Result<std::uint64_t> count_or(const std::string& text, const char* none) {
+  if (text == none) return std::uint64_t{0};
+  return parse_count(text);
+}
+
+Result<std::uint32_t> at_least_one(const std::string& text) {
+  BOOST_OUTCOME_TRY(number, parse_integer(text, 1, 100'000'000));
+  return static_cast<std::uint32_t>(number);
+}
+
+Result<std::uint64_t> bytes_or_unlimited(const std::string& text) {
+  return text == "unlimited" ? Result<std::uint64_t>(std::uint64_t{0}) : parse_memory(text);
+}
+
+Status read_limits(const Settings& settings, ServiceLimits& limits) {
+  BOOST_OUTCOME_TRY(queued, settings.get("queued", at_least_one));
+  BOOST_OUTCOME_TRY(jobs, settings.get("jobs", at_least_one));
+  BOOST_OUTCOME_TRY(points, settings.get("points", [](const std::string& t) { return count_or(t, "unlimited"); }));
+  BOOST_OUTCOME_TRY(disk, settings.get("disk", bytes_or_unlimited));
+  BOOST_OUTCOME_TRY(ended, settings.get("ended", at_least_one));
+  BOOST_OUTCOME_TRY(reserve, settings.get("reserve", parse_memory));
+  BOOST_OUTCOME_TRY(uploads, settings.get("uploads", bytes_or_unlimited));
+  limits.ended_of_a_caller = ended.value_or(limits.ended_of_a_caller);
+  limits.reserve_bytes = reserve.value_or(limits.reserve_bytes);
+  limits.upload_bytes = uploads.value_or(0);
+  limits.queued = queued.value_or(limits.queued);
+  limits.jobs_of_a_caller = jobs.value_or(limits.jobs_of_a_caller);
+  limits.points = points.value_or(0);
+  limits.disk_bytes = disk.value_or(0);
+  return success();
+}
+
+}  // namespace
+
+Result<http::ListenOptions> parse_listen_address(std::string_view text) {
+  const auto wrong = [&] {
+    return error(Errc::usage, "'" + std::string(text) + "' is no address like 127.0.0.1:7070 or [::1]:7070");
+  };
+  http::ListenOptions out;
+  const bool port_alone = text.find(':') == std::string_view::npos;
+  const auto parsed = parse_host_port(port_alone ? out.address + ":" + std::string(text) : std::string(text));
+  if (!parsed) return wrong();
+  out.address = parsed.value().host;
+  out.port = parsed.value().port;
+  return out;
+}
+
+Result<std::uint64_t> parse_duration(std::string_view text) {
+  if (text == "forever") return std::uint64_t{0};
+  std::uint64_t unit = 1;
+  std::string_view digits = text;
+  if (!text.empty()) {
+    const std::size_t at = std::string_view("smhd").find(text.back());
+    constexpr std::uint64_t seconds[] = {1, 60, 3600, 86'400};
+    if (at != std::string_view::npos) {
+      unit = seconds[at];
+      digits.remove_suffix(1);
+    }
+  }
+  const auto number = parse_integer(digits, 1, 1'000'000);
+  if (!number) return error(Errc::usage, "'" + std::string(text) + "' is no time like 12h, 30d or forever");
+  return static_cast<std::uint64_t>(number.value()) * unit;
+}
+
+void add_daemon_options(CLI::App& app, DaemonSettings& settings) {
+  Settings& top = settings.top;
+  add_option(app, top, "config", "FILE", "read options from this TOML file (see config/tesserad.toml)");
+  add_option(app, top, "data", "DIR", "where jobs, results and tokens are; made when missing");
+  add_option(app, top, "listen", "ADDRESS", "of the API; default: 127.0.0.1:7070");
+  add_option(app, top, "metrics", "ADDRESS", "of health and figures; default: 127.0.0.1:7071; none: nowhere");
+  add_option(app, top, "inputs", "DIR,...", "folders below which inputs may lie; default: none");
+  add_option(app, top, "memory", "BYTES", "for all running jobs together; default: 70 % of what is free");
+  add_option(app, top, "threads", "N", "default: all");
+  add_option(app, top, "jobs", "N", "that run at once; default: 1");
+  add_switch(app, top, "uploads", "clients may send input files");
+  add_option(app, top, "retention", "TIME", "how long ended jobs are remembered, 30d; default: forever");
+  add_option(app, top, "tls-certificate", "FILE", "PEM, with its chain");
+  add_option(app, top, "tls-key", "FILE", "PEM");
+  add_option(app, top, "public-url", "URL", "what users type, when a proxy stands in front");
+  add_option(app, top, "hosts", "NAME,...", "names of this machine that requests may ask for");
+  add_switch(app, top, "insecure", "listen beyond the loopback without TLS; every log line says so");
+  add_option(app, top, "log", "text|json", "default: text");
+  add_switch(app, top, "print-token",
+             "print the address with a token also when stdout is no terminal: pipes and logs keep it");
+  add_cluster_options(app, top);
+  // Of these there are variables and keys alone: nobody types them.
+  for (const char* key : {"queued", "jobs", "ended", "points", "disk", "reserve", "uploads", "data-lease"})
+    settings.limits.declare(key);
+}
+
+Result<DaemonOptions> read_daemon_options(DaemonSettings& settings,
+                                          const std::function<const char*(const char*)>& get_environment) {
+  Settings& top = settings.top;
+  top.load_environment(get_environment);
+  settings.limits.load_environment(get_environment);
+  if (const auto file = top.text("config")) {
+    BOOST_OUTCOME_TRYV(load_settings_file(*file, {&top, &settings.limits}));
+  }
+
+  DaemonOptions out;
+  BOOST_OUTCOME_TRYV(read_limits(settings.limits, out.service.limits));
+  BOOST_OUTCOME_TRY(data_lease, settings.limits.get("data-lease", parse_duration));
+  if (data_lease && (*data_lease < data_lease_min_s || *data_lease > data_lease_max_s))
+    return error(Errc::usage, "limits.data-lease: must be 2s to 1h");
+  if (data_lease) out.service.data_lease = std::chrono::seconds(*data_lease);
+  BOOST_OUTCOME_TRY(data, top.get("data", as_text));
+  if (!data || data->empty()) return error(Errc::usage, "--data DIR is needed: where jobs and results are");
+  BOOST_OUTCOME_TRY(inputs, top.get("inputs", parse_names));
+  BOOST_OUTCOME_TRY(memory, top.get("memory", or_auto(parse_memory, 0)));
+  BOOST_OUTCOME_TRY(threads, top.get("threads", or_auto(at_least_one, 0)));
+  BOOST_OUTCOME_TRY(jobs, top.get("jobs", at_least_one));
+  BOOST_OUTCOME_TRY(uploads, top.on("uploads"));
+  BOOST_OUTCOME_TRY(retention, top.get("retention", parse_duration));
+  BOOST_OUTCOME_TRY(listen, top.get("listen", parse_listen_address));
+  BOOST_OUTCOME_TRY(metrics, top.get("metrics", [](const std::string& t) -> Result<std::optional<http::ListenOptions>> {
+    if (t == "none") return std::optional<http::ListenOptions>{};
+    BOOST_OUTCOME_TRY(address, parse_listen_address(t));
+    return std::optional(address);
+  }));
+  BOOST_OUTCOME_TRY(certificate, top.get("tls-certificate", as_text));
+  BOOST_OUTCOME_TRY(key, top.get("tls-key", as_text));
+  BOOST_OUTCOME_TRY(public_url, top.get("public-url", as_text));
+  BOOST_OUTCOME_TRY(hosts, top.get("hosts", parse_names));
+  BOOST_OUTCOME_TRY(insecure, top.on("insecure"));
+  BOOST_OUTCOME_TRY(log, top.get("log", as_text));
+  if (log && *log != "text" && *log != "json")
+    return error(Errc::usage, "log: '" + *log + "' is neither text nor json");
+
+  ServiceOptions& service = out.service;
+  service.data = *data;
+  for (std::string& root : inputs.value_or(std::vector<std::string>{})) service.roots.emplace_back(std::move(root));
+  service.memory_bytes = memory.value_or(0) > 0 ? *memory : default_memory();
+  service.threads = threads.value_or(0) > 0 ? *threads : usable_processors();
+  service.limits.running = jobs.value_or(1);
+  service.uploads = uploads;
+  service.retention_s = retention.value_or(0);
+
+  BOOST_OUTCOME_TRY(cluster, read_cluster_options(top, service.data));
+  service.cluster = std::move(cluster);
+
+  http::ServerOptions& server = out.http;
+  server.listeners.push_back(listen.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7070}));
+  auto operations = metrics.value_or(http::ListenOptions{.address = "127.0.0.1", .port = 7071});
+  if (operations) {
+    operations->operations = true;
+    server.listeners.push_back(*operations);
+  }
+  server.certificate = certificate.value_or("");
+  server.key = key.value_or("");
+  server.tokens = tokens_file(service.data);
+  server.sessions = sessions_file(service.data);
+  server.hosts = hosts.value_or(std::vector<std::string>{});
+  server.public_url = public_url.value_or("");
+  server.insecure = insecure;
+  BOOST_OUTCOME_TRY(print_token, top.on("print-token"));
+  out.print_token = print_token;
+  out.json_log = log.value_or("text") == "json";
+  return out;
+}
+
+}  // namespace tessera

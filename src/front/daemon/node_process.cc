@@ -1,0 +1,179 @@
+#include "src/front/daemon/node_process.h"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "actors/cluster/seat.h"
+#include "actors/engine/engine.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/names.h"
+#include "src/base/files/private_file.h"
+#include "src/base/files/whole_file.h"
+#include "src/front/daemon/process_watch.h"
+#include "src/front/daemon/supervisor.h"
+#include "src/job/engine_steps.h"
+#include "src/service/costs.h"
+#include "src/service/data_format.h"
+#include "src/service/http/node_health.h"
+#include "src/service/http/server.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::milliseconds telling{500};  // of what it does
+
+// For its last words.
+std::string in_words(const NodeWork& work) {
+  if (work.parts == 0) return "without tiles";
+  return "at work on tiles of " + std::to_string(work.parts) + (work.parts == 1 ? " job (" : " jobs (") +
+         std::to_string(work.tiles_begun) + " begun and " + std::to_string(work.tiles_stored) + " stored so far, " +
+         std::to_string(work.tile_memory_bytes >> 20) + " MiB in memory)";
+}
+
+class Health final : public http::NodeHealth {
+ public:
+  Health(const Engine& engine, const ServiceOptions& options) : engine_(engine), options_(options) {}
+
+  http::NodeFigures figures() const override {
+    const NodeWork work = engine_.work();
+    const NodePlace place = engine_.place();
+    http::NodeFigures out;
+    out.memory_budget_bytes = options_.memory_bytes;
+    out.memory_used_bytes = engine_.memory_used();
+    out.tile_memory_bytes = work.tile_memory_bytes;
+    out.scratch_free_bytes = free_bytes(options_.cluster->scratch);
+    out.jobs = work.parts;
+    out.tiles_asleep = work.tiles_asleep;
+    out.tiles_begun = work.tiles_begun;
+    out.tiles_stored = work.tiles_stored;
+    out.points = work.weight_begun;
+    out.bytes_sent = work.gates.bytes;
+    out.credit_waits = work.gates.waits;
+    out.waiting_bytes = work.waiting_bytes;
+    out.members = place.others;
+    out.member = place.member;
+    out.certificate_end_s = static_cast<double>(options_.cluster->certificate_end_s);
+    out.lease_seconds = std::chrono::duration<double>(options_.cluster->lease).count();
+    out.silent_seconds = static_cast<double>(place.silent_ms) / 1000;
+    return out;
+  }
+  std::optional<std::string> unready() const override {
+    const NodePlace place = engine_.place();
+    if (place.leaves) return "leaves the cluster";
+    if (place.member) return std::nullopt;
+    return place.trouble;
+  }
+
+ private:
+  const Engine& engine_;
+  const ServiceOptions& options_;
+};
+
+}  // namespace
+
+Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
+  // What somebody else put into it would be read, and links of theirs followed.
+  BOOST_OUTCOME_TRYV(make_private_folder(scratch));
+  BOOST_OUTCOME_TRY(lock, FolderLock::take(scratch));
+  FolderReader reader(scratch);
+  while (const char* name = reader.next()) {
+    if (!is_part_scratch_name(name)) continue;
+    BOOST_OUTCOME_TRYV(remove_whole(scratch / name));
+  }
+  if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());
+  return lock;
+}
+
+Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
+                  const std::function<void()>& begin_anew) {
+  boost::asio::io_context context;
+  boost::asio::signal_set signals(context, SIGTERM, SIGINT);
+  ClusterOptions cluster = *options.cluster;
+  BOOST_OUTCOME_TRYV(make_directories(options.data));
+  BOOST_OUTCOME_TRY(identity, data_identity(options.data));
+  cluster.shared = identity;
+  cluster.data = options.data;
+  bool again = false, leaves = false;
+  cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
+  cluster.expelled = [&](const std::string& why, bool may_come_back) {
+    boost::asio::post(context, [&, why, may_come_back] {
+      spdlog::warn("this node is no member of the cluster any more: it {}", why);
+      again = may_come_back && !leaves;
+      if (again) words.ends("was no member of the cluster any more (it " + why + "), and began anew");
+      context.stop();
+    });
+  };
+  BOOST_OUTCOME_TRY(engine, Engine::join(options.threads, options.memory_bytes,
+                                         std::make_unique<Seat>(cluster, words.before()), kinds_of_stages()));
+  boost::asio::steady_timer until_too_late(context);
+  signals.async_wait([&](const boost::system::error_code& error, int signal) {
+    if (error) return;
+    leaves = true;
+    LastWords::end_by(SIGTERM);  // a second one, at once
+    LastWords::end_by(SIGINT);
+    spdlog::info("signal {}: leaves the cluster when others have its tiles", signal);
+    supervisor::stopping();
+    engine->depart();
+    if (cluster.drain_timeout.count() == 0) return;
+    until_too_late.expires_after(cluster.drain_timeout);
+    until_too_late.async_wait([&](const boost::system::error_code& error) {
+      if (error) return;
+      const std::string time = std::to_string(cluster.drain_timeout.count()) + " s";
+      spdlog::warn("others do not have its tiles after {}: it ends, and is lost", time);
+      words.ends("was told to end, and did not get rid of its tiles within " + time);
+      context.stop();
+    });
+  });
+  const Health health(*engine, options);
+  std::optional<ProcessWatch> watch(
+      std::in_place, [&] { return health.unready(); }, cluster.certificate, cluster.certificate_end_s);
+  std::erase_if(http.listeners, [](const http::ListenOptions& listener) { return !listener.operations; });
+  std::unique_ptr<http::Server> server;
+  if (!http.listeners.empty()) {
+    BOOST_OUTCOME_TRY(started, http::Server::start(std::move(http), health));
+    server = std::move(started);
+  }
+  spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));
+  supervisor::ready("node of the cluster " + cluster.name);
+  boost::asio::steady_timer timer(context);
+  boost::asio::steady_timer until_told(context);
+  std::function<void()> tell = [&] {
+    words.doing((leaves ? "leaving the cluster, " : "") + in_words(engine->work()));
+    until_told.expires_after(telling);
+    until_told.async_wait([&](const boost::system::error_code& error) {
+      if (!error) tell();
+    });
+  };
+  tell();
+  const auto most = supervisor::watchdog();
+  std::function<void()> beat = [&] {
+    supervisor::alive();
+    timer.expires_after(*most / 3);
+    timer.async_wait([&](const boost::system::error_code& error) {
+      if (!error) beat();
+    });
+  };
+  if (most) beat();
+  const auto work = boost::asio::make_work_guard(context);
+  context.run();
+  watch.reset();   // it asks the engine
+  server.reset();  // before it begins anew: an open socket would stay with the process
+  if (again) begin_anew();
+  supervisor::stopping();
+  engine.reset();
+  spdlog::info("ended");
+  return success();
+}
+
+}  // namespace tessera

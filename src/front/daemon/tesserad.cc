@@ -1,0 +1,278 @@
+// The daemon `tesserad`: jobs over HTTP. Runs until SIGTERM or SIGINT: then requests drain, and jobs stop where they
+// can be resumed, which the next start does. SIGHUP reads tokens and certificate again. What only works for a cluster
+// hands over its tiles first (node_process.h).
+#include <malloc.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+
+#include <spdlog/spdlog.h>
+
+#include "src/base/files/open_files.h"
+#include "src/base/option.h"
+#include "src/base/printable.h"
+#include "src/front/apps/help.h"
+#include "src/front/apps/words.h"
+#include "src/front/daemon/daemon_log.h"
+#include "src/front/daemon/daemon_options.h"
+#include "src/front/daemon/data_rights.h"
+#include "src/front/daemon/health.h"
+#include "src/front/daemon/last_words.h"
+#include "src/front/daemon/node_process.h"
+#include "src/front/daemon/process_watch.h"
+#include "src/front/daemon/supervisor.h"
+#include "src/job/version.h"
+#include "src/service/http/server.h"
+#include "src/service/service.h"
+
+namespace tessera {
+namespace {
+
+constexpr std::chrono::seconds drain_time{10};
+
+// `json`: as lines of the log.
+int fail(const Error& error, bool json = false) {
+  const std::string sentence = render(error.where, flag_name);
+  if (json) {
+    if (!spdlog::get(daemon_log_name)) start_daemon_log(true, false);
+    spdlog::error("{}", sentence);
+  } else {
+    std::fprintf(stderr, "tesserad: %s\n", printable(sentence).c_str());
+  }
+  return static_cast<int>(error.code);
+}
+
+// "http://127.0.0.1:7070/": where users find the API.
+std::string address_of(const http::ServerOptions& options, std::uint16_t port) {
+  if (!options.public_url.empty())
+    return options.public_url.back() == '/' ? options.public_url : options.public_url + "/";
+  const std::string& host = options.listeners.front().address;
+  return std::string(options.certificate.empty() ? "http" : "https") + "://" +
+         (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + std::to_string(port) + "/";
+}
+
+// Until a signal ends it. Signals are caught from its beginning, and heeded when it runs.
+class Life {
+ public:
+  void run(Service& service, http::Server& server) {
+    service_ = &service;
+    server_ = &server;
+    wait_for_signal();
+    if (const auto most = supervisor::watchdog()) beat(*most / 3);
+    context_.run();
+  }
+
+  // Whether no signal to end has come until then. REQUIRES: it does not run yet.
+  bool pause(std::chrono::milliseconds time) {
+    bool goes_on = true;
+    const std::function<void()> listen = [&] {
+      signals_.async_wait([&](const boost::system::error_code& error, int signal) {
+        if (error) return;
+        if (signal == SIGHUP) return listen();
+        goes_on = false;
+        context_.stop();
+      });
+    };
+    listen();
+    timer_.expires_after(time);
+    timer_.async_wait([&](const boost::system::error_code&) { context_.stop(); });
+    context_.run();
+    signals_.cancel();
+    timer_.cancel();
+    context_.restart();
+    context_.poll();  // what was cancelled
+    context_.restart();
+    return goes_on;
+  }
+
+ private:
+  void wait_for_signal() {
+    signals_.async_wait([this](const boost::system::error_code& error, int signal) {
+      if (error) return;
+      if (signal != SIGHUP) {
+        spdlog::info("signal {}: ends; jobs stop where they can be resumed", signal);
+        LastWords::end_by(SIGTERM);  // a second one, at once
+        LastWords::end_by(SIGINT);
+        context_.stop();
+        return;
+      }
+      supervisor::reloading();
+      if (const Status reloaded = server_->reload(); !reloaded) {
+        spdlog::error("{}; what was read before stays", render(reloaded.error().where, flag_name));
+      } else {
+        spdlog::info("tokens, certificate and key were read again");
+      }
+      supervisor::ready("serving");
+      wait_for_signal();
+    });
+  }
+
+  // The service is asked something that needs its lock: a daemon that hangs is not alive.
+  void beat(std::chrono::microseconds pause) {
+    (void)service_->figures();
+    supervisor::alive();
+    timer_.expires_after(pause);
+    timer_.async_wait([this, pause](const boost::system::error_code& error) {
+      if (!error) beat(pause);
+    });
+  }
+
+  Service* service_ = nullptr;
+  http::Server* server_ = nullptr;
+  boost::asio::io_context context_;
+  boost::asio::signal_set signals_{context_, SIGTERM, SIGINT, SIGHUP};
+  boost::asio::steady_timer timer_{context_};
+};
+
+// Waits for a data folder that another process has, until that one ends or is silent for long enough.
+class Turn {
+ public:
+  Turn(Life& life, std::chrono::milliseconds lease) : life_(life), until_(Clock::now() + lease * 5 / 4) {}
+
+  bool wait(const Error& why) {
+    constexpr std::chrono::seconds between_looks{1};
+    if (!told_) spdlog::info("{}; waits until that one ends, or is heard of no more", why.where);
+    told_ = true;
+    if (Clock::now() >= until_) return false;
+    given_up_ = !life_.pause(between_looks);
+    return !given_up_;
+  }
+  // By a signal.
+  bool given_up() const { return given_up_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Life& life_;
+  const Clock::time_point until_;
+  bool told_ = false, given_up_ = false;
+};
+
+// What this process believes of its data folder is wrong from now on, so that it must not even end in order.
+[[noreturn]] void end_without_data_folder(const Error& why, LastWords* words) {
+  spdlog::critical("{}; ends with status {}", why.where, static_cast<int>(why.code));
+  spdlog::default_logger()->flush();
+  if (words) words->ends(Status(why));
+  std::_Exit(static_cast<int>(why.code));
+}
+
+Status serve_api(DaemonOptions options, LastWords* words) {
+  Life life;
+  Turn turn(life, options.service.data_lease);
+  options.service.locked = [&turn](const Error& why) { return turn.wait(why); };
+  options.service.lost = [words](const Error& why) { end_without_data_folder(why, words); };
+  options.service.log = [](const std::string& line) { spdlog::warn("{}", render(line, flag_name)); };
+  options.service.note = [](const std::string& line) { spdlog::info("{}", render(line, flag_name)); };
+  const std::optional<ClusterOptions> cluster = options.service.cluster;
+  auto opened = Service::open(std::move(options.service));
+  if (!opened && turn.given_up()) return success();
+  BOOST_OUTCOME_TRY(service, std::move(opened));
+  BOOST_OUTCOME_TRY(server, http::Server::start(options.http, *service));
+  const std::string address = address_of(options.http, server->ports().front());
+  // On stdout, once, for the one who started it; never in the log, which is where a service manager sends what it reads
+  // from a pipe. Behind '#' no browser sends it, so that it is in no log of a proxy either.
+  if (const std::string token = server->token(); !token.empty() && (options.print_token || ::isatty(STDOUT_FILENO))) {
+    std::printf("%s#token=%s\n", address.c_str(), token.c_str());
+    std::fflush(stdout);
+  }
+  spdlog::info("tesserad {} serves at {}; tokens: {}", version(), address, options.http.tokens.string());
+  if (options.http.insecure) spdlog::warn("tokens and data cross the network readable");
+  supervisor::ready("serving at " + address);
+  std::optional<ProcessWatch> watch(
+      std::in_place, [&] { return service->unready(); }, cluster ? cluster->certificate : std::filesystem::path(),
+      cluster ? cluster->certificate_end_s : 0);
+  life.run(*service, *server);
+  watch.reset();
+  supervisor::stopping();
+  if (!server->drain(drain_time)) spdlog::warn("some requests were cut off");
+  server.reset();
+  service.reset();
+  spdlog::info("ended");
+  return success();
+}
+
+Status serve(DaemonOptions options, const std::function<void()>& begin_anew) {
+  start_daemon_log(options.json_log, options.http.insecure);
+  BOOST_OUTCOME_TRY(who, who_else_may_enter(options.service.data));
+  if (who) spdlog::warn("{}", *who);
+  if (!options.service.cluster) return serve_api(std::move(options), nullptr);
+  ClusterOptions& cluster = *options.service.cluster;
+  BOOST_OUTCOME_TRY(lock, take_scratch(cluster.scratch));
+  [[maybe_unused]] const FolderLock scratch_is_ours = std::move(lock);
+  BOOST_OUTCOME_TRY(words, LastWords::keep(cluster.scratch));
+  if (!words->before().empty()) spdlog::warn("the process before this one {}", words->before());
+  cluster.log = [](const std::string& line) { spdlog::info("{}", line); };
+  cluster.expelled = [](const std::string& why, bool) { spdlog::warn("this process takes no more work: it {}", why); };
+  const bool is_node_alone = !cluster.coordinator;
+  Status served = is_node_alone ? serve_node(options.service, options.http, *words, begin_anew)
+                                : serve_api(std::move(options), words.get());
+  words->ends(served);
+  return served;
+}
+
+int tesserad_main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  // Jobs, results and uploads are for this user alone, whatever the umask of who starts it.
+  ::umask(077);
+  // As for the command: pools of each thread keep what no account shows.
+  mallopt(M_ARENA_MAX, 4);
+  raise_open_files_limit();  // a shell's is too small for connections and jobs together
+  CLI::App app("Exact Delaunay triangulations as a service: jobs over HTTP.", "tesserad");
+  app.set_version_flag("--version", std::string("tesserad ") + version());
+  DaemonSettings settings;
+  add_daemon_options(app, settings);
+  std::string metrics = "127.0.0.1:7071";
+  CLI::App* health = app.add_subcommand("health", "Exits with 0 when the daemon there can take jobs");
+  health->add_option("--metrics", metrics, "the daemon's address for health and figures")->type_name("ADDRESS");
+  app.footer("Examples:\n  tesserad --data /srv/tessera --inputs /srv/lidar\n  tesserad health");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    return app.exit(help);
+  } catch (const CLI::ParseError& wrong) {
+    return fail(error(Errc::usage, wrong_arguments(app, "tesserad", wrong) + "; see 'tesserad --help'"),
+                settings.top.text("log") == "json");
+  }
+  if (health->parsed()) {
+    const Status ready = check_health(metrics);
+    return ready ? 0 : fail(ready.error());
+  }
+  auto options = read_daemon_options(settings, [](const char* name) { return std::getenv(name); });
+  if (!options) return fail(options.error(), settings.top.text("log") == "json");
+  const bool json = options.value().json_log;
+  // The same program with the same options: nothing of the node that was lost stays.
+  const auto begin_anew = [argv] {
+    ::execv("/proc/self/exe", argv);
+    std::fprintf(stderr, "tesserad: cannot begin anew\n");
+    std::_Exit(static_cast<int>(Errc::internal));
+  };
+  const Status served = serve(std::move(options).value(), begin_anew);
+  return served ? 0 : fail(served.error(), json);
+}
+
+}  // namespace
+}  // namespace tessera
+
+int main(int argc, char** argv) {
+  try {
+    return tessera::tesserad_main(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return tessera::fail(tessera::error(tessera::Errc::memory, "the system has no more memory to give"));
+  } catch (const std::exception& e) {
+    return tessera::fail(tessera::error(tessera::Errc::internal, std::string("unexpected: ") + e.what()));
+  }
+}

@@ -1,0 +1,13 @@
+// CGAL's triangulations behind the Kernel interface: one translation unit each, for they take long to compile.
+#pragma once
+
+#include <memory>
+
+#include "src/geometry/kernel/kernel.h"
+
+namespace tessera {
+
+std::unique_ptr<Kernel> make_cgal_kernel_2();
+std::unique_ptr<Kernel> make_cgal_kernel_3();
+
+}  // namespace tessera

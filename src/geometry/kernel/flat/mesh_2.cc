@@ -1,0 +1,191 @@
+#include "src/geometry/kernel/flat/mesh_2.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/check.h"
+#include "src/geometry/kernel/flat/mesh_impl.h"
+#include "src/geometry/kernel/flat/remove_impl.h"
+#include "src/geometry/predicates/exact/predicates.h"
+
+namespace tessera::flat2 {
+
+Vertex Mesh::add(const Point& p) {
+  points.own();
+  return points.add(p);
+}
+
+bool Mesh::spans_more(const Point& p) const {
+  if (spanned_ < 1) return spanned_ < 0 || !flat::same_place<2>(corner(0), p);
+  return exact::orientation_2(corner(0), corner(1), p) != 0;
+}
+
+bool Mesh::positive(const Corners& v) const { return exact::orientation_2(point(v[0]), point(v[1]), point(v[2])) > 0; }
+
+bool Mesh::conflicts_with_hull(const Point& p, const Cell& t) const {
+  const Word i = t.v[1] == infinite_vertex ? 1 : 2;
+  const Point &a = point(t.v[next_of[i]]), &b = point(t.v[before[i]]);
+  if (const int side = exact::orientation_2(a, b, p); side != 0) return side > 0;
+  // On the line of a hull edge: in conflict strictly between its ends.
+  const bool by_x = a.x != b.x;
+  const double from = by_x ? a.x : a.y, to = by_x ? b.x : b.y, at = by_x ? p.x : p.y;
+  return (from < at && at < to) || (to < at && at < from);
+}
+
+bool Mesh::conflicts(const Point& p, Word slot) const {
+  const Cell& t = cells[slot];
+  if (t.infinite()) [[unlikely]]
+    return conflicts_with_hull(p, t);
+  return exact::in_circle_perturbed_2(point(t.v[0]), point(t.v[1]), point(t.v[2]), p) > 0;
+}
+
+// In 2D a conflict zone has no vertex inside, so its triangles and their common edges are a tree: none is met twice,
+// and going through it depth first, counterclockwise, gives the boundary in order. Both edges of a triangle are asked
+// before either answer is used: answers cannot be foreseen, and so two are waited for at once.
+void Mesh::find_zone(const Point& query, Word start) {
+  const Point p = query;
+  before_zone();
+  const Cell* const all = cells.data();
+  const Point* const at = points.first();
+  if (near_.size() < 64) near_.resize(64), pending_.resize(64), boundary_.resize(64), zone_.resize(64);
+  Near* near = near_.data();
+  Pending* pending = pending_.data();
+  Word near_size = 0;
+  std::size_t size = 0, zone_size = 0, boundary_size = 0;
+
+  const auto add_near = [&](Vertex v) {
+    Near& c = near[near_size++];
+    c.v = v;
+    if (v == infinite_vertex) [[unlikely]]
+      return;
+    const double x = at[v].x - p.x, y = at[v].y - p.y;
+    c.x = x, c.y = y, c.lift = x * x + y * y;
+  };
+  // Puts the edge from a to b on the stack, with the answer whether the triangle across it is in conflict.
+  const auto ask = [&](Word across, Word a_index, Word b_index) __attribute__((always_inline)) {
+    Pending& edge = pending[size++];
+    edge.across = across, edge.a = a_index, edge.b = b_index, edge.c = near_size;
+    if (across & frozen_bit) [[unlikely]] {
+      edge.in_conflict = false;
+      return;
+    }
+    const Cell& t = all[across >> 2];  // (c, b, a)
+    const Near &a = near[a_index], &b = near[b_index], &c = near[near_size];
+    add_near(t.v[across & 3]);
+    if (c.v == infinite_vertex || a.v == infinite_vertex || b.v == infinite_vertex) [[unlikely]] {
+      edge.in_conflict = conflicts_with_hull(p, t);
+      return;
+    }
+    // As exact::filter::in_circle_2, with the largest lift in place of the product of the largest x and y.
+    const double det =
+        a.lift * (c.x * b.y - b.x * c.y) + c.lift * (b.x * a.y - a.x * b.y) + b.lift * (a.x * c.y - c.x * a.y);
+    const double lift = std::max(std::max(a.lift, b.lift), c.lift);
+    const double error = 70 * exact::filter::u * (lift * lift) + exact::filter::underflow;
+    if (std::abs(det) > error && lift < exact::filter::lift_max) [[likely]] {
+      edge.in_conflict = det > 0;
+    } else {
+      edge.in_conflict = exact::in_circle_perturbed_2(point(t.v[0]), point(t.v[1]), point(t.v[2]), p) > 0;
+    }
+  };
+
+  zone_[zone_size++] = start;
+  const Cell& first = all[start];
+  for (const Vertex v : first.v) add_near(v);
+  ask(first.n[1], 2, 0);
+  ask(first.n[0], 1, 2);
+  ask(first.n[2], 0, 1);
+  while (size > 0) {
+    const Pending& edge = pending[--size];
+    const Word across = edge.across, a = edge.a, b = edge.b, c = edge.c;  // one by one: they were just stored like that
+    if (!edge.in_conflict) {
+      boundary_[boundary_size++] = {across, near[a].v};
+      continue;
+    }
+    const Word slot = across >> 2, i = across & 3;
+    zone_[zone_size++] = slot;
+    if (near_size + 4 > near_.size()) [[unlikely]] {  // bounds all the others
+      const std::size_t n = 2 * near_.size();
+      near_.resize(n), pending_.resize(n), boundary_.resize(n), zone_.resize(n);
+      near = near_.data(), pending = pending_.data();
+    }
+    const Cell& t = all[slot];
+    ask(t.n[before[i]], c, b);
+    ask(t.n[next_of[i]], a, c);
+  }
+  zone_size_ = zone_size;
+  boundary_size_ = boundary_size;
+  after_zone(zone_size);
+}
+
+// A boundary of k edges encloses k - 2 triangles and takes k new ones: (v, from, from of the next edge).
+void Mesh::fill(Vertex v) {
+  const std::size_t k = boundary_size_;
+  zone_[k - 2] = new_slot();
+  zone_[k - 1] = new_slot();
+  Cell* const all = cells.data();
+  const Word* const slots = zone_.data();
+  const Edge* const edges = boundary_.data();
+  Word previous = slots[k - 1], slot = slots[0];
+  Vertex from = edges[0].from;
+  for (std::size_t e = 0; e < k; ++e) {
+    const std::size_t after = e + 1 < k ? e + 1 : 0;
+    const Word across = edges[e].across, next = slots[after];
+    const Vertex to = edges[after].from;
+    Cell& t = all[slot];
+    t.v[0] = v, t.v[1] = from, t.v[2] = to;
+    t.state = State::plain;
+    t.n[0] = across, t.n[1] = 4 * next + 2, t.n[2] = 4 * previous + 1;
+    if (!(across & frozen_bit)) [[likely]]
+      all[across >> 2].n[across & 3] = 4 * slot;
+    previous = slot, slot = next, from = to;
+  }
+  last_ = slots[k - 1];
+}
+
+void Mesh::around(Vertex v, std::vector<Word>& found) const {
+  found.clear();
+  const Word first = incident(v);
+  Word slot = first;
+  do {
+    const Cell& t = cells[slot];
+    found.push_back(slot);
+    const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    const Word across = t.n[next_of[i]];
+    check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
+    slot = across >> 2;
+  } while (slot != first);
+}
+
+// Each triangle around v has one that none before it had: where the way to the next leads away from.
+void Mesh::neighbours_into(Vertex v, std::vector<Vertex>& vertices) const {
+  const Word first = incident(v);
+  Word slot = first;
+  do {
+    const Cell& t = cells[slot];
+    const Word i = t.v[0] == v ? 0 : t.v[1] == v ? 1 : 2;
+    if (t.v[next_of[i]] != infinite_vertex) vertices.push_back(t.v[next_of[i]]);
+    const Word across = t.n[next_of[i]];
+    check_read(!(across & frozen_bit), "a triangle around a vertex is frozen");
+    slot = across >> 2;
+  } while (slot != first);
+}
+
+void Mesh::release_scratch() {
+  zone_size_ = boundary_size_ = 0;
+  flat::release(zone_, boundary_, pending_, near_);
+}
+
+void Mesh::zone_into(std::vector<Vertex>& vertices) const {
+  for (std::size_t k = 0; k < boundary_size_; ++k) {
+    if (boundary_[k].from != infinite_vertex) vertices.push_back(boundary_[k].from);
+  }
+}
+
+std::size_t Mesh::memory() const {
+  return base_memory() + zone_.capacity() * sizeof(Word) + boundary_.capacity() * sizeof(Edge) +
+         pending_.capacity() * sizeof(Pending) + near_.capacity() * sizeof(Near);
+}
+
+}  // namespace tessera::flat2
+
+template class tessera::flat::MeshBase<tessera::flat2::Mesh, tessera::flat2::Cell>;

@@ -1,0 +1,79 @@
+// The triangulation of the flat kernel in 3D: see mesh.h. Between two calls, no vertex has a local number.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "src/geometry/kernel/flat/cells_3.h"
+#include "src/geometry/kernel/flat/mesh.h"
+
+namespace tessera::flat3 {
+
+class Mesh : public flat::MeshBase<Mesh, Cell> {
+ public:
+  static constexpr std::size_t cells_a_vertex = 8;
+  static constexpr int brio_bits = 3;
+
+  explicit Mesh(const FlatOptions& options = {});
+  void drop_cells();
+  Vertex add(const Point& p) { return points.add(p); }
+  bool spans_more(const Point& p) const;
+  bool positive(const Corners& v) const;
+  bool walk(const Point& p, Word slot, Located& found) const;
+  bool conflicts(const Point& p, Word slot) const;
+  void find_zone(const Point& p, Word start);
+  std::size_t zone_size() const { return zone_size_; }
+  Word zone_cell(std::size_t i) const { return zone_[i] >> 2; }
+  void zone_into(std::vector<Vertex>& vertices) const;
+  void fill(Vertex v);
+  void leave();
+  void around(Vertex v, std::vector<Word>& found) const;
+  void neighbours_into(Vertex v, std::vector<Vertex>& vertices) const;
+  void release_scratch();
+  std::size_t memory() const;
+
+ private:
+  struct Facet {  // of the zone's boundary: the cell to be is (p, v[0], v[1], v[2])
+    Word v[3];
+    Word across;
+    Word number[4];  // of the three, as in number_
+  };
+  struct Edge {
+    std::uint64_t key;  // from << 32 | to, or 0
+    Word facet;
+  };
+  struct Step {
+    Word slot;
+    Word from;  // the facet come through, 8 at the start
+    bool arrived;
+  };
+  Step walk_surely(const Point& p, Step step) const;
+  // The vertices of the zone, each once, the infinite one included.
+  std::span<const Vertex> zone_vertices() const { return {zone_vertices_.data(), zone_vertices_size_}; }
+  static void put(Cell* all, Word slot, const Facet& facet, Vertex v);
+  void link_small(Word facets, Vertex v);
+  void link_large(Word facets, Vertex v);
+  void take_slots(Word facets);
+  void reserve_numbers() const;
+
+  friend struct ZoneCode;  // zone_3.cc
+
+  std::vector<Word> zone_;     // [0, zone_size_): cells in conflict, each with the facet it was reached through
+  std::vector<Word> pending_;  // cells to be asked, in the order they were met
+  std::vector<Facet> facets_;  // [0, facets_size_): the zone's boundary
+  std::size_t zone_size_ = 0, facets_size_ = 0, zone_vertices_size_ = 0;
+  std::vector<Word> slots_;            // of the new cells, by facet
+  std::vector<Vertex> zone_vertices_;  // [0, zone_vertices_size_)
+  // By vertex: 1.. (255 at most) while it is in zone_vertices_, or one call lists it, else 0.
+  mutable std::vector<std::uint8_t> number_;
+  mutable std::vector<Word> around_;  // scratch of neighbours_into
+  std::vector<Edge> edges_;           // hash table of a large boundary
+  bool vectors_;
+  mutable std::uint32_t turn_ = 0;  // of walks
+  static constexpr std::size_t small = 64;
+  alignas(64) std::array<Word, small * small> table_;  // by directed edge of a small boundary, in local numbers
+};
+
+}  // namespace tessera::flat3

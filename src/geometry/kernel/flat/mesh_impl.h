@@ -1,0 +1,156 @@
+// For mesh_2.cc and mesh_3.cc, which instantiate it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "src/base/check.h"
+#include "src/geometry/kernel/flat/mesh.h"
+
+namespace tessera::flat {
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::drop_cells() {
+  cells.clear();
+  free_.clear();
+  nearby_.clear();
+  self().release_scratch();
+  spanned_ = -1;
+  frozen_ = last_ = 0;
+  newest_ = none;
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::span_more(Vertex v) {
+  if (self().spans_more(points[v])) simplex_[static_cast<std::size_t>(++spanned_)] = v;
+}
+
+template <class Mesh, class Cell>
+bool MeshBase<Mesh, Cell>::in_simplex(Vertex v) const {
+  return std::find(simplex_.begin(), simplex_.end(), v) != simplex_.end();
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::start() {
+  check(spanned_ == dimension && cells.size() == 0, "a triangulation starts with a simplex");
+  if (!self().positive(simplex_)) std::swap(simplex_[0], simplex_[1]);
+  // Points from outside come later, near the boundary of these: room for them spares moving all.
+  const double n = static_cast<double>(points.size());
+  const double outside = 8 * (dimension == 3 ? std::cbrt(n) * std::cbrt(n) : std::sqrt(n));
+  cells.reserve(Mesh::cells_a_vertex * (std::size_t{points.size()} + static_cast<std::size_t>(outside)) + 64);
+  cells.resize(corners + 1);
+  cells[0].set(simplex_.data());
+  // With the corner that is inside in front of a facet the cell is positive; so it is with the infinite vertex behind.
+  for (Word i = 0; i < corners; ++i) {
+    Corners outer{};
+    for (std::size_t k = 0; k + 1 < corners; ++k) outer[k] = simplex_[Cell::facet_of[i][k]];
+    if (dimension % 2 == 0) std::swap(outer[0], outer[1]);
+    cells[1 + i].set(outer.data());
+  }
+  for (Word c = 0; c <= corners; ++c) {
+    for (Word i = 0; i < corners; ++i) {
+      for (Word d = 0; d <= corners; ++d) {
+        const Word facet = d == c ? corners : common_facet(cells[c], i, cells[d]);
+        if (facet < corners) cells[c].n[i] = 4 * d + facet;
+      }
+    }
+  }
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::before_zone() {
+  if (usual_left_ == 0 || --usual_left_ > 0) [[likely]]
+    return;
+  self().release_scratch();
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::insert(Vertex v) {
+  const Point p = points[v];
+  const Located found = locate(p);
+  check_read(found.same == 0, "two points of a kernel are equal");
+  self().find_zone(p, found.cell);
+  self().fill(v);
+}
+
+template <class Mesh, class Cell>
+Word MeshBase<Mesh, Cell>::new_slot() {
+  if (!free_.empty()) {
+    const Word slot = free_.back();
+    free_.pop_back();
+    return slot;
+  }
+  if (cells.size() >= cells_max_) throw KernelFull();
+  cells.resize(cells.size() + 1);
+  return static_cast<Word>(cells.size() - 1);
+}
+
+// Asked for one that is near the one before, or near the one that came last, most times.
+template <class Mesh, class Cell>
+Word MeshBase<Mesh, Cell>::incident(Vertex v) const {
+  const auto has_v = [&](Word slot) {
+    const Cell& c = cells[slot];
+    return !c.dead() && std::find(c.v, c.v + corners, v) != c.v + corners;
+  };
+  if (has_v(last_)) return last_;
+  if (v != infinite_vertex) return last_ = locate(points[v]).cell;
+  Word slot = 0;
+  while (!has_v(slot)) ++slot;
+  return slot;
+}
+
+template <class Mesh, class Cell>
+Array<Cell> MeshBase<Mesh, Cell>::take_cells() {
+  return std::move(cells);
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::adopt(Array<Cell> others, Word frozen) {
+  cells = std::move(others);
+  frozen_ = frozen;
+  free_.clear();
+  nearby_.clear();
+  last_ = 0;
+  newest_ = none;
+  for (Word slot = 0; slot < cells.size(); ++slot) {
+    if (cells[slot].dead()) {
+      free_.push_back(slot);
+    } else {
+      last_ = slot;
+    }
+  }
+}
+
+template <class Mesh, class Cell>
+void MeshBase<Mesh, Cell>::compact() {
+  newest_ = none;
+  nearby_.clear();
+  self().release_scratch();
+  std::sort(free_.begin(), free_.end());
+  for (std::size_t next = 0, end = free_.size(); next < end;) {
+    const Word last = static_cast<Word>(cells.size() - 1);
+    if (free_[end - 1] == last) {
+      --end;
+    } else {
+      const Word slot = free_[next++];
+      cells[slot] = cells[last];
+      for (Word i = 0; i < corners; ++i) {
+        const Word across = cells[slot].n[i];
+        if (!(across & frozen_bit)) cells[across >> 2].n[across & 3] = 4 * slot + i;
+      }
+      if (last_ == last) last_ = slot;
+    }
+    cells.resize(last);
+  }
+  release(free_);
+  if (cells.touched() - cells.bytes() > cells.bytes() / 8) cells.trim();
+}
+
+template <class Mesh, class Cell>
+std::size_t MeshBase<Mesh, Cell>::base_memory() const {
+  return points.memory() + cells.touched() + free_.capacity() * sizeof(Word) + nearby_.memory();
+}
+
+}  // namespace tessera::flat

@@ -1,0 +1,90 @@
+// Some of the cells by place, as a k-d tree: where to begin when a hole of frozen cells is in the way of a walk. It may
+// be out of date: a slot can have become free, or have got a cell elsewhere. That costs time only.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "src/geometry/kernel/flat/cells.h"
+#include "src/geometry/kernel/flat/points.h"
+
+namespace tessera::flat {
+
+template <int dimension>
+class NearbyCells {
+ public:
+  struct Place {
+    Point at;
+    Word slot;
+  };
+
+  void set(std::vector<Place> places) {
+    places_ = std::move(places);
+    order(0, places_.size(), 0);
+  }
+  void clear() { release(places_); }
+  bool empty() const { return places_.empty(); }
+  // The slots of the places nearest to p, the nearest first: so many at most, all of them usable(slot).
+  static constexpr std::size_t count = 8;
+  template <class Usable>
+  std::vector<Word> nearest(const Point& p, const Usable& usable) const {
+    Found found;
+    search(p, usable, 0, places_.size(), 0, found);
+    return {found.slots, found.slots + found.size};
+  }
+  std::size_t memory() const { return places_.capacity() * sizeof(Place); }
+
+ private:
+  struct Found {
+    double distances[count];  // ascending
+    Word slots[count];
+    std::size_t size = 0;
+
+    double limit() const { return size < count ? std::numeric_limits<double>::infinity() : distances[count - 1]; }
+    void add(double distance, Word slot) {
+      std::size_t i = size < count ? size++ : count - 1;
+      for (; i > 0 && distances[i - 1] > distance; --i) distances[i] = distances[i - 1], slots[i] = slots[i - 1];
+      distances[i] = distance, slots[i] = slot;
+    }
+  };
+
+  static double coordinate(const Point& p, int axis) { return axis == 0 ? p.x : axis == 1 ? p.y : p.z; }
+
+  // The middle of [begin, end) parts the others by one axis, the middles of both halves do by the next.
+  void order(std::size_t begin, std::size_t end, int axis) {
+    if (end - begin < 2) return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return places_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [axis](const Place& a, const Place& b) {
+      return coordinate(a.at, axis) < coordinate(b.at, axis);
+    });
+    const int next = (axis + 1) % dimension;
+    order(begin, middle, next);
+    order(middle + 1, end, next);
+  }
+
+  template <class Usable>
+  void search(const Point& p, const Usable& usable, std::size_t begin, std::size_t end, int axis, Found& found) const {
+    if (begin >= end) return;
+    const std::size_t middle = begin + (end - begin) / 2;
+    const Place& place = places_[middle];
+    const double distance = squared_distance<dimension>(p, place.at);
+    if (distance < found.limit() && usable(place.slot)) found.add(distance, place.slot);
+    const double beyond = coordinate(p, axis) - coordinate(place.at, axis);
+    const int next = (axis + 1) % dimension;
+    for (const bool near : {true, false}) {
+      if (!near && !(beyond * beyond < found.limit())) return;
+      if ((beyond < 0) == near) {
+        search(p, usable, begin, middle, next, found);
+      } else {
+        search(p, usable, middle + 1, end, next, found);
+      }
+    }
+  }
+
+  std::vector<Place> places_;
+};
+
+}  // namespace tessera::flat

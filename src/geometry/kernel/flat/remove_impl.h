@@ -1,0 +1,92 @@
+// Removal of a vertex: the hole is filled by the cells, in conflict with the vertex, of the Delaunay triangulation of
+// the points around it. Simple rather than fast: only a policy for tests removes vertices. For mesh_2.cc and
+// mesh_3.cc.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "src/base/check.h"
+#include "src/geometry/kernel/flat/mesh.h"
+
+namespace tessera::flat {
+
+// The vertices opposite corner i, sorted.
+template <class Cell>
+auto sorted_facet(const Cell& cell, Word i) {
+  std::array<Vertex, Cell::dimension> facet;
+  for (std::size_t k = 0; k < facet.size(); ++k) facet[k] = cell.vertex(Cell::facet_of[i][k]);
+  std::sort(facet.begin(), facet.end());
+  return facet;
+}
+
+template <class Mesh, class Cell>
+bool MeshBase<Mesh, Cell>::remove(Vertex v) {
+  std::vector<Word> star;
+  self().around(v, star);
+  std::vector<Vertex> near;
+  std::map<std::array<Vertex, dimension>, Word> link;  // facets opposite v: what lies across
+  for (const Word slot : star) {
+    const Cell& c = cells[slot];
+    near.insert(near.end(), c.v, c.v + corners);
+    const Word i = static_cast<Word>(std::find(c.v, c.v + corners, v) - c.v);
+    check(!(c.n[i] & frozen_bit), "a removed vertex is not joined to a frozen cell");
+    link[sorted_facet(c, i)] = c.n[i];
+  }
+  std::unique_ptr<Mesh> small;  // its vertex i is near[i - 1]
+  const auto gather = [&] {
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    std::erase_if(near, [&](Vertex w) { return w == v || w == infinite_vertex; });
+    small = std::make_unique<Mesh>();
+    for (const Vertex w : near) small->add(points[w]);
+    for (Vertex i = 1; i <= near.size() && small->spanned() < dimension; ++i) small->span_more(i);
+    return small->spanned() == dimension;
+  };
+  if (!gather()) {
+    // All around v are coplanar, or collinear. The star of v is the same with more points: those across the link.
+    for (const auto& [facet, across] : link) near.push_back(cells[across >> 2].v[across & 3]);
+    if (!gather()) return false;
+  }
+  small->start();
+  for (Vertex i = 1; i <= near.size(); ++i) {
+    if (!small->in_simplex(i)) small->insert(i);
+  }
+  const Point p = points[v];
+  small->find_zone(p, small->locate(p).cell);
+
+  newest_ = none;
+  for (const Word slot : star) {
+    cells[slot].free();
+    free_.push_back(slot);
+  }
+  std::map<Word, Word> slot_of;
+  for (std::size_t i = 0; i < small->zone_size(); ++i) slot_of[small->zone_cell(i)] = new_slot();
+  for (const auto& [z, slot] : slot_of) {
+    const Cell& from = small->cells[z];
+    Cell& to = cells[slot];
+    Corners names;
+    for (Word i = 0; i < corners; ++i) {
+      const Vertex w = from.vertex(i);
+      names[i] = w == infinite_vertex ? w : near[w - 1];
+    }
+    to.set(names.data());
+    for (Word i = 0; i < corners; ++i) {
+      const auto inside = slot_of.find(from.n[i] >> 2);
+      if (inside != slot_of.end()) {
+        to.n[i] = 4 * inside->second + (from.n[i] & 3);
+        continue;
+      }
+      const Word across = link.at(sorted_facet(to, i));
+      to.n[i] = across;
+      cells[across >> 2].n[across & 3] = 4 * slot + i;
+    }
+    last_ = slot;
+  }
+  return true;
+}
+
+}  // namespace tessera::flat

@@ -1,0 +1,73 @@
+// Point location where holes of frozen cells can be in the way. For walk_2.cc and walk_3.cc.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "src/base/check.h"
+#include "src/geometry/kernel/flat/mesh.h"
+
+namespace tessera::flat {
+
+template <class Mesh, class Cell>
+Located MeshBase<Mesh, Cell>::locate(const Point& p) const {
+  Located found;
+  if (self().walk(p, last_, found)) return found;
+  std::vector<Word> starts = nearby(p);
+  if (starts.empty()) starts.push_back(last_);
+  if (self().walk(p, starts.front(), found)) return found;
+  return search(p, starts);
+}
+
+// Cells near p, the nearest first. What a hole leaves is thin layers, in which a search from elsewhere would visit most
+// cells; and the nearest one may lie on the other side of the hole, but hardly all of them.
+template <class Mesh, class Cell>
+std::vector<Word> MeshBase<Mesh, Cell>::nearby(const Point& p) const {
+  constexpr std::size_t step = 16;  // 2 bytes a cell
+  if (nearby_.empty() || live_cells() > 2 * nearby_of_) {
+    std::vector<typename NearbyCells<dimension>::Place> places;
+    places.reserve(cells.size() / step + 1);
+    for (std::size_t slot = 0; slot < cells.size(); slot += step) {
+      if (!cells[slot].dead()) places.push_back({points[cells[slot].v[0]], static_cast<Word>(slot)});
+    }
+    nearby_.set(std::move(places));
+    nearby_of_ = live_cells();
+  }
+  return nearby_.nearest(p, [&](Word slot) { return slot < cells.size() && !cells[slot].dead(); });
+}
+
+// Nearest cells first, from one to its neighbours. Those that are left are connected through the infinite ones.
+template <class Mesh, class Cell>
+Located MeshBase<Mesh, Cell>::search(const Point& p, const std::vector<Word>& starts) const {
+  using Entry = std::pair<double, Word>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  std::unordered_set<Word> seen;
+  const auto meet = [&](Word slot) {
+    if (!seen.insert(slot).second) return;
+    double distance = std::numeric_limits<double>::infinity();
+    for (const Vertex v : cells[slot].v) {
+      if (v != infinite_vertex) distance = std::min(distance, squared_distance<dimension>(p, points[v]));
+    }
+    queue.emplace(distance, slot);
+  };
+  for (const Word start : starts) meet(start);
+  while (!queue.empty()) {
+    const Word slot = queue.top().second;
+    queue.pop();
+    for (const Vertex v : cells[slot].v) {
+      if (v != infinite_vertex && same_place<dimension>(points[v], p)) return {slot, v};
+    }
+    if (self().conflicts(p, slot)) return {slot, 0};
+    for (const Word across : cells[slot].n) {
+      if (!(across & frozen_bit)) meet(across >> 2);
+    }
+  }
+  throw Unsound("a point is in conflict with no cell that is left");
+}
+
+}  // namespace tessera::flat

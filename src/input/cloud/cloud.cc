@@ -1,0 +1,230 @@
+#include "src/input/cloud/cloud.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/input/bytes/spool.h"
+#include "src/input/cloud/cloud_crs.h"
+#include "src/input/cloud/in_order.h"
+#include "src/input/cloud/inputs.h"
+#include "src/input/cloud/point_filter.h"
+
+namespace tessera {
+namespace {
+
+// The type that holds an attribute of all files: theirs if they agree, double if not.
+void add_available(const FileInfo& file, std::vector<Attribute>& available) {
+  for (const auto& a : file.attributes) {
+    const auto same = std::find_if(available.begin(), available.end(), [&](auto& b) { return b.name == a.name; });
+    if (same == available.end())
+      available.push_back(a);
+    else if (same->type != a.type)
+      same->type = AttributeType::f64;
+  }
+}
+
+Result<std::vector<Attribute>> choose(const std::vector<std::string>& wanted, const std::vector<Attribute>& available) {
+  std::vector<Attribute> schema;
+  for (const auto& name : wanted) {
+    if (name == "all") return available;
+    const auto found = std::find_if(available.begin(), available.end(), [&](auto& a) { return a.name == name; });
+    if (found == available.end()) {
+      std::string names;
+      for (const auto& a : available) names += (names.empty() ? "" : ", ") + a.name;
+      return error(Errc::usage, "no input file has an attribute '" + name + "'; there " +
+                                    (names.empty() ? "are none" : "are " + names));
+    }
+    if (std::find(schema.begin(), schema.end(), *found) == schema.end()) schema.push_back(*found);
+  }
+  return schema;
+}
+
+struct Opened {
+  FileInfo info;
+  std::shared_ptr<const ByteSource> spooled;  // none if the file itself can be read again
+};
+
+Result<Opened> open_input(const InputName& input, const ReadHints& hints, Spool& spool) {
+  Opened opened;
+  std::shared_ptr<const ByteSource> source;
+  if (input.standard_input) {
+    BOOST_OUTCOME_TRY(all, spool.standard_input());
+    opened.spooled = source = std::move(all);
+  } else {
+    BOOST_OUTCOME_TRY(file, open_file(input.path));
+    source = std::move(file);
+    BOOST_OUTCOME_TRY(content, spool.unpacked(source));
+    if (content != source) opened.spooled = source = std::move(content);
+  }
+  BOOST_OUTCOME_TRY(reader, open_reader(share(std::move(source)), {}, hints));
+  opened.info = reader->info();
+  return opened;
+}
+
+Status check_file(const FileInfo& file, const CloudOptions& options) {
+  if (file.dimension < options.dimension)
+    return error(Errc::bad_input,
+                 file.path.string() + ": holds x and y only, and a 3D cloud was asked for (see " + option("dim") + ")");
+  if (options.resolution > 0 && !file.levels)
+    return error(Errc::usage, file.path.string() + ": is not COPC, so it has no levels for " + option("resolution") +
+                                  " to choose from");
+  for (const auto& [name, key] : filtered_by(options)) {
+    if (std::none_of(file.attributes.begin(), file.attributes.end(),
+                     [&, name = name](auto& a) { return a.name == name; }))
+      return error(Errc::usage,
+                   file.path.string() + ": has no " + name + ", so " + option(key) + " cannot choose from it");
+  }
+  return success();
+}
+
+// Degrees beside heights have no Delaunay triangulation that means anything: distances would mix them.
+Status check_units(const FileInfo& file) {
+  if (!file.degrees) return success();
+  return error(Errc::bad_input, file.path.string() +
+                                    ": its header names longitude and latitude, which are degrees, beside a height, "
+                                    "which is a length: convert them to a projected system, or triangulate the plane "
+                                    "of degrees with " +
+                                    option("dim", "2"));
+}
+
+Status check_use_of_columns(const std::vector<FileInfo>& files, const CloudOptions& options) {
+  const auto has_columns = [](const FileInfo& file) { return file.columns.has_value(); };
+  if (options.columns.empty() || std::any_of(files.begin(), files.end(), has_columns)) return success();
+  return error(Errc::usage, option("columns") + ": none of the input files is text or NumPy, whose columns it names");
+}
+
+// Numbers of points are taken for coordinates without anybody noticing.
+void warn_of_counting(const std::vector<FileInfo>& files, std::vector<std::string>& warnings) {
+  const auto first = std::find_if(files.begin(), files.end(), [](const FileInfo& file) { return file.counts_up; });
+  if (first == files.end()) return;
+  const auto count = std::count_if(first, files.end(), [](const FileInfo& file) { return file.counts_up; });
+  warnings.push_back((count == 1 ? first->path.string() + " has"
+                                 : std::to_string(count) + " files, " + first->path.string() + " the first, have") +
+                     " no header that names x and y, and a first column that counts up by one from line to line, which "
+                     "is taken for x; if it numbers the points, name the columns by the option columns, as p,y,x,z");
+}
+
+// `carried`: the points have heights, as attributes. `has_z`: the files have some.
+Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
+  if (options.keep == KeptPoint::first) return success();
+  const auto refuse = [&](const std::string& reason) {
+    return error(Errc::usage, option("keep", name_of(options.keep)) + ": " + reason);
+  };
+  if (options.dimension != 2)
+    return refuse("chooses among points of equal x and y, which are one vertex in 2D alone (see " + option("dim") +
+                  ")");
+  if (!is_by_height(options.keep) || carried) return success();
+  return refuse(has_z ? "needs the heights, which " + option("z", "false") + " leaves out"
+                      : "needs heights, and no input file has any");
+}
+
+// The schema: of what there is what is asked for, and in 2D the heights.
+Result<std::vector<Attribute>> choose_with_heights(const CloudOptions& options, std::vector<Attribute> available,
+                                                   bool has_z) {
+  const Attribute height{"z", AttributeType::f64};
+  const bool liftable = options.dimension == 2 && has_z;
+  if (liftable) available.push_back(height);
+  BOOST_OUTCOME_TRY(schema, choose(options.attributes, available));
+  if (liftable && options.heights && std::find(schema.begin(), schema.end(), height) == schema.end())
+    schema.push_back(height);
+  BOOST_OUTCOME_TRYV(check_keep(options, std::find(schema.begin(), schema.end(), height) != schema.end(), has_z));
+  return std::move(schema);
+}
+
+}  // namespace
+
+Result<Cloud> Cloud::open(const std::vector<std::string>& patterns, CloudOptions options, std::stop_token stop) {
+  if (options.dimension != 0 && options.dimension != 2 && options.dimension != 3)
+    return error(Errc::usage, "the dimension must be 2 or 3");
+  Cloud cloud;
+  Spool spool(options.spool_folder, stop, options.spool_bytes_max);
+  BOOST_OUTCOME_TRY(
+      inputs, find_inputs({.patterns = patterns, .list = options.input_list, .recursive = options.recursive}, spool));
+  const ReadHints hints{.crop = options.crop, .resolution = options.resolution, .columns = options.columns};
+  const auto open_one = [&](std::size_t i) -> Result<Opened> {
+    // No thread may wait for standard input while there is an error to tell.
+    if (inputs[i].standard_input) return Opened{};
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
+    auto opened = open_input(inputs[i], hints, spool);
+    if (opened.has_error()) return inputs[i].explained(opened.error());
+    return opened;
+  };
+  BOOST_OUTCOME_TRYV(in_order(inputs.size(), options.threads, open_one, [&](std::size_t i, Opened opened) -> Status {
+    if (inputs[i].standard_input) {
+      BOOST_OUTCOME_TRY(read, open_input(inputs[i], hints, spool));
+      opened = std::move(read);
+    }
+    cloud.files_.push_back(std::move(opened.info));
+    cloud.spooled_.push_back(std::move(opened.spooled));
+    return success();
+  }));
+  const bool has_z =
+      std::any_of(cloud.files_.begin(), cloud.files_.end(), [](const auto& file) { return file.dimension == 3; });
+  if (options.dimension == 0) options.dimension = has_z ? 3 : 2;
+  std::vector<Attribute> available;
+  for (std::size_t i = 0; i < cloud.files_.size(); ++i) {
+    auto status = check_file(cloud.files_[i], options);
+    if (status && options.dimension == 3) status = check_units(cloud.files_[i]);
+    if (status.has_error()) return inputs[i].explained(status.error());
+    add_available(cloud.files_[i], available);
+  }
+  BOOST_OUTCOME_TRYV(check_use_of_columns(cloud.files_, options));
+  BOOST_OUTCOME_TRY(schema, choose_with_heights(options, std::move(available), has_z));
+  cloud.schema_ = std::move(schema);
+  BOOST_OUTCOME_TRY(settled, settle_crs(cloud.files_, options.crs));
+  cloud.crs_ = std::move(settled.crs);
+  cloud.warnings_ = std::move(settled.warnings);
+  warn_of_counting(cloud.files_, cloud.warnings_);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
+Result<Cloud> Cloud::open_source(std::shared_ptr<const ByteSource> source, CloudOptions options) {
+  Cloud cloud;
+  BOOST_OUTCOME_TRY(reader, open_reader(share(source), {}, {.columns = options.columns}));
+  BOOST_OUTCOME_TRYV(check_file(reader->info(), options));
+  BOOST_OUTCOME_TRY(schema, choose_with_heights(options, reader->info().attributes, reader->info().dimension == 3));
+  cloud.files_.push_back(reader->info());
+  cloud.spooled_.push_back(std::move(source));
+  cloud.schema_ = std::move(schema);
+  cloud.crs_ = options.crs.empty() ? reader->info().crs : options.crs;
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
+Cloud Cloud::of(std::vector<FileInfo> files, std::vector<Attribute> schema, CloudOptions options) {
+  Cloud cloud;
+  cloud.spooled_.resize(files.size());
+  cloud.files_ = std::move(files);
+  cloud.schema_ = std::move(schema);
+  cloud.options_ = std::move(options);
+  return cloud;
+}
+
+Result<std::unique_ptr<ByteSource>> Cloud::source(std::size_t index) const {
+  const FileInfo& file = files_[index];
+  if (spooled_[index]) return share(spooled_[index]);
+  BOOST_OUTCOME_TRY(source, open_file(file.path));
+  // What was chosen by the first look at the file, a partition or units, would be wrong for another content.
+  if (source->stored_bytes() != file.bytes || source->modified_ns() != file.modified_ns)
+    return error(Errc::bad_input, file.path.string() + ": was changed by another program while it was read");
+  return std::move(source);
+}
+
+Result<std::unique_ptr<PointReader>> Cloud::reopen(std::size_t index, const std::vector<Attribute>& schema,
+                                                   ReadHints hints) const {
+  hints.crop = options_.crop;
+  hints.resolution = options_.resolution;
+  return reopen_whole(index, schema, hints);
+}
+
+Result<std::unique_ptr<PointReader>> Cloud::reopen_whole(std::size_t index, const std::vector<Attribute>& schema,
+                                                         ReadHints hints) const {
+  hints.columns = options_.columns;
+  BOOST_OUTCOME_TRY(bytes, source(index));
+  return open_reader(std::move(bytes), schema, hints);
+}
+
+}  // namespace tessera

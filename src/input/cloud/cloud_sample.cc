@@ -1,0 +1,150 @@
+// Cloud::sample: blocks spread evenly over the files that can seek, every k-th point of those that cannot, or slowly.
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "src/base/random.h"
+#include "src/input/cloud/cloud.h"
+#include "src/input/cloud/in_order.h"
+#include "src/input/cloud/point_filter.h"
+
+namespace tessera {
+namespace {
+
+// 256 LAS records are two pages or three: a smaller block costs the disk as much, a larger one says less, since
+// neighbours in a file are neighbours in space. A large sample tells where to cut many tiles: what counts then is how
+// many blocks a tile has, and small ones are as many as the disk and a decoder bear.
+constexpr std::uint64_t block_points = 256, small_block_points = 32, large_sample = 100'000;
+
+std::uint64_t block_points_of(std::uint64_t quota, const FileInfo& file, std::uint64_t points) {
+  const bool small = quota > large_sample && quota / small_block_points * file.seek_points < points / 8;
+  return small ? small_block_points : block_points;
+}
+// What a line of text or ASCII PLY takes, for sharing the sample between files whose header gives no count.
+constexpr std::uint64_t line_bytes = 32;
+
+std::uint64_t estimated_points(const FileInfo& file) {
+  return file.points ? *file.points : std::max<std::uint64_t>(1, file.content_bytes / line_bytes);
+}
+
+// Points kept so far, thinned to every second one whenever there are twice as many as wanted.
+class Thinning {
+ public:
+  explicit Thinning(std::uint64_t wanted) : wanted_(std::max<std::uint64_t>(1, wanted)) {}
+
+  void add(const Point& p) {
+    if (seen_++ % stride_ != 0) return;
+    points_.push_back(p);
+    if (points_.size() < 2 * wanted_) return;
+    for (std::size_t i = 0; i < wanted_; ++i) points_[i] = points_[2 * i];
+    points_.resize(wanted_);
+    stride_ *= 2;
+  }
+  const std::vector<Point>& points() const { return points_; }
+
+ private:
+  std::uint64_t wanted_, seen_ = 0, stride_ = 1;
+  std::vector<Point> points_;
+};
+
+class FileSampler {
+ public:
+  FileSampler(PointReader& reader, const PointFilter& filter) : reader_(reader), filter_(filter) {}
+
+  // `wanted` of the `n` points of a reader that can seek, before filtering, in blocks of so many.
+  Status blocks(std::uint64_t n, std::uint64_t wanted, std::uint64_t block, std::vector<Point>& to) {
+    const std::uint64_t blocks = (std::min(wanted, n) + block - 1) / block;
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      // The b-th of `blocks` equal parts, and one block at a random place in it. 128 bits: n * b may exceed 64.
+      const auto begin = part(n, b, blocks), length = part(n, b + 1, blocks) - begin;
+      const auto count = std::min(length, block);
+      const auto at = begin + mixed_bits(b) % (length - count + 1);
+      BOOST_OUTCOME_TRYV(reader_.seek(at));
+      std::uint64_t got = 0;
+      while (got < count) {
+        BOOST_OUTCOME_TRYV(reader_.next(batch_, static_cast<std::size_t>(count - got)));
+        if (batch_.points.empty()) break;
+        got += batch_.points.size();
+        BOOST_OUTCOME_TRYV(keep());
+        for (const auto& p : kept_.points) to.push_back(p.at);
+      }
+    }
+    return success();
+  }
+
+  // About `wanted` of all points that pass the filter.
+  Status whole(std::uint64_t wanted, std::vector<Point>& to) {
+    Thinning thinning(wanted);
+    while (true) {
+      BOOST_OUTCOME_TRYV(reader_.next(batch_));
+      if (batch_.points.empty()) break;
+      BOOST_OUTCOME_TRYV(keep());
+      for (const auto& p : kept_.points) thinning.add(p.at);
+    }
+    to.insert(to.end(), thinning.points().begin(), thinning.points().end());
+    return success();
+  }
+
+ private:
+  __extension__ using Uint128 = unsigned __int128;
+  static std::uint64_t part(std::uint64_t n, std::uint64_t b, std::uint64_t blocks) {
+    return static_cast<std::uint64_t>(Uint128{n} * b / blocks);
+  }
+
+  Status keep() {
+    kept_.points.clear();
+    kept_.rows.clear();
+    CloudCounts ignored;
+    return filter_.apply(batch_, reader_, 0, kept_, ignored);
+  }
+
+  PointReader& reader_;
+  const PointFilter& filter_;
+  PointBatch batch_;
+  CloudBatch kept_;
+};
+
+}  // namespace
+
+Result<std::vector<Point>> Cloud::sample(std::size_t wanted) const {
+  const PointFilter filter(options_, {});
+  std::uint64_t total = 0;
+  for (const auto& file : files_) total += estimated_points(file);
+  std::vector<Point> points;
+  if (total == 0 || wanted == 0) return points;
+
+  // A filter may leave little of a sample that was taken before it: then take more, in the end everything.
+  for (double share = static_cast<double>(wanted) / static_cast<double>(total);;) {
+    points.clear();
+    const auto sample_of = [&](std::size_t i) -> Result<std::vector<Point>> {
+      std::vector<Point> sample;
+      const FileInfo& file = files_[i];
+      const auto estimate = estimated_points(file);
+      const auto quota = static_cast<std::uint64_t>(std::min(share, 1.0) * static_cast<double>(estimate)) + 1;
+      // One file is read by all threads, several by one each.
+      BOOST_OUTCOME_TRY(reader,
+                        reopen(i, filter.reader_schema(), {.threads = files_.size() == 1 ? options_.threads : 1}));
+      FileSampler sampler(*reader, filter);
+      BOOST_OUTCOME_TRY(seekable, reader->seek(0));
+      // Where every seek has to decode points first, reading everything once may be less.
+      const std::uint64_t block = block_points_of(quota, file, estimate);
+      const bool worthwhile = quota / block * file.seek_points < estimate;
+      if (seekable && file.points && worthwhile) {
+        BOOST_OUTCOME_TRYV(sampler.blocks(*file.points, quota, block, sample));
+      } else {
+        BOOST_OUTCOME_TRYV(sampler.whole(quota, sample));
+      }
+      return sample;
+    };
+    BOOST_OUTCOME_TRYV(
+        in_order(files_.size(), options_.threads, sample_of, [&](std::size_t, std::vector<Point> sample) -> Status {
+          points.insert(points.end(), sample.begin(), sample.end());
+          return success();
+        }));
+    if (share >= 1 || points.size() >= wanted / 2) break;
+    share *= points.empty() ? 16 : 1.1 * static_cast<double>(wanted) / static_cast<double>(points.size());
+  }
+  return points;
+}
+
+}  // namespace tessera

@@ -1,0 +1,192 @@
+#include "src/input/cloud/cloud_units.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "src/base/option.h"
+#include "src/input/laz/copc_units.h"
+
+namespace tessera {
+namespace {
+
+// Of coordinates of this size, in both the header and the points.
+constexpr double rounding = 4 * std::numeric_limits<double>::epsilon();
+
+Bounds widened(Bounds bounds, const Point& step) {
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.lo[axis] -= 2 * step[axis] + rounding * std::abs(bounds.lo[axis]);
+    bounds.hi[axis] += 2 * step[axis] + rounding * std::abs(bounds.hi[axis]);
+  }
+  return bounds;
+}
+
+// Twelve digits: a tenth of a millimetre in metres on the earth.
+std::string text_of(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 12).ptr};
+}
+
+std::string text_of(const Point& p, int dimension) {
+  return "(" + text_of(p.x) + ", " + text_of(p.y) + (dimension == 3 ? ", " + text_of(p.z) : "") + ")";
+}
+
+}  // namespace
+
+CloudUnits::CloudUnits(Cloud cloud) : cloud_(std::move(cloud)), filter_(cloud_.options(), cloud_.schema()) {}
+
+Result<std::unique_ptr<CloudUnits>> CloudUnits::open(Cloud cloud, bool scan, const std::stop_token& stop) {
+  std::unique_ptr<CloudUnits> units(new CloudUnits(std::move(cloud)));
+  for (std::size_t file = 0; file < units->cloud_.files().size(); ++file) {
+    BOOST_OUTCOME_TRYV(units->add_file(file, scan, stop));
+  }
+  if (units->cloud_.options().dimension == 2) {
+    for (auto& unit : units->list_) unit.bounds.lo.z = unit.bounds.hi.z = 0;
+  }
+  return units;
+}
+
+Status CloudUnits::add_file(std::size_t file, bool scan, const std::stop_token& stop) {
+  if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were opened");
+  const FileInfo& info = cloud_.files()[file];
+  const std::size_t begin = list_.size();
+  first_ids_.push_back(points_);
+  if (info.levels) {
+    BOOST_OUTCOME_TRY(source, cloud_.source(file));
+    BOOST_OUTCOME_TRY(nodes, laz::read_copc_units(*source, cloud_.options().resolution));
+    for (const auto& node : nodes) {
+      list_.push_back({node.points, node.bytes, node.bounds});
+      places_.push_back({file, node.first});
+    }
+  } else {
+    const Bounds stated = info.bounds ? widened(*info.bounds, info.step) : Bounds{};
+    list_.push_back({info.points.value_or(0), info.bytes, stated});
+    places_.push_back({.file = file, .whole = true});
+  }
+  if (scan || (!info.levels && !(info.points && info.bounds))) {
+    BOOST_OUTCOME_TRYV(scan_file(file, begin, stop));
+  }
+  // A COPC file has more points than the levels that are wanted.
+  points_ += info.levels ? *info.points + info.points_passed_over : list_.back().points;
+  // What has no points cannot be met.
+  for (std::size_t i = list_.size(); i-- > begin;) {
+    if (list_[i].points > 0 && list_[i].bounds.lo.x <= list_[i].bounds.hi.x) continue;
+    list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(i));
+    places_.erase(places_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return success();
+}
+
+// Bounds and number of the points that the units from `begin` on have; those that are not finite are not looked at.
+Status CloudUnits::scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop) {
+  for (std::size_t i = begin; i < list_.size(); ++i) {
+    list_[i].bounds = {};
+    places_[i].seen = true;
+  }
+  if (begin == list_.size()) return success();
+  BOOST_OUTCOME_TRY(reader, cloud_.reopen_whole(file, {}, ReadHints{.threads = cloud_.options().threads}));
+  bytes_read_ += cloud_.files()[file].bytes;
+  PointBatch batch;
+  std::uint64_t rank = 0;
+  for (std::size_t unit = begin;;) {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while the input files were read");
+    BOOST_OUTCOME_TRYV(reader->next(batch));
+    if (batch.points.empty()) break;
+    for (const Point& p : batch.points) {
+      if (!places_[unit].whole && unit + 1 < list_.size() && rank == places_[unit + 1].first) ++unit;
+      const Point at = without_negative_zero({p.x, p.y, cloud_.options().dimension == 2 ? 0 : p.z});
+      const bool here =
+          places_[unit].whole || (rank >= places_[unit].first && rank - places_[unit].first < list_[unit].points);
+      if (here && is_finite(at)) list_[unit].bounds.add(at);
+      ++rank;
+    }
+  }
+  if (places_[begin].whole) list_[begin].points = rank;
+  return success();
+}
+
+Status CloudUnits::read(std::span<const std::size_t> units,
+                        const std::function<Status(std::size_t, CloudBatch&)>& visit) {
+  std::vector<std::size_t> order(units.begin(), units.end());
+  std::sort(order.begin(), order.end());  // by file, then by place: each file is opened once
+  for (std::size_t i = 0; i < order.size();) {
+    const std::size_t file = places_[order[i]].file;
+    BOOST_OUTCOME_TRY(
+        reader, cloud_.reopen_whole(file, filter_.reader_schema(),
+                                    ReadHints{.threads = places_[order[i]].whole ? cloud_.options().threads : 1}));
+    for (; i < order.size() && places_[order[i]].file == file; ++i) {
+      BOOST_OUTCOME_TRYV(read_unit(*reader, order[i], visit));
+    }
+    // At the end readers look whether the file is still the one that was opened.
+    BOOST_OUTCOME_TRY(sought, reader->seek(std::numeric_limits<std::uint64_t>::max()));
+    PointBatch end;
+    if (sought) {
+      BOOST_OUTCOME_TRYV(reader->next(end, 1));
+    }
+  }
+  return success();
+}
+
+Status CloudUnits::read_unit(PointReader& reader, std::size_t unit,
+                             const std::function<Status(std::size_t, CloudBatch&)>& visit) {
+  const Place& place = places_[unit];
+  if (place.first > 0 || !place.whole) {
+    BOOST_OUTCOME_TRYV(reader.seek(place.first));
+  }
+  bytes_read_ += list_[unit].bytes;
+  PointBatch batch;
+  CloudBatch kept;
+  CloudCounts counts;
+  std::uint64_t rank = 0;
+  while (place.whole || rank < list_[unit].points) {
+    const std::uint64_t left = place.whole ? SIZE_MAX : list_[unit].points - rank;
+    BOOST_OUTCOME_TRYV(reader.next(batch, static_cast<std::size_t>(left)));
+    if (batch.points.empty()) break;
+    kept.points.clear();
+    kept.rows.clear();
+    BOOST_OUTCOME_TRYV(filter_.apply(batch, reader, first_ids_[place.file] + place.first + rank, kept, counts));
+    rank += batch.points.size();
+    BOOST_OUTCOME_TRYV(check_inside(kept.points, unit));
+    if (!kept.points.empty()) {
+      BOOST_OUTCOME_TRYV(visit(unit, kept));
+    }
+  }
+  if (rank == list_[unit].points) return success();
+  return error(Errc::bad_input, cloud_.files()[place.file].path.string() + ": was changed while it was read: it gave " +
+                                    std::to_string(rank) + " points where there were " +
+                                    std::to_string(list_[unit].points));
+}
+
+Status CloudUnits::check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const {
+  const int dimension = cloud_.options().dimension;
+  const auto& [lo, hi] = list_[unit].bounds;
+  for (const auto& p : points) {
+    bool inside = true;
+    for (int axis = 0; axis < dimension; ++axis) inside &= p.at[axis] >= lo[axis] && p.at[axis] <= hi[axis];
+    if (inside) continue;
+    const std::size_t file = places_[unit].file;
+    const std::string path = cloud_.files()[file].path.string();
+    const std::string record = ", record " + std::to_string(p.id.value - first_ids_[file]) + ": ";
+    if (places_[unit].seen) return error(Errc::bad_input, path + record + "was changed while it was read");
+    return error(Errc::bad_input, path + record + text_of(p.at, dimension) +
+                                      " is not in the box that the file states for it, " + text_of(lo, dimension) +
+                                      " to " + text_of(hi, dimension) + ", so what it states cannot be relied on; " +
+                                      option("scan", "true") + " reads all files once and relies on what it has seen");
+  }
+  return success();
+}
+
+std::string CloudUnits::name(std::size_t unit) const {
+  const Place& place = places_[unit];
+  const int dimension = cloud_.options().dimension;
+  std::string text = cloud_.files()[place.file].path.string();
+  if (!place.whole) {
+    text += ", records " + std::to_string(place.first) + " to " + std::to_string(place.first + list_[unit].points - 1);
+  }
+  const auto& [lo, hi] = list_[unit].bounds;
+  return text + ", in " + text_of(lo, dimension) + " to " + text_of(hi, dimension);
+}
+
+}  // namespace tessera

@@ -1,0 +1,55 @@
+// The units of files: COPC nodes, whose cubes the hierarchy tells, and of other formats whole files.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "src/input/cloud/point_filter.h"
+#include "src/input/cloud/point_units.h"
+
+namespace tessera {
+
+class CloudUnits : public PointUnits {
+ public:
+  // Bounds are those that the files state: of COPC the node's cube within the header's box, of LAS and LAZ the header's
+  // box, each wider by what rounding to the file's steps may have cost. Files that state none, and with `scan` all, are
+  // read to their end once. Errors: those of reading; interrupted. REQUIRES: the cloud is not cropped.
+  static Result<std::unique_ptr<CloudUnits>> open(Cloud cloud, bool scan, const std::stop_token& stop = {});
+
+  const Cloud& cloud() const { return cloud_; }
+  std::uint64_t points() const { return points_; }  // of the whole cloud, filtered ones counted
+  const std::vector<PointUnit>& list() const override { return list_; }
+  Status read(std::span<const std::size_t> units,
+              const std::function<Status(std::size_t, CloudBatch&)>& visit) override;
+  std::string name(std::size_t unit) const override;
+  std::uint64_t bytes_read() const override { return bytes_read_; }
+
+ private:
+  struct Place {
+    std::size_t file = 0;
+    std::uint64_t first = 0;  // record of the file
+    bool whole = false;       // all of the file, however many records it has
+    bool seen = false;        // the bounds were found by reading, not stated
+  };
+
+  explicit CloudUnits(Cloud cloud);
+  Status add_file(std::size_t file, bool scan, const std::stop_token& stop);
+  Status scan_file(std::size_t file, std::size_t begin, const std::stop_token& stop);
+  Status read_unit(PointReader& reader, std::size_t unit, const std::function<Status(std::size_t, CloudBatch&)>& visit);
+  Status check_inside(const std::vector<LocalPoint>& points, std::size_t unit) const;
+
+  Cloud cloud_;
+  PointFilter filter_;
+  std::vector<PointUnit> list_;
+  std::vector<Place> places_;
+  std::vector<std::uint64_t> first_ids_;  // by file
+  std::uint64_t points_ = 0, bytes_read_ = 0;
+};
+
+}  // namespace tessera

@@ -1,0 +1,100 @@
+#include "src/input/format.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "src/input/mesh/obj_reader.h"
+#include "src/input/mesh/off_reader.h"
+#include "src/input/mesh/stl_reader.h"
+
+namespace tessera {
+namespace {
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+constexpr std::array<std::pair<std::string_view, FileFormat>, 14> endings{{{".las", FileFormat::las},
+                                                                           {".laz", FileFormat::las},
+                                                                           {".ply", FileFormat::ply},
+                                                                           {".off", FileFormat::off},
+                                                                           {".obj", FileFormat::obj},
+                                                                           {".stl", FileFormat::stl},
+                                                                           {".npy", FileFormat::npy},
+                                                                           {".xyz", FileFormat::text},
+                                                                           {".csv", FileFormat::text},
+                                                                           {".tsv", FileFormat::text},
+                                                                           {".txt", FileFormat::text},
+                                                                           {".asc", FileFormat::text},
+                                                                           {".pts", FileFormat::text},
+                                                                           {".dat", FileFormat::text}}};
+
+FileFormat format_of_name(const std::filesystem::path& name) {
+  const std::string extension = lower_extension(name);
+  for (const auto& [ending, format] : endings)
+    if (ending == extension) return format;
+  return FileFormat::unknown;
+}
+
+std::string listed_endings(std::optional<FileFormat> format) {
+  std::string list;
+  for (const auto& [ending, of] : endings)
+    if (!format || of == *format) list.append(list.empty() ? "" : ", ").append(ending);
+  return list;
+}
+
+bool looks_like_text(std::string_view begin) {
+  return std::all_of(begin.begin(), begin.end(), [](char c) {
+    return static_cast<unsigned char>(c) >= 0x20 || c == '\t' || c == '\n' || c == '\r' || c == '\f';
+  });
+}
+
+}  // namespace
+
+FileFormat format_of(std::span<const std::byte> begin, const std::filesystem::path& name,
+                     std::optional<std::uint64_t> size) {
+  const std::string_view bytes(reinterpret_cast<const char*>(begin.data()), begin.size());
+  if (bytes.starts_with("LASF")) return FileFormat::las;
+  if (bytes.starts_with("\x93NUMPY")) return FileFormat::npy;
+  if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return FileFormat::ply;
+  if (bytes.starts_with("\x1f\x8b")) return FileFormat::gzip;
+  // A frame, or a frame to be skipped, as parallel compressors write first.
+  if (bytes.starts_with("\x28\xb5\x2f\xfd")) return FileFormat::zstd;
+  if (bytes.size() >= 4 && (bytes[0] & 0xf0) == 0x50 && bytes.substr(1, 3) == "\x2a\x4d\x18") return FileFormat::zstd;
+  if (looks_like_off(bytes)) return FileFormat::off;
+  if (looks_like_obj(bytes)) return FileFormat::obj;
+  if (looks_like_text_stl(bytes) || (size && is_binary_stl(begin, size))) return FileFormat::stl;
+  if (name.empty() && !size && is_binary_stl(begin, {})) return FileFormat::stl;
+  if (name.empty()) return looks_like_text(bytes) ? FileFormat::text : FileFormat::unknown;
+  return format_of_name(name);
+}
+
+bool has_point_file_name(const std::filesystem::path& path) {
+  return format_of_name(without_packing(path)) != FileFormat::unknown;
+}
+
+std::filesystem::path without_packing(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension != ".gz" && extension != ".zst") return path;
+  return path.parent_path() / path.stem();
+}
+
+std::string point_file_endings() { return listed_endings({}); }
+
+Error unknown_format(const std::filesystem::path& path) {
+  return error(
+      Errc::bad_input,
+      path.string() +
+          ": unknown format: neither LAS, PLY, OFF, OBJ, STL, NumPy, gzip nor Zstandard by its first bytes, nor "
+          "text by its name (" +
+          listed_endings(FileFormat::text) + ")");
+}
+
+}  // namespace tessera

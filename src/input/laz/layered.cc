@@ -1,0 +1,163 @@
+// Point formats 6 to 8: each group of fields has a stream of its own, a layer, which is read only if it is wanted.
+// A layer is decoded for many points at once: its models then stay in the cache.
+// Source: LASzip, design/specification.rst; rapidlasso, LAZ Specification 1.4.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "src/input/bytes/fields.h"
+#include "src/input/laz/channel_layer.h"
+#include "src/input/laz/chunk_decoder.h"
+#include "src/input/laz/layer_states.h"
+#include "src/input/laz/returns_xy_layer.h"
+
+namespace tessera::laz {
+namespace {
+
+constexpr std::size_t point_bytes = 30, block_points = 4096;
+
+class LayeredDecoder : public ChunkDecoder {
+ public:
+  LayeredDecoder(const ByteSource& source, const LazLayout& layout, const RecordPlan& plan, const Chunk& chunk)
+      : source_(source), layout_(layout), plan_(plan), chunk_(chunk) {}
+
+  Status decode(std::size_t n, std::byte* records) override {
+    if (n == 0) return success();
+    const std::size_t stride = plan_.record_bytes;
+    if (!xy_) {
+      BOOST_OUTCOME_TRYV(begin(records));
+      records += stride;
+      --n;
+    }
+    while (n > 0) {
+      const std::size_t count = std::min(n, block_points);
+      steps_.resize(count);
+      xy_->decode(steps_, records, stride);
+      BOOST_OUTCOME_TRYV(check_stream(xy_->feed()));
+      for (const auto& layer : layers_) {
+        layer->decode(steps_, records, stride);
+        if (const ByteFeed* feed = layer->feed()) {
+          BOOST_OUTCOME_TRYV(check_layer(*layer, check_stream(*feed)));
+        }
+      }
+      records += count * stride;
+      n -= count;
+    }
+    return success();
+  }
+
+  Status check_end() const override {
+    if (chunk_.points < 2) return success();  // the streams were not begun
+    BOOST_OUTCOME_TRYV(check_stream_end(xy_->feed()));
+    for (const auto& layer : layers_)
+      if (const ByteFeed* feed = layer->feed()) {
+        BOOST_OUTCOME_TRYV(check_layer(*layer, check_stream_end(*feed)));
+      }
+    return success();
+  }
+
+ private:
+  // Such files exist: laz-perf, up to 3.4 at least, does not follow the specification for extra bytes when points of
+  // several scanner channels take turns, and LASzip cannot read them either. Everything else in them is right.
+  Status check_layer(const Layer& layer, const Status& status) const {
+    if (status.has_value() || status.error().code != Errc::bad_input || !layer.extra_byte()) return status;
+    return error(Errc::bad_input, status.error().where +
+                                      ", in a layer of extra bytes. Some writers get these wrong; "
+                                      "leave out the attributes that are not LAS's own");
+  }
+
+  // The chunk begins with its first point as it is, the number of its points, and the lengths of all its layers.
+  Status begin(std::byte* record) {
+    const std::size_t extra_bytes = layout_.items.back().type == ItemType::byte_14 ? layout_.items.back().bytes : 0;
+    const bool rgb = layout_.items.size() > 1 && layout_.items[1].type != ItemType::byte_14;
+    const bool nir = rgb && layout_.items[1].type == ItemType::rgb_nir_14;
+    const std::size_t layer_count = 9 + rgb + nir + extra_bytes;
+    const std::size_t head_bytes = plan_.record_bytes + 4 + 4 * layer_count;
+    if (chunk_.end - chunk_.begin < head_bytes) return error(Errc::bad_input, "ends within its head");
+    std::vector<std::byte> head(head_bytes);
+    BOOST_OUTCOME_TRYV(source_.read(chunk_.begin, head));
+    std::memcpy(record, head.data(), plan_.record_bytes);
+    const auto* lengths = head.data() + plan_.record_bytes;
+    if (const auto points = load<std::uint32_t>(lengths); points != chunk_.points)
+      return error(Errc::bad_input, "says that it has " + std::to_string(points) + " points, not the " +
+                                        std::to_string(chunk_.points) + " of the chunk table");
+    lengths += 4;
+    next_ = chunk_.begin + head_bytes;
+    left_ = chunk_.end - next_;
+
+    BOOST_OUTCOME_TRY(xy_bytes, take(lengths));
+    xy_.emplace(ByteFeed(source_, xy_bytes.begin, xy_bytes.end), record);
+    BOOST_OUTCOME_TRYV(add<ZState>(lengths, record, 8));
+    BOOST_OUTCOME_TRYV(add<ClassificationState>(lengths, record, 16));
+    BOOST_OUTCOME_TRYV(add<FlagsState>(lengths, record, 15));
+    BOOST_OUTCOME_TRYV(add<IntensityState>(lengths, record, 12));
+    BOOST_OUTCOME_TRYV(add<ScanAngleState>(lengths, record, 18));
+    BOOST_OUTCOME_TRYV(add<UserDataState>(lengths, record, 17));
+    BOOST_OUTCOME_TRYV(add<SourceState>(lengths, record, 20));
+    BOOST_OUTCOME_TRYV(add<GpsTimeState>(lengths, record, 22));
+    std::size_t at = point_bytes;
+    if (rgb) {
+      BOOST_OUTCOME_TRYV(add<RgbState>(lengths, record, at, layout_.items[1].version));
+      at += sizeof(Rgb);
+    }
+    if (nir) {
+      BOOST_OUTCOME_TRYV(add<NirState>(lengths, record, at, layout_.items[1].version));
+      at += 2;
+    }
+    for (; at < plan_.record_bytes; ++at) {
+      BOOST_OUTCOME_TRYV(add<ByteState>(lengths, record, at, layout_.items.back().version));
+    }
+    return success();
+  }
+
+  struct Range {
+    std::uint64_t begin, end;
+  };
+
+  // The place of the layer whose length stands at `lengths`, which moves on to the next.
+  Result<Range> take(const std::byte*& lengths) {
+    const std::uint64_t bytes = load<std::uint32_t>(lengths);
+    lengths += 4;
+    if (bytes > left_) return error(Errc::bad_input, "its layers are longer than it is");
+    next_ += bytes;
+    left_ -= bytes;
+    return Range{next_ - bytes, next_};
+  }
+
+  // The layer of the field at byte `at` of a record, if anybody wants it.
+  template <class State>
+  Status add(const std::byte*& lengths, const std::byte* first, std::size_t at, std::uint16_t version = 4) {
+    BOOST_OUTCOME_TRY(range, take(lengths));
+    using Value = typename State::Value;
+    const auto begin = plan_.wanted.begin() + static_cast<std::ptrdiff_t>(at);
+    const bool wanted =
+        std::is_same_v<State, ZState> || std::find(begin, begin + static_cast<std::ptrdiff_t>(sizeof(Value)), true) !=
+                                             begin + static_cast<std::ptrdiff_t>(sizeof(Value));
+    if (!wanted) return success();
+    const unsigned channel = std::to_integer<unsigned>(first[15]) >> 4 & 3;
+    layers_.push_back(std::make_unique<ChannelLayer<State>>(ByteFeed(source_, range.begin, range.end),
+                                                            load<Value>(first + at), channel, at, version == 3));
+    return success();
+  }
+
+  const ByteSource& source_;
+  LazLayout layout_;
+  RecordPlan plan_;
+  Chunk chunk_;
+  std::uint64_t next_ = 0, left_ = 0;
+  std::optional<ReturnsXyLayer> xy_;
+  std::vector<std::unique_ptr<Layer>> layers_;
+  std::vector<PointStep> steps_;
+};
+
+}  // namespace
+
+std::unique_ptr<ChunkDecoder> make_layered_decoder(const ByteSource& source, const LazLayout& layout,
+                                                   const RecordPlan& plan, const Chunk& chunk) {
+  return std::make_unique<LayeredDecoder>(source, layout, plan, chunk);
+}
+
+}  // namespace tessera::laz

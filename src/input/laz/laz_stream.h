@@ -1,0 +1,49 @@
+// The records of a LAZ file as if they were not compressed.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "src/input/bytes/record_stream.h"
+#include "src/input/laz/chunk_pipeline.h"
+
+namespace tessera::laz {
+
+// Reads through `chunks` in order. Whoever asks for full batches is served by `threads` threads, but at most eight;
+// whoever asks for a few points at a time (a sample, after a seek) by one decoder that starts at the beginning of the
+// chunk in question.
+class LazStream : public RecordSource {
+ public:
+  // `chunks`: some or all of the file's, with points, in the order of the file.
+  LazStream(std::unique_ptr<ByteSource> source, LazLayout layout, RecordPlan plan, std::vector<Chunk> chunks,
+            unsigned threads);
+
+  Result<std::span<const std::byte>> next(std::size_t most) override;
+  // To the record of that rank among those of `chunks`.
+  void seek(std::uint64_t record) override;
+  std::size_t record_bytes() const override { return plan_.record_bytes; }
+  std::uint64_t first_of_last_block() const override { return first_; }
+
+ private:
+  Result<std::span<const std::byte>> from_pipeline(std::size_t most);
+  Result<std::span<const std::byte>> from_decoder(std::size_t most);
+  Status decode(std::size_t records);
+
+  std::unique_ptr<ByteSource> source_;
+  LazLayout layout_;
+  RecordPlan plan_;
+  std::vector<Chunk> chunks_;
+  unsigned threads_;
+
+  std::uint64_t first_ = 0;
+  std::size_t chunk_ = 0;     // the next record is of this chunk,
+  std::uint64_t offset_ = 0;  // so many after its first
+  std::unique_ptr<ChunkDecoder> decoder_;
+  std::uint64_t decoded_ = 0;  // records of chunk_ that decoder_ has given
+  RecordBlock block_;
+  std::size_t used_ = 0;  // records of block_, of the pipeline's
+  std::unique_ptr<ChunkPipeline> pipeline_;
+};
+
+}  // namespace tessera::laz

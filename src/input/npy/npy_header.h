@@ -1,0 +1,34 @@
+// What the header of a NumPy file says: which columns its rows have.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/result.h"
+#include "src/input/bytes/byte_source.h"
+
+namespace tessera {
+
+struct NpyColumn {
+  std::string name;  // as it stands in the header
+  AttributeType type = AttributeType::f64;
+  bool swapped = false;    // big endian
+  std::size_t offset = 0;  // in the row
+};
+
+struct NpyHeader {
+  std::uint64_t body_at = 0;  // where the rows begin
+  std::uint64_t rows = 0;
+  std::size_t row_bytes = 0;
+  std::vector<NpyColumn> columns;  // of an array without names: x, y, z, column_4, ...
+  bool named = false;              // by the array
+  std::string detail;              // "NumPy <f8, n x 3"
+};
+
+// Errors, with the path, for what is no NumPy file and for arrays that are no points.
+Result<NpyHeader> read_npy_header(const ByteSource& source);
+
+}  // namespace tessera

@@ -1,0 +1,67 @@
+#include "src/input/reader.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "src/input/bytes/byte_source.h"
+#include "src/input/format.h"
+#include "src/input/las/las_reader.h"
+#include "src/input/mesh/obj_reader.h"
+#include "src/input/mesh/off_reader.h"
+#include "src/input/mesh/stl_reader.h"
+#include "src/input/npy/npy_reader.h"
+#include "src/input/ply/ply_reader.h"
+#include "src/input/text/text_reader.h"
+
+namespace tessera {
+FileInfo info_of(const ByteSource& source, std::string format) {
+  FileInfo info;
+  info.path = source.path();
+  info.format = std::move(format);
+  info.packing = source.packing();
+  info.bytes = source.stored_bytes();
+  info.content_bytes = source.size();
+  info.modified_ns = source.modified_ns();
+  return info;
+}
+
+Result<std::unique_ptr<PointReader>> open_reader(std::unique_ptr<ByteSource> source,
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints) {
+  const auto path = source->path();
+  if (source->size() == 0) return error(Errc::bad_input, path.string() + ": is empty");
+  std::array<std::byte, format_bytes> begin{};
+  const auto there =
+      std::span(begin).first(static_cast<std::size_t>(std::min<std::uint64_t>(begin.size(), source->size())));
+  BOOST_OUTCOME_TRYV(source->read(0, there));
+  switch (format_of(there, source->content_name(), source->size())) {
+    case FileFormat::las:
+      return open_las(std::move(source), attributes, hints);
+    case FileFormat::npy:
+      return open_npy(std::move(source), attributes, hints);
+    case FileFormat::ply:
+      return open_ply(std::move(source), attributes);
+    case FileFormat::off:
+      return open_off(std::move(source), attributes);
+    case FileFormat::obj:
+      return open_obj(std::move(source), attributes);
+    case FileFormat::stl:
+      return open_stl(std::move(source), attributes);
+    case FileFormat::text:
+      return open_text(std::move(source), attributes, hints);
+    case FileFormat::gzip:
+    case FileFormat::zstd:
+      return error(Errc::bad_input, path.string() + ": is compressed twice; unpack it once");
+    case FileFormat::unknown:
+      break;
+  }
+  return unknown_format(path);
+}
+
+Result<std::unique_ptr<PointReader>> open_reader(const std::filesystem::path& path,
+                                                 const std::vector<Attribute>& attributes, const ReadHints& hints) {
+  BOOST_OUTCOME_TRY(source, open_file(path));
+  return open_reader(std::move(source), attributes, hints);
+}
+
+}  // namespace tessera

@@ -1,0 +1,17 @@
+#include <nlohmann/json.hpp>
+
+#include "src/result/export/export.h"
+
+namespace tessera {
+
+std::string to_json(const Exported& exported, const std::string& output) {
+  using Json = nlohmann::ordered_json;
+  Json object{{"event", "exported"},           {"output", output},
+              {"vertices", exported.vertices}, {"cells", exported.cells},
+              {"left_out", exported.left_out}, {"files", exported.files},
+              {"bytes", exported.bytes},       {"note", exported.note}};
+  if (exported.corner) object["corner"] = {exported.corner->x, exported.corner->y, exported.corner->z};
+  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace tessera

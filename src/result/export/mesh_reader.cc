@@ -1,0 +1,347 @@
+#include "src/result/export/mesh_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "src/base/crs/crs.h"
+#include "src/base/option.h"
+
+namespace tessera::exports {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::uint64_t unused = ~std::uint64_t{0};
+
+bool is_height(const Attribute& attribute) { return attribute.name == "z" && attribute.type == AttributeType::f64; }
+
+// The rows of a tile, and where they have the heights.
+class Rows {
+ public:
+  explicit Rows(const MeshSource& source)
+      : attributes_(source.format.attributes && !source.manifest.schema.empty()),
+        stride_(row_bytes(source.manifest.schema)),
+        corner_(corner_of(source).value_or(Point{})) {
+    if (source.manifest.dimension != 2 || !source.options.heights || source.format.heights_apart) return;
+    std::size_t offset = 0;
+    for (const auto& attribute : source.manifest.schema) {
+      if (is_height(attribute)) height_at_ = offset;
+      offset += size_of(attribute.type);
+    }
+  }
+
+  bool heights() const { return height_at_.has_value(); }
+  // Whether the format has any use for them.
+  bool wanted() const { return attributes_ || heights(); }
+
+  // Fetches the heights of a tile, which was read with its rows if they are wanted. Error usage when one is not finite.
+  Status lift(const MeshSource& source, StoredTile& tile) const {
+    if (!height_at_) return success();
+    for (std::size_t i = 0; i < tile.mesh.points.size(); ++i) {
+      double z = 0;
+      std::memcpy(&z, tile.rows.data() + i * stride_ + *height_at_, sizeof z);
+      if (!std::isfinite(z))
+        return error(Errc::usage, source.out.string() + ": the height of vertex " + to_string(tile.mesh.ids[i]) +
+                                      " is not finite; " + option("z", "false") + " leaves the heights out");
+      tile.mesh.points[i].z = z + 0.0;  // never -0, like every coordinate
+    }
+    return success();
+  }
+  const std::byte* row(const StoredTile& tile, std::size_t i) const {
+    return wanted() ? tile.rows.data() + i * stride_ : nullptr;
+  }
+  VertexView vertex(const StoredTile& tile, std::size_t i) const {
+    const Point& at = tile.mesh.points[i];
+    return {.at = {at.x - corner_.x, at.y - corner_.y, at.z - corner_.z}, .id = tile.mesh.ids[i], .row = row(tile, i)};
+  }
+
+ private:
+  bool attributes_;
+  std::size_t stride_;
+  Point corner_;
+  std::optional<std::size_t> height_at_;
+};
+
+// What the file is to hold of each vertex besides its place.
+std::vector<Column> columns_of(const MeshSource& source) {
+  std::vector<Column> columns;
+  if (!source.format.attributes) return columns;
+  std::size_t offset = 0;
+  for (const auto& attribute : source.manifest.schema) {
+    const bool height = source.manifest.dimension == 2 && is_height(attribute);
+    if (!height || (source.format.heights_apart && source.options.heights))
+      columns.push_back({attribute.name, attribute.type, offset});
+    offset += size_of(attribute.type);
+  }
+  return columns;
+}
+
+// Asks now and then, not at each of millions, whether to go on; and tells how far it is.
+class Watch {
+ public:
+  // `all`: vertices and cells to be written, `done`: those that earlier watches have seen.
+  Watch(const MeshSource& source, const Selection& selection, MeshWriter& writer, std::uint64_t done = 0)
+      : source_(source),
+        writer_(writer),
+        all_(selection.cells + (lists_vertices(source) ? selection.vertices : 0) + 1),
+        done_(done) {}
+  Status step() {
+    constexpr std::uint64_t every = 1 << 16;
+    if (++done_ % every != 0) return success();
+    return look();
+  }
+  Status look() {
+    if (source_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while exporting");
+    if (source_.options.progress)
+      source_.options.progress(std::min(1.0, static_cast<double>(done_ + 1) / static_cast<double>(all_)));
+    return writer_.check();
+  }
+  std::uint64_t done() const { return done_; }
+
+ private:
+  const MeshSource& source_;
+  MeshWriter& writer_;
+  std::uint64_t all_, done_;
+};
+
+// What a tile's cells are told by: numbers of its vertices, or their coordinates and rows.
+struct Corners {
+  const std::vector<std::uint64_t>& numbers;
+  const Rows& rows;
+};
+
+// Values of cells that are told beside those of the result: ExportOptions::longest_edges.
+class Facts {
+ public:
+  explicit Facts(const MeshSource& source)
+      : edge_(source.options.longest_edges && source.format.cell_columns),
+        tile_(edge_ && source.format.tile_as_column) {}
+  void declare(std::vector<Attribute>& columns) const {
+    if (edge_) columns.push_back({"longest_edge", AttributeType::f64});
+    if (tile_) columns.push_back({"tile", AttributeType::u32});
+  }
+  void add_to(CellView& cell) {
+    if (edge_) cell.values.push_back(reinterpret_cast<const std::byte*>(&length_));
+    if (tile_) cell.values.push_back(reinterpret_cast<const std::byte*>(&cell.tile));
+  }
+  bool any() const { return edge_; }
+  // Of a cell, whose vertices have been lifted.
+  void look_at(const TileMesh& mesh, std::size_t cell) {
+    if (edge_) length_ = longest_edge_in_space(mesh, cell);
+  }
+
+ private:
+  bool edge_, tile_;
+  double length_ = 0;
+};
+
+// Gives the writer the cells of a tile that are exported; the first has the number `first`. `tile_of`: the main tile of
+// each.
+template <class TileOf>
+Status give_cells(const MeshSource& source, const StoredTile& tile, const TileOf& tile_of, std::uint64_t first,
+                  const Corners& of, MeshWriter& writer, Watch& watch) {
+  const TileMesh& mesh = tile.mesh;
+  const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
+  std::vector<std::uint64_t> cell_numbers;
+  if (source.format.neighbors && source.manifest.neighbors) {
+    cell_numbers.assign(mesh.cell_ghost.size(), unused);
+    std::uint64_t next = first;
+    for (std::size_t i = 0; i < cell_numbers.size(); ++i)
+      if (source.filter.keeps(mesh, i)) cell_numbers[i] = next++;
+  }
+  const auto is_own = [&](std::size_t v, TileId by) { return mesh.owners[v] == by; };
+  CellView cell;
+  cell.neighbors.fill(CellView::elsewhere);
+  cell.values.resize(source.format.cell_columns ? tile.cell_columns.size() : 0);
+  const std::size_t stored = cell.values.size();
+  Facts facts(source);
+  facts.add_to(cell);
+  for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
+    if (!source.filter.keeps(mesh, i)) continue;
+    if (source.format.edge_lengths) cell.longest_edge = longest_edge(mesh, i);
+    cell.tile = tile_of(i);
+    cell.own = 0;
+    cell.final = mesh.cell_final.empty() || mesh.cell_final[i] != 0;
+    facts.look_at(mesh, i);
+    for (std::size_t c = 0; c < stored; ++c)
+      cell.values[c] = tile.cell_columns[c].data() + i * size_of(tile.cell_schema[c].type);
+    for (std::size_t k = 0; k < corners; ++k) {
+      const auto v = static_cast<std::size_t>(mesh.cells[i * corners + k]);
+      cell.ids[k] = mesh.ids[v];
+      cell.own += is_own(v, cell.tile) ? 1 : 0;
+      if (source.format.corners || source.format.edge_lengths) cell.at[k] = mesh.points[v];
+      if (source.format.corners) {
+        cell.rows[k] = of.rows.row(tile, v);
+      } else {
+        cell.numbers[k] = of.numbers[v];
+      }
+      if (cell_numbers.empty()) continue;
+      const std::int32_t beyond = mesh.neighbors[i * corners + k];
+      const auto b = static_cast<std::size_t>(std::max(beyond, 0));
+      const bool left_out = beyond >= 0 && mesh.cell_ghost[b] == 0 && cell_numbers[b] == unused;
+      cell.neighbors[k] = beyond == -1 || left_out                  ? CellView::outside
+                          : beyond < 0 || cell_numbers[b] == unused ? CellView::elsewhere
+                                                                    : static_cast<std::int64_t>(cell_numbers[b]);
+    }
+    writer.cell(cell);
+    BOOST_OUTCOME_TRYV(watch.step());
+  }
+  return success();
+}
+
+// All of them are of one tile.
+auto tile_of(const MeshSource& source, std::size_t index) {
+  return [tile = source.manifest.tiles[index].tile](std::size_t) { return tile; };
+}
+
+// Own vertices of all tiles, which get their numbers.
+Status give_vertices(const MeshSource& source, Selection& selection, const Rows& rows, MeshWriter& writer,
+                     Watch& watch) {
+  const auto read = [&](std::size_t index) {
+    return source.tiles->read(index, {.cells = source.filter.active(), .rows = rows.wanted()});
+  };
+  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
+    BOOST_OUTCOME_TRYV(watch.look());
+    BOOST_OUTCOME_TRY(tile, read(index));
+    BOOST_OUTCOME_TRYV(rows.lift(source, tile));
+    const auto exported = selection.numbers.exported_own(tile.mesh);
+    selection.numbers.number_own(tile.mesh, exported);
+    for (std::size_t i = 0; i < exported.size(); ++i) {
+      if (exported[i] == 0) continue;
+      writer.vertex(rows.vertex(tile, i));
+      BOOST_OUTCOME_TRYV(watch.step());
+    }
+  }
+  return success();
+}
+
+}  // namespace
+
+std::optional<Point> corner_of(const MeshSource& source) {
+  if (!source.options.local) return std::nullopt;
+  Point corner = source.manifest.bounds.lo;
+  for (int axis = 0; axis < 3; ++axis) corner[axis] = axis < source.manifest.dimension ? std::floor(corner[axis]) : 0;
+  return corner;
+}
+
+std::string MeshHead::corner_comment() const {
+  if (!corner) return {};
+  std::array<char, 120> text{};
+  std::snprintf(text.data(), text.size(), "coordinates count from %.0f %.0f %.0f", corner->x, corner->y, corner->z);
+  return text.data();
+}
+
+MeshHead head_of(const MeshSource& source, const Selection& selection) {
+  const Manifest& manifest = source.manifest;
+  MeshHead head;
+  head.dimension = manifest.dimension;
+  head.vertices = selection.vertices;
+  head.cells = selection.cells;
+  head.parts = selection.parts;
+  head.ids = manifest.points_read;
+  head.neighbors = source.format.neighbors && manifest.neighbors;
+  head.final = source.manifest.region && !source.manifest.region->complete;
+  head.corner = corner_of(source);
+  head.spatial_index = source.options.spatial_index;
+  head.comment = source.options.comment;
+  head.crs = crs_or_none(manifest.crs);
+  head.software_version = manifest.software_version;
+  head.columns = columns_of(source);
+  // Cells in memory, which a question has found, have none.
+  if (source.format.cell_columns && source.tiles != nullptr) head.cell_columns = cell_schema_of(manifest);
+  Facts(source).declare(head.cell_columns);
+  head.heights = Rows(source).heights();
+  return head;
+}
+
+bool lists_vertices(const MeshSource& source) {
+  return !source.format.corners || (source.format.vertex_layer && !columns_of(source).empty());
+}
+
+Status read_merged(const MeshSource& source, Selection& selection, MeshWriter& writer) {
+  const Rows rows(source);
+  Watch watch(source, selection, writer);
+  if (lists_vertices(source)) {
+    BOOST_OUTCOME_TRYV(give_vertices(source, selection, rows, writer, watch));
+  }
+  std::uint64_t cells = 0;
+  const bool places_wanted = source.format.corners || Facts(source).any();
+  for (std::size_t index = 0; index < selection.parts.size(); ++index) {
+    BOOST_OUTCOME_TRYV(watch.look());
+    BOOST_OUTCOME_TRY(tile, source.tiles->read(index, {.rows = places_wanted && rows.wanted(),
+                                                       .cell_columns = source.format.cell_columns}));
+    std::vector<std::uint64_t> numbers;
+    if (places_wanted) {
+      BOOST_OUTCOME_TRYV(rows.lift(source, tile));
+    }
+    if (!source.format.corners) {
+      const fs::path file = source.tiles->file(index);
+      BOOST_OUTCOME_TRY(found, selection.numbers.of(tile.mesh, index, file));
+      numbers = std::move(found);
+    }
+    BOOST_OUTCOME_TRYV(give_cells(source, tile, tile_of(source, index), cells, {numbers, rows}, writer, watch));
+    cells += selection.parts[index].cells;
+  }
+  return watch.look();
+}
+
+Status write_cells(const MeshSource& source, const Selection& selection, StoredTile& cells,
+                   std::span<const TileId> tiles, MeshWriter& writer) {
+  const Rows rows(source);
+  BOOST_OUTCOME_TRYV(rows.lift(source, cells));
+  Watch watch(source, selection, writer);
+  std::vector<std::uint64_t> numbers(cells.mesh.points.size());
+  std::iota(numbers.begin(), numbers.end(), std::uint64_t{0});
+  if (lists_vertices(source)) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      writer.vertex(rows.vertex(cells, i));
+      BOOST_OUTCOME_TRYV(watch.step());
+    }
+  }
+  BOOST_OUTCOME_TRYV(give_cells(
+      source, cells, [&](std::size_t i) { return tiles[i]; }, 0, {numbers, rows}, writer, watch));
+  return watch.look();
+}
+
+Result<std::uint64_t> write_piece(const MeshSource& source, const Selection& selection, std::size_t index,
+                                  const fs::path& path, std::uint64_t& done) {
+  const Rows rows(source);
+  BOOST_OUTCOME_TRY(tile,
+                    source.tiles->read(index, {.rows = rows.wanted(), .cell_columns = source.format.cell_columns}));
+  BOOST_OUTCOME_TRYV(rows.lift(source, tile));
+  const TileMesh& mesh = tile.mesh;
+  const std::size_t corners = static_cast<std::size_t>(mesh.dimension) + 1;
+  std::vector<std::uint64_t> numbers(mesh.points.size(), unused);
+  for (std::size_t i = 0; i < mesh.cell_ghost.size(); ++i) {
+    if (!source.filter.keeps(mesh, i)) continue;
+    for (std::size_t k = 0; k < corners; ++k) numbers[static_cast<std::size_t>(mesh.cells[i * corners + k])] = 0;
+  }
+  MeshHead head = head_of(source, selection);
+  head.vertices = 0;
+  for (auto& number : numbers)
+    if (number != unused) number = head.vertices++;
+  head.cells = selection.parts[index].cells;
+  head.parts = {{selection.parts[index].tile, head.vertices, head.cells}};
+  BOOST_OUTCOME_TRY(writer, source.format.open(path, head));
+  Watch watch(source, selection, *writer, done);
+  if (lists_vertices(source)) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      if (numbers[i] == unused) continue;
+      writer->vertex(rows.vertex(tile, i));
+      BOOST_OUTCOME_TRYV(watch.step());
+    }
+  }
+  BOOST_OUTCOME_TRYV(give_cells(source, tile, tile_of(source, index), 0, {numbers, rows}, *writer, watch));
+  BOOST_OUTCOME_TRYV(watch.look());
+  done = watch.done();
+  return writer->finish();
+}
+
+}  // namespace tessera::exports

@@ -1,0 +1,32 @@
+// Where an export goes, checked before anything is read.
+#pragma once
+
+#include <filesystem>
+
+#include "src/base/result.h"
+#include "src/result/export/export.h"
+#include "src/result/export/formats.h"
+#include "src/result/store/tile_store.h"
+
+namespace tessera::exports {
+
+// Where the result goes: a file, or a folder.
+struct Target {
+  const Format* format = nullptr;
+  std::filesystem::path path;
+  bool folder = false;
+};
+
+// Errors of export_result() that need no result: usage.
+Result<Target> find_free_target(const std::filesystem::path& path, const ExportOptions& options);
+
+// The format of this name, or when it is empty the one of the target's ending. Error usage when there is none.
+Result<const Format*> find_format(const std::filesystem::path& target, const std::string& name);
+
+// The file that tells of the exported one, if the format has such.
+std::filesystem::path index_beside(const Target& target);
+
+// Error usage when the format cannot hold the result.
+Status check_fits(const std::filesystem::path& out, const Manifest& manifest, const Format& format);
+
+}  // namespace tessera::exports

@@ -1,0 +1,86 @@
+// The answers to many questions, as CSV, JSON lines or a NumPy array; to a file, standard output or memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/result/query/stored_triangulation.h"
+
+namespace tessera {
+
+enum class AnswerFormat : std::uint8_t { csv, json, npy };
+
+// By --format: csv, json or npy; else by the file's ending. Error usage.
+Result<AnswerFormat> answer_format(const std::string& name, const std::filesystem::path& target, bool json);
+
+struct AnswerOptions {
+  bool values = false;  // of interpolate; else cells, of locate
+  AnswerFormat format = AnswerFormat::csv;
+  int dimension = 3;
+  std::filesystem::path target = {};  // empty: standard output
+  bool overwrite = false;
+  bool weights = false;  // of values: which vertices, and how much of each
+  bool final = false;    // of a part: also whether each is that of the whole triangulation; in arrays a column more
+};
+
+// A file appears whole, at the end, or not at all. In CSV what is not there is empty; in arrays it is -1 or NaN; in
+// JSON null.
+class Answers {
+ public:
+  // Errors: usage when the file exists, an array would go to standard output, or weights into an array; io.
+  static Result<std::unique_ptr<Answers>> open(const AnswerOptions& options);
+  virtual ~Answers() = default;
+
+  // x,y[,z],tile,cell,v0,...; as array i8 n x (tile, cell, v0, ...).
+  Status add_cells(std::span<const Point> points, std::span<const query::Cell> cells);
+  // x,y[,z],value[,vertices,weights]; as array f8 n.
+  Status add_values(std::span<const Point> points, std::span<const query::Interpolated> values);
+  // Nothing is left of the file without this call.
+  virtual Status finish() = 0;
+
+ protected:
+  explicit Answers(const AnswerOptions& options) : options_(options) {}
+  // What stands before an array of so many bytes.
+  std::string array_head(std::uint64_t bytes) const;
+  const AnswerOptions& options() const { return options_; }
+
+ private:
+  virtual Status write(std::string_view bytes) = 0;
+  // The answer to one point.
+  void add(std::string& to, const Point& p, const query::Cell& cell) const;
+  void add(std::string& to, const Point& p, const query::Interpolated& value) const;
+  void begin_line(std::string& to, const Point& p) const;
+  void end_line(std::string& to, bool final) const;
+  template <class Answer>
+  Status add_all(std::span<const Point> points, std::span<const Answer> answers);
+
+  AnswerOptions options_;
+  bool begun_ = false;
+};
+
+// In memory, for a program that asks for few at a time.
+class TextAnswers final : public Answers {
+ public:
+  // Error usage for weights in an array.
+  static Result<std::unique_ptr<TextAnswers>> make(const AnswerOptions& options);
+  Status finish() override;
+  // All of it. REQUIRES: it is finished.
+  std::string take() { return std::move(text_); }
+
+ private:
+  explicit TextAnswers(const AnswerOptions& options) : Answers(options) {}
+  Status write(std::string_view bytes) override;
+  std::string text_;
+};
+
+// The shortest digits that read back as the same number; "null" for what JSON cannot say.
+void add_number(std::string& to, double number);
+
+}  // namespace tessera

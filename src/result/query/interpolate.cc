@@ -1,0 +1,53 @@
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "src/result/query/batch.h"
+#include "src/result/query/column.h"
+#include "src/result/query/impl.h"
+#include "src/result/query/natural.h"
+
+namespace tessera::query {
+
+Result<std::vector<Interpolated>> StoredTriangulation::interpolate(std::span<const Point> points,
+                                                                   const InterpolateOptions& what,
+                                                                   const AskOptions& options) const {
+  BOOST_OUTCOME_TRY(column, find_column(impl_->out, impl_->manifest, what.value));
+  std::vector<Interpolated> values(points.size());
+  const auto visit = [&](Walker& walker, std::size_t i, const Located& located) -> Status {
+    Interpolated& answer = values[i];
+    answer.final = located.final;
+    if (!located.place) {
+      answer.value = std::numeric_limits<double>::quiet_NaN();
+      return success();
+    }
+    std::vector<Weight> weights;
+    if (what.method == Method::natural) {
+      walker.forget_doubts();
+      BOOST_OUTCOME_TRY(natural, natural_weights(walker, located, points[i]));
+      weights = std::move(natural);
+      answer.final = answer.final && !walker.met_unknown() && !walker.met_unsure();
+      if (walker.met_unknown()) {  // its natural neighbours are not all here
+        answer.value = std::numeric_limits<double>::quiet_NaN();
+        return success();
+      }
+    }
+    if (weights.empty()) weights = linear_weights(located, points[i]);
+    long double value = 0;
+    for (const Weight& weight : weights) {
+      if (weight.weight == 0) continue;  // whatever the value, it does not count; it may be NaN
+      value += weight.weight * column.value(weight.tile->row(weight.vertex));
+      if (!what.weights) continue;
+      answer.vertices.push_back(weight.id());
+      answer.weights.push_back(static_cast<double>(weight.weight));
+    }
+    answer.value = static_cast<double>(value);
+    return success();
+  };
+  const Batch batch{.points = points, .threads = options.threads, .with_rows = true, .stop = options.stop};
+  BOOST_OUTCOME_TRYV(impl_->locate(batch, visit));
+  return values;
+}
+
+}  // namespace tessera::query

@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "src/result/query/dual.h"
+#include "src/result/query/impl.h"
+
+namespace tessera::query {
+namespace {
+
+// In the tile that owns the vertex, which holds all of its cells: of each facet with the vertex the Voronoi edge across
+// it, seen from both sides. Infinite when one is on the hull, NaN when a cell has no volume, as only damaged ones have.
+double voronoi_volume(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
+  const std::size_t corners = tile.corners();
+  std::map<std::int32_t, std::vector<Vec<Wide>>> corners_of;
+  std::map<std::int32_t, Vec<Wide>> centre_of;
+  for (const std::int32_t cell : star) {
+    auto& at = corners_of[cell];
+    for (std::size_t k = 0; k < corners; ++k)
+      at.push_back(relative<Wide>(tile.point(tile.vertex(cell, k)), tile.point(vertex)));
+    const auto centre = circumcentre<Wide>(at);
+    if (!centre) return std::numeric_limits<double>::quiet_NaN();
+    centre_of[cell] = *centre;
+  }
+  Wide volume = 0;
+  for (const std::int32_t cell : star) {
+    for (std::size_t k = 0; k < corners; ++k) {
+      if (tile.vertex(cell, k) == vertex) continue;
+      const std::int32_t beyond = tile.neighbor(cell, k);
+      if (beyond < 0) return std::numeric_limits<double>::infinity();
+      std::array<Vec<Wide>, 3> facet;
+      std::size_t here = 0;
+      for (std::size_t i = 0; i + 1 < corners; ++i) {
+        const std::size_t corner = facet_corner(corners, k, i);
+        facet[i] = corners_of[cell][corner];
+        if (tile.vertex(cell, corner) == vertex) here = i;
+      }
+      volume += edge_shares<Wide>({facet.data(), corners - 1}, centre_of[cell], centre_of[beyond])[here] / 2;
+    }
+  }
+  return std::abs(static_cast<double>(rounded(volume)));
+}
+
+// In a part of a triangulation: they need not be connected. `final`: all are of the whole one.
+std::vector<std::int32_t> around_in_part(const QueryTile& tile, const CellTree& tree, std::int32_t vertex,
+                                         bool& final) {
+  std::vector<std::int32_t> star;
+  tree.for_each_near({tile.point(vertex), tile.point(vertex)}, [&](std::int32_t cell) {
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) == vertex) star.push_back(cell);
+  });
+  final = std::all_of(star.begin(), star.end(), [&](std::int32_t cell) { return tile.is_final(cell); });
+  return star;
+}
+
+// Whether it is known what is beyond each facet with the vertex: then there are no other cells around it.
+bool is_closed(const QueryTile& tile, std::int32_t vertex, const std::vector<std::int32_t>& star) {
+  for (const std::int32_t cell : star)
+    for (std::size_t k = 0; k < tile.corners(); ++k)
+      if (tile.vertex(cell, k) != vertex && tile.neighbor(cell, k) < -1) return false;
+  return true;
+}
+
+// The vertex that stands for a point which is none.
+Result<std::optional<PointId>> kept_for(const std::filesystem::path& out, const Manifest& manifest, PointId id) {
+  if (manifest.duplicates == 0) return std::optional<PointId>{};
+  BOOST_OUTCOME_TRY(pairs, read_duplicates(out, manifest.keep));
+  const auto pair = std::lower_bound(pairs.begin(), pairs.end(), DuplicatePair{id, PointId{0}});
+  if (pair == pairs.end() || pair->duplicate != id) return std::optional<PointId>{};
+  return std::optional(pair->kept);
+}
+
+}  // namespace
+
+Result<std::optional<TileId>> StoredTriangulation::Impl::owner_of(PointId id, const std::stop_token& stop) const {
+  for (std::size_t i = 0; i < manifest.tiles.size(); ++i) {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while looking for a vertex");
+    const TileId tile = manifest.tiles[i].tile;
+    {
+      const std::lock_guard lock(id_mutex);
+      if (id_ranges[i] && (id < id_ranges[i]->first || id_ranges[i]->second < id)) continue;
+    }
+    BOOST_OUTCOME_TRY(ids, source.read_own_ids(i));
+    const auto [least, most] = std::minmax_element(ids.begin(), ids.end());
+    if (least == ids.end()) continue;
+    {
+      const std::lock_guard lock(id_mutex);
+      id_ranges[i] = {*least, *most};
+    }
+    if (std::find(ids.begin(), ids.end(), id) != ids.end()) return std::optional(tile);
+  }
+  return std::optional<TileId>{};
+}
+
+Result<Star> StoredTriangulation::star(PointId id, std::optional<TileId> owner, const AskOptions& options) const {
+  const Manifest& manifest = impl_->manifest;
+  if (id.value >= manifest.points_read)
+    return error(Errc::usage, impl_->out.string() + ": has no vertex " + to_string(id) + "; the input had " +
+                                  std::to_string(manifest.points_read) + " points, counted from 0");
+  const auto& tiles = manifest.tiles;
+  if (owner && std::none_of(tiles.begin(), tiles.end(), [&](const TileEntry& entry) { return entry.tile == *owner; }))
+    return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " is none of its tiles");
+  if (!owner) {
+    BOOST_OUTCOME_TRY(found, impl_->owner_of(id, options.stop));
+    if (!found) {
+      BOOST_OUTCOME_TRY(kept, kept_for(impl_->out, manifest, id));
+      if (manifest.region)
+        return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
+                                      " of the input is no vertex of the cells of this region");
+      if (!kept || *kept == id)
+        return error(Errc::usage, impl_->out.string() + ": point " + to_string(id) +
+                                      " of the input is no vertex: it was left out as invalid or filtered");
+      return star(*kept, std::nullopt, options);
+    }
+    owner = found;
+  }
+  Walker walker(impl_->cache, manifest, false);
+  BOOST_OUTCOME_TRY(tile, walker.tile(*owner));
+  const std::int32_t vertex = tile->own_vertex(id);
+  if (vertex < 0)
+    return error(Errc::usage, impl_->out.string() + ": tile " + to_string(*owner) + " has no vertex " + to_string(id));
+  Star star;
+  star.vertex = vertex_at(*tile, vertex);
+  std::vector<std::int32_t> cells;
+  if (manifest.region) {
+    BOOST_OUTCOME_TRY(tree, impl_->part_tree());
+    cells = around_in_part(*tile, *tree, vertex, star.final);
+  } else {
+    BOOST_OUTCOME_TRY(found, tile->around(vertex));
+    cells = std::move(found);
+  }
+  const bool closed = is_closed(*tile, vertex, cells);
+  star.final = star.final && closed;
+  star.voronoi_volume = closed ? voronoi_volume(*tile, vertex, cells) : std::numeric_limits<double>::quiet_NaN();
+  std::vector<std::int32_t> neighbors;
+  for (const std::int32_t cell : cells) {
+    BOOST_OUTCOME_TRY(main, walker.main_place({tile, cell}));
+    star.cells.push_back(cell_at(main));
+    star.cells.back().final = tile->is_final(cell);
+    for (std::size_t k = 0; k < tile->corners(); ++k)
+      if (tile->vertex(cell, k) != vertex) neighbors.push_back(tile->vertex(cell, k));
+  }
+  std::sort(neighbors.begin(), neighbors.end(),
+            [&](std::int32_t a, std::int32_t b) { return tile->id_of(a) < tile->id_of(b); });
+  neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
+  for (const std::int32_t v : neighbors) star.neighbors.push_back(vertex_at(*tile, v));
+  std::sort(star.cells.begin(), star.cells.end(),
+            [](const Cell& a, const Cell& b) { return a.tile != b.tile ? a.tile < b.tile : a.cell < b.cell; });
+  return star;
+}
+
+}  // namespace tessera::query

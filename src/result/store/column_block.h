@@ -1,0 +1,49 @@
+// Blocks of one column of a file of points: up to block_rows values of one type, bit for bit.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "src/base/attribute.h"
+#include "src/base/big_vector.h"
+#include "src/result/store/grid_scale.h"
+#include "src/result/store/integer_block.h"
+
+namespace tessera::store {
+
+// Values in memory, `stride` bytes from one to the next, at any address.
+template <class Byte>
+struct ColumnOf {
+  AttributeType type = AttributeType::f64;
+  Byte* first = nullptr;
+  std::size_t stride = 8;
+  std::size_t rows = 0;
+  ColumnOf part(std::size_t begin, std::size_t end) const {
+    return {type, first + begin * stride, stride, end - begin};
+  }
+};
+using Column = ColumnOf<const std::byte>;
+using ColumnRoom = ColumnOf<std::byte>;
+
+class ColumnBlocks {
+ public:
+  // REQUIRES: 1 to block_rows rows. Equal values make equal bytes, with one version of zstd.
+  void append(const Column& column, BigVector<std::byte>& to);
+  // Reads back what append() made of as many values of the type: all of `block`. What is wrong with it, as the end of a
+  // sentence; null when nothing is.
+  const char* take(std::span<const std::byte> block, const ColumnRoom& column);
+
+ private:
+  std::optional<GridScale> find_scale();
+  void append_doubles(BigVector<std::byte>& to);
+  const char* take_doubles(std::span<const std::byte>& block, std::span<std::uint64_t> numbers);
+
+  IntegerBlocks integers_;
+  BigVector<std::uint64_t> numbers_, multiples_, misses_;
+  std::vector<double> sample_;
+};
+
+}  // namespace tessera::store

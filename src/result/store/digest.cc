@@ -1,0 +1,113 @@
+#include "src/result/store/digest.h"
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include <bit>
+#include <charconv>
+
+#include "src/base/files/checksum.h"
+
+namespace tessera {
+
+namespace {
+
+// The first digits of pi behind the point: nobody has chosen them.
+constexpr std::uint64_t keys[4] = {0x243f6a8885a308d3, 0x13198a2e03707344, 0xa4093822299f31d0, 0x082efa98ec4e6c89};
+
+// Seeds keep cells and vertices of either dimension apart.
+constexpr XXH64_hash_t vertex_seed(int dimension) { return static_cast<XXH64_hash_t>(2 * dimension); }
+constexpr XXH64_hash_t cell_seed(int dimension) { return static_cast<XXH64_hash_t>(2 * dimension + 1); }
+
+// Size and seed are known where it is inlined: most of the hash's work is then done by the compiler.
+template <XXH64_hash_t seed, class Record>
+[[gnu::always_inline]] inline Digest hash(const Record& record) {
+  static_assert(std::endian::native == std::endian::little);
+  const XXH128_hash_t value = XXH3_128bits_withSeed(&record, sizeof record, seed);
+  return {value.low64, value.high64};
+}
+
+// The low word of a product of 128 bits and the high one, in one.
+[[gnu::always_inline]] inline std::uint64_t folded(std::uint64_t a, std::uint64_t b) {
+  const XXH128_hash_t product = XXH_mult64to128(a, b);
+  return product.low64 ^ product.high64;
+}
+
+}  // namespace
+
+CellDigest::CellDigest(int dimension, std::span<const PointId> ids) : dimension_(dimension), of_vertex_(ids.size()) {
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const Digest id = dimension == 2 ? hash<cell_seed(2)>(ids[i]) : hash<cell_seed(3)>(ids[i]);
+    of_vertex_[i] = {id.low, id.high};
+  }
+}
+
+template <int D, bool flagged>
+Digest CellDigest::sum(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
+  const Words* const of_vertex = of_vertex_.data();
+  Digest sum;
+  const std::size_t count = cells.size() / (D + 1);
+  const std::int32_t* cell = cells.data();
+  for (std::size_t c = 0; c < count; ++c, cell += D + 1) {
+    if constexpr (flagged) {
+      if (ghost[c] != 0) continue;
+    }
+    std::uint64_t low = 0, high = 0;
+    for (std::size_t k = 0; k <= D; ++k) {
+      const Words& vertex = of_vertex[static_cast<std::size_t>(cell[k])];
+      low += vertex.low, high += vertex.high;
+    }
+    sum += Digest{folded(low ^ keys[0], high ^ keys[1]), folded(low ^ keys[2], high ^ keys[3])};
+  }
+  return sum;
+}
+
+Digest CellDigest::of(std::span<const std::int32_t> cells, const std::uint8_t* ghost) const {
+  if (dimension_ == 2) return ghost ? sum<2, true>(cells, ghost) : sum<2, false>(cells, ghost);
+  return ghost ? sum<3, true>(cells, ghost) : sum<3, false>(cells, ghost);
+}
+
+namespace {
+
+Digest of_vertex(int dimension, const LocalPoint& vertex) {
+  return dimension == 2 ? hash<vertex_seed(2)>(vertex) : hash<vertex_seed(3)>(vertex);
+}
+
+}  // namespace
+
+Digest digest_of(int dimension, std::span<const Point> points, std::span<const PointId> ids) {
+  Digest sum;
+  for (std::size_t i = 0; i < points.size(); ++i) sum += of_vertex(dimension, {points[i], ids[i]});
+  return sum;
+}
+
+TileDigest::TileDigest(const TileMesh& mesh, std::size_t known, const Digest& sum)
+    : mesh_(mesh), cells_(mesh.dimension, mesh.ids), next_(known), sum_(sum) {
+  for (std::size_t i = 0; i < mesh.ids.size(); ++i) {
+    if (mesh.point_ghost[i] != 0) continue;
+    sum_ += of_vertex(mesh.dimension, {mesh.points[i], mesh.ids[i]});
+  }
+}
+
+void TileDigest::add(std::span<const std::int32_t> cells) {
+  sum_ += cells_.of(cells, mesh_.cell_ghost.data() + next_);
+  next_ += cells.size() / (static_cast<std::size_t>(mesh_.dimension) + 1);
+}
+
+Digest digest_of(const TileMesh& mesh) {
+  TileDigest digest(mesh);
+  digest.add(mesh.cells);
+  return digest.value();
+}
+
+std::string digest_text(const Digest& digest) { return checksum_text(digest.high) + checksum_text(digest.low); }
+
+std::optional<Digest> parse_digest(std::string_view text) {
+  if (text.size() != 32 || text.find_first_not_of("0123456789abcdef") != std::string_view::npos) return std::nullopt;
+  Digest digest;
+  std::from_chars(text.data(), text.data() + 16, digest.high, 16);
+  std::from_chars(text.data() + 16, text.data() + 32, digest.low, 16);
+  return digest;
+}
+
+}  // namespace tessera

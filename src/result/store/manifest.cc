@@ -1,0 +1,274 @@
+#include "src/result/store/manifest.h"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "src/base/files/checksum.h"
+#include "src/base/files/names.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/store/manifest_json.h"
+#include "src/result/store/tile_layout.h"
+#include "src/result/store/vtk_xml.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+namespace store {
+
+namespace {
+
+// Checksums stand under the names of their files.
+const std::string master_key = master_file("").string();
+const std::string duplicates_key = duplicates_file("").string();
+
+// A digest of another definition stands under another key, and is passed over: "digest" was a hash of sorted ids.
+constexpr const char* digest_key = "digest2";
+
+ordered_json triple(const Point& p) { return {number(p.x), number(p.y), number(p.z)}; }
+Point to_point(const json& value) { return {to_double(value.at(0)), to_double(value.at(1)), to_double(value.at(2))}; }
+
+template <class B>
+ordered_json corners(const B& box) {
+  return {{"lo", triple(box.lo)}, {"hi", triple(box.hi)}};
+}
+template <class B>
+B to_corners(const json& value) {
+  B box;
+  box.lo = to_point(value.at("lo"));
+  box.hi = to_point(value.at("hi"));
+  return box;
+}
+
+KeptPoint to_kept_point(const json& value) {
+  const auto text = value.get<std::string>();
+  const auto keep = kept_point_of(text);
+  if (!keep) throw json::other_error::create(501, "'" + text + "' is no choice among equal points", &value);
+  return *keep;
+}
+
+std::optional<Digest> to_digest(const json& value) {
+  if (!value.contains(digest_key)) return std::nullopt;
+  const auto text = value.at(digest_key).get<std::string>();
+  const auto digest = parse_digest(text);
+  if (!digest) throw json::other_error::create(501, "'" + text + "' is not a digest", &value);
+  return digest;
+}
+
+ordered_json entry_to_json(const TileEntry& entry) {
+  ordered_json value{{"tile", entry.tile.value},         {"points", entry.points},
+                     {"own_points", entry.own_points},   {"cells", entry.cells},
+                     {"main_cells", entry.main_cells},   {"bytes", entry.bytes},
+                     {"xxh3", checksum_text(entry.xxh3)}};
+  if (entry.kind == TileKind::points) value["kind"] = "points";
+  if (entry.version > 1) value["file"] = tile_file("", entry).generic_string();
+  if (entry.digest) value[digest_key] = digest_text(*entry.digest);
+  if (entry.heights) value["heights"] = {number(entry.heights->lo), number(entry.heights->hi)};
+  return value;
+}
+
+TileEntry to_entry(const json& value) {
+  TileEntry entry;
+  const std::uint64_t tile = to_count(value.at("tile"));
+  if (tile > std::numeric_limits<std::uint32_t>::max())
+    throw json::other_error::create(501, "tile " + std::to_string(tile) + " does not exist", &value);
+  entry.tile = TileId{static_cast<std::uint32_t>(tile)};
+  entry.points = to_count(value.at("points"));
+  entry.own_points = to_count(value.at("own_points"));
+  entry.cells = to_count(value.at("cells"));
+  entry.main_cells = to_count(value.at("main_cells"));
+  entry.bytes = to_count(value.at("bytes"));
+  entry.xxh3 = to_sum(value.at("xxh3"));
+  entry.digest = to_digest(value);
+  if (value.contains("kind")) {
+    if (value.at("kind") != "points")
+      throw json::other_error::create(501, value.at("kind").dump() + " is no kind of tile", &value);
+    entry.kind = TileKind::points;
+  }
+  if (value.contains("file")) {
+    const auto file = value.at("file").get<std::string>();
+    const auto version = version_of_tile_file(file);
+    entry.version = version.value_or(1);
+    if (!version || tile_file("", entry).generic_string() != file)
+      throw json::other_error::create(501, "'" + file + "' is no file of tile " + to_string(entry.tile), &value);
+  }
+  if (value.contains("heights")) {
+    const auto& heights = value.at("heights");
+    entry.heights = HeightRange{to_double(heights.at(0)), to_double(heights.at(1))};
+  }
+  return entry;
+}
+
+// The members that make a partition. Whether the splits are a tree is for those to check who walk it.
+std::string partition_text(const json& value, const Manifest& manifest) {
+  if (!value.contains("splits")) throw json::other_error::create(501, "the partition does not tell its splits", &value);
+  if (to_count(value.at("dimension")) != static_cast<std::uint64_t>(manifest.dimension) ||
+      to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
+    throw json::other_error::create(501, "the partition does not fit to the result", &value);
+  const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
+  return json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}).dump();
+}
+
+Manifest to_manifest(const json& value) {
+  Manifest manifest;
+  manifest.format_version = static_cast<int>(to_count(value.at("format_version")));
+  manifest.software_version = value.at("software_version").get<std::string>();
+  manifest.command = value.at("command").get<std::vector<std::string>>();
+  for (const auto& input : value.at("inputs"))
+    manifest.inputs.push_back({input.at("path").get<std::string>(), to_count(input.at("bytes")),
+                               input.at("modified_ns").get<std::int64_t>()});
+  manifest.dimension = static_cast<int>(to_count(value.at("dimension")));
+  if (manifest.dimension != 2 && manifest.dimension != 3)
+    throw json::other_error::create(501, "the dimension is neither 2 nor 3", &value);
+  manifest.crs = value.at("crs").get<std::string>();
+  manifest.partition_kind = value.at("partition").at("kind").get<std::string>();
+  for (const auto& box : value.at("partition").at("boxes")) manifest.boxes.push_back(to_corners<Box>(box));
+  manifest.partition = partition_text(value.at("partition"), manifest);
+  manifest.bounds = to_corners<Bounds>(value.at("bounds"));
+  if (value.contains("region")) {
+    const auto& region = value.at("region");
+    manifest.region = {to_corners<Box>(region), region.at("complete").get<bool>()};
+  }
+  manifest.neighbors = value.at("neighbors").get<bool>();
+  for (const auto& attribute : value.at("attributes")) {
+    manifest.schema.push_back({to_name(attribute), to_type(attribute)});
+  }
+  read_versions(value, manifest);
+  for (const auto& entry : value.at("tiles")) {
+    manifest.tiles.push_back(to_entry(entry));
+    if (manifest.tiles.back().version > manifest.version)
+      throw json::other_error::create(501, "a tile's file is of a version that is not there", &value);
+  }
+  for (std::size_t i = 1; i < manifest.tiles.size(); ++i)
+    if (manifest.tiles[i - 1].tile >= manifest.tiles[i].tile)
+      throw json::other_error::create(501, "the tiles are not in ascending order", &value);
+  const auto& counts = value.at("counts");
+  manifest.points_read = to_count(counts.at("points_read"));
+  manifest.invalid = to_count(counts.at("invalid"));
+  manifest.filtered = to_count(counts.at("filtered"));
+  manifest.duplicates = to_count(counts.at("duplicates"));
+  manifest.vertices = to_count(counts.at("vertices"));
+  manifest.cells = to_count(counts.at("cells"));
+  if (counts.contains("other_heights")) manifest.other_heights = to_count(counts.at("other_heights"));
+  if (value.contains("keep")) manifest.keep = to_kept_point(value.at("keep"));
+  manifest.digest = to_digest(value);
+  manifest.master_xxh3 = to_sum(value.at("checksums").at(master_key));
+  if (value.at("checksums").contains(duplicates_key))
+    manifest.duplicates_xxh3 = to_sum(value.at("checksums").at(duplicates_key));
+  manifest.seconds = value.at("seconds").get<std::map<std::string, double>>();
+  manifest.figures = value.at("figures").get<std::map<std::string, double>>();
+  return manifest;
+}
+
+}  // namespace
+
+std::string manifest_to_text(const Manifest& manifest) {
+  ordered_json value;
+  value["format"] = "tessera";
+  value["format_version"] = manifest.format_version;
+  write_versions(manifest, value);
+  value["software_version"] = manifest.software_version;
+  value["command"] = manifest.command;
+  value["inputs"] = json::array();
+  for (const auto& input : manifest.inputs)
+    value["inputs"].push_back({{"path", input.path}, {"bytes", input.bytes}, {"modified_ns", input.modified_ns}});
+  value["dimension"] = manifest.dimension;
+  value["crs"] = manifest.crs;
+  value["bounds"] = corners(manifest.bounds);
+  if (manifest.region) {
+    value["region"] = corners(manifest.region->box);
+    value["region"]["complete"] = manifest.region->complete;
+  }
+  value["neighbors"] = manifest.neighbors;
+  value["attributes"] = json::array();
+  for (const auto& attribute : manifest.schema)
+    value["attributes"].push_back({{"name", attribute.name}, {"type", name_of(attribute.type)}});
+  value["counts"] = {{"points_read", manifest.points_read}, {"invalid", manifest.invalid},
+                     {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
+                     {"vertices", manifest.vertices},       {"cells", manifest.cells}};
+  if (manifest.other_heights) value["counts"]["other_heights"] = *manifest.other_heights;
+  if (manifest.keep != KeptPoint::first) value["keep"] = name_of(manifest.keep);
+  if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
+  value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
+  if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);
+  value["seconds"] = json(manifest.seconds);
+  value["figures"] = json(manifest.figures);
+  // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
+  const auto text = [](const ordered_json& part, int indent) {
+    return part.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
+  };
+  // A box and a tile are a line each, also among thousands.
+  const auto lines = [&](const auto& list, const std::string& indent, const auto& to_json) {
+    std::string result = "[";
+    for (const auto& element : list)
+      result += (result.size() == 1 ? "\n  " : ",\n  ") + indent + text(to_json(element), -1);
+    return result + "\n" + indent + "]";
+  };
+  std::string result = text(value, 2);
+  result.erase(result.rfind('\n'));  // the closing brace: two members follow
+  result += ",\n  \"partition\": {\n    \"kind\": " + text(manifest.partition_kind, -1);
+  if (!manifest.partition.empty()) {
+    const json partition = json::parse(manifest.partition);
+    result += ",\n    \"dimension\": " + partition.at("dimension").dump() +
+              ",\n    \"tiles\": " + partition.at("tiles").dump() + ",\n    \"splits\": ";
+    result += lines(partition.at("splits"), "    ", [](const ordered_json& split) { return split; });
+  }
+  result += ",\n    \"boxes\": ";
+  result += lines(manifest.boxes, "    ", [](const Box& box) { return corners(box); }) + "\n  },\n  \"tiles\": ";
+  result += lines(manifest.tiles, "  ", [](const TileEntry& entry) { return entry_to_json(entry); }) + "\n}\n";
+  return result;
+}
+
+}  // namespace store
+
+std::optional<HeightRange> heights_of(const Manifest& manifest) {
+  std::optional<HeightRange> all;
+  for (const TileEntry& tile : manifest.tiles) {
+    if (!tile.heights) continue;
+    if (!all) all = tile.heights;
+    all = HeightRange{std::min(all->lo, tile.heights->lo), std::max(all->hi, tile.heights->hi)};
+  }
+  return all;
+}
+
+Error no_manifest(const fs::path& out) {
+  return error(Errc::io, out.string() + ": holds no manifest.json: not a result, or an unfinished run");
+}
+
+Result<Manifest> read_manifest(const fs::path& out) {
+  const auto path = manifest_file(out);
+  BOOST_OUTCOME_TRY(there, is_there(path));
+  if (!there) return no_manifest(out);
+  BOOST_OUTCOME_TRY(bytes, read_whole(path));
+  return parse_manifest(path, bytes);
+}
+
+Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte> bytes) {
+  const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
+  const char* text = reinterpret_cast<const char*>(bytes.data());
+  const json value = json::parse(text, text + bytes.size(), nullptr, false);
+  if (value.is_discarded() || !value.is_object() || value.value("format", json()) != json("tessera"))
+    return corrupt("is not a manifest of tessera, or damaged");
+  const json version = value.value("format_version", json());
+  if (!version.is_number_unsigned()) return corrupt("does not tell its format version");
+  if (version.get<std::uint64_t>() > newest_format)
+    return corrupt("is of format version " + version.dump() + ", this program knows version " +
+                   std::to_string(newest_format) + " and older: use a newer tessera");
+  if (version.get<std::uint64_t>() < oldest_format)
+    return corrupt(
+        "is of format version " + version.dump() +
+        ", which this program reads no more: the tessera that wrote it (software_version in this file) reads and "
+        "exports it; or triangulate again, for the file tells inputs and command");
+  try {
+    return store::to_manifest(value);
+  } catch (const json::exception& wrong) {  // a missing key, a wrong type: the library's way to tell
+    return corrupt(std::string("is damaged: ") + wrong.what());
+  }
+}
+
+}  // namespace tessera

@@ -1,0 +1,72 @@
+// A tile file as packed arrays: where they stand, and their bytes. What the numbers in them mean is others' to check.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "src/base/files/descriptor.h"
+#include "src/base/result.h"
+#include "src/result/store/tile_layout.h"
+#include "src/result/store/vtk_xml.h"
+
+namespace tessera::store {
+
+class PackedTile {
+ public:
+  // An array in the file.
+  struct Packed {
+    ArrayInfo info;
+    std::uint64_t bytes = 0;           // unpacked
+    std::uint64_t table = 0;           // where it begins
+    std::uint64_t begin = 0;           // of the first block
+    std::uint64_t end = 0;             // behind the last one
+    std::vector<std::uint64_t> sizes;  // of the blocks
+  };
+
+  // Reads header and tables. Error corrupt when no tile can have them.
+  static Result<PackedTile> open(const std::filesystem::path& path, TileId tile);
+
+  const TileHeader& header() const { return header_; }
+  const std::vector<Packed>& arrays() const { return arrays_; }  // in the header's order
+
+  // "out/tiles/000042.vtu, PointData/id: reason"
+  Error corrupt(const std::string& place, const std::string& reason) const;
+
+  // REQUIRES: every tile has the array.
+  template <class List>
+  Status read_array(Section section, std::string_view name, List& values) const {
+    return read_array(find(section, name), values);
+  }
+
+  template <class List>
+  Status read_array(const Packed& array, List& values) const {
+    values.resize(array.bytes / sizeof(typename List::value_type));
+    return read_blocks(array, std::as_writable_bytes(std::span(values)));
+  }
+
+  // The array as it stands in the file, table and blocks. Nothing in it is checked.
+  Status read_raw(const Packed& array, std::uint64_t offset, std::span<std::byte> buffer) const;
+
+ private:
+  explicit PackedTile(std::filesystem::path path) : path_(std::move(path)) {}
+  Status open();
+  Result<bool> read_at(std::uint64_t offset, std::span<std::byte> buffer) const;
+  Status read_header(TileId tile);
+  Status read_tables();
+  const Packed& find(Section section, std::string_view name) const;
+  Status read_blocks(const Packed& array, std::span<std::byte> values) const;
+
+  std::filesystem::path path_;
+  FileHandle file_;
+  std::uint64_t bytes_ = 0;
+  TileHeader header_;
+  std::uint64_t data_begin_ = 0;
+  std::vector<Packed> arrays_;
+};
+
+}  // namespace tessera::store

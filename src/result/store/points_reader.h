@@ -1,0 +1,75 @@
+// Reads files of points. Nothing in a file is believed: its head and each block carry a checksum, memory is taken only
+// for points and cells that the file has blocks for, and every value that others rely on is checked.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "src/base/big_vector.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/result.h"
+#include "src/result/store/column_block.h"
+#include "src/result/store/points_file.h"
+#include "src/result/store/points_head.h"
+#include "src/result/store/points_tile.h"
+
+namespace tessera::store {
+
+// The bytes of a file, on a disk or in memory.
+class FileBytes {
+ public:
+  static Result<FileBytes> open(const std::filesystem::path& path);
+  FileBytes(std::span<const std::byte> bytes, std::filesystem::path name)
+      : path_(std::move(name)), memory_(bytes), bytes_(bytes.size()) {}
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t bytes() const { return bytes_; }
+  // Until the next call. Fewer when the file ends before.
+  Result<std::span<const std::byte>> at(std::uint64_t offset, std::uint64_t bytes);
+
+ private:
+  explicit FileBytes(std::filesystem::path path) : path_(std::move(path)) {}
+
+  std::filesystem::path path_;
+  FileHandle file_;
+  std::span<const std::byte> memory_;
+  std::uint64_t bytes_ = 0;
+  BigVector<std::byte> buffer_;
+};
+
+class PointsReader {
+ public:
+  // Reads the head.
+  static Result<PointsReader> open(FileBytes file, TileId tile);
+  static Result<PointsReader> open(const std::filesystem::path& path, TileId tile);
+
+  const PointsHead& head() const { return head_; }
+  Result<PointsTile> read(const PointsParts& parts);
+  // Of the own points, or of the foreign ones, in the file's order.
+  Result<std::vector<PointId>> read_ids(PointsColumn::Of of);
+  // All blocks as they are stored, piece by piece. Nothing in them is checked.
+  Status read_raw(const std::function<Status(std::span<const std::byte>)>& take);
+
+ private:
+  explicit PointsReader(FileBytes file) : file_(std::move(file)) {}
+  Error corrupt(const std::string& place, const std::string& reason) const;
+  Status read_head(TileId tile);
+  Status read_points(const PointsParts& parts, PointsTile& tile);
+  Status read_column(const PointsColumn& column, const ColumnRoom& room);
+  // `room`: of the whole column.
+  Status read_block(const PointsColumn& column, std::uint64_t block, const ColumnRoom& room);
+  Status check_values(const PointsTile& tile, PointsColumn::Of of, std::uint64_t block) const;
+
+  FileBytes file_;
+  PointsHead head_;
+  std::vector<std::uint64_t> begins_;  // of the blocks
+  ColumnBlocks blocks_;
+};
+
+}  // namespace tessera::store

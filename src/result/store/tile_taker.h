@@ -1,0 +1,31 @@
+// Takes the tiles of a job as they come to their end, in place of files: for what is made of each tile once.
+#pragma once
+
+#include <mutex>
+#include <set>
+
+#include "src/base/ids.h"
+#include "src/base/result.h"
+#include "src/result/store/tile_store.h"
+
+namespace tessera {
+
+class TileTaker {
+ public:
+  TileTaker() = default;
+  virtual ~TileTaker() = default;
+  TileTaker(const TileTaker&) = delete;
+  TileTaker& operator=(const TileTaker&) = delete;
+
+  // With cells, neighbours and rows. Called by several threads, for different tiles. A job that finds its scratch
+  // damaged makes tiles again: one that was taken before is not used again, for it is the same.
+  Status take(TileId tile, const StoredTile& cells);
+
+ private:
+  virtual Status use(const StoredTile& cells) = 0;
+
+  std::mutex mutex_;
+  std::set<TileId> taken_;
+};
+
+}  // namespace tessera

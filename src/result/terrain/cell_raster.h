@@ -1,0 +1,99 @@
+// The pixels of a cell, and its values there.
+//
+// A cell has a pixel when it has the pixel's centre, which counts as moved to the right by an infinitely small step,
+// and up by one that is infinitely smaller still: then it is on no edge, so that within the hull exactly one cell has
+// it, whatever the order of cells and corners. A cell thus has its left edges and its horizontal lower one, and not the
+// others; on the hull's right edges and its upper one, centres are outside. Decided by exact predicates.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+
+#include "src/base/ids.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/result/terrain/grid.h"
+
+namespace tessera::terrain {
+
+struct Corner {
+  Point at;
+  PointId id;
+  double value = 0;
+};
+using Triangle = std::array<Corner, 3>;
+
+// Whether the counterclockwise cell has the pixel of this centre. Exact.
+bool has_pixel(const Triangle& cell, const Point& centre);
+
+// The linear function between the corners at a point of the closed cell. Not negative are the parts of the corners, and
+// they are right to 1e-11 of the whole, however thin the cell. The sum is taken in the order of the corners.
+double value_at(const Triangle& cell, const Point& q);
+
+// Calls put(column, row, value) for each pixel of `grid` that the counterclockwise cell has. The values do not depend
+// on the order of its corners.
+template <class Put>
+void for_each_pixel(const Grid& grid, const Triangle& cell, const Put& put) {
+  // Places in units of pixels are right to 2^-9 (pixels_max). What is nearer to an edge than this is asked exactly.
+  constexpr double slack = 0x1p-6;
+  const double per_unit = 1 / grid.res;
+  const auto [x0, x1] = std::minmax({cell[0].at.x, cell[1].at.x, cell[2].at.x});
+  const auto [y0, y1] = std::minmax({cell[0].at.y, cell[1].at.y, cell[2].at.y});
+  const auto place = [&](double c) { return c * per_unit - 0.5; };
+  const auto first = [&](double c, std::int64_t least) {
+    return std::max(static_cast<std::int64_t>(std::ceil(place(c) - slack)), least);
+  };
+  const auto last = [&](double c, std::int64_t most) {
+    return std::min(static_cast<std::int64_t>(std::floor(place(c) + slack)), most);
+  };
+  const std::int64_t row_end = last(y1, grid.row0 + grid.height - 1);
+  const std::int64_t left = first(x0, grid.column0), right = last(x1, grid.column0 + grid.width - 1);
+  if (left > right) return;
+  Triangle sorted;
+  bool is_sorted = false;
+  for (std::int64_t row = first(y0, grid.row0); row <= row_end; ++row) {
+    Point centre{0, grid.centre(row), 0};
+    // Where the line of centres is in the cell.
+    double from = std::numeric_limits<double>::infinity(), to = -from;
+    bool through_corner = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Point &a = cell[k].at, &b = cell[k == 2 ? 0 : k + 1].at;
+      if (a.y == centre.y) {
+        through_corner = true;
+        from = std::min(from, a.x);
+        to = std::max(to, a.x);
+      } else if ((a.y < centre.y) != (b.y < centre.y)) {
+        const double x = a.x + (centre.y - a.y) / (b.y - a.y) * (b.x - a.x);
+        from = std::min(from, x);
+        to = std::max(to, x);
+      }
+    }
+    if (!(from <= to)) continue;
+    const std::int64_t end = last(to, right);
+    const double sure_from = place(from) + slack, sure_to = place(to) - slack;
+    for (std::int64_t column = first(from, left); column <= end; ++column) {
+      centre.x = grid.centre(column);
+      const auto at = static_cast<double>(column);
+      const bool sure = !through_corner && at > sure_from && at < sure_to;
+      if (!sure && !has_pixel(cell, centre)) continue;
+      if (!is_sorted) {
+        sorted = cell;
+        std::sort(sorted.begin(), sorted.end(), [](const Corner& a, const Corner& b) { return a.id < b.id; });
+        is_sorted = true;
+      }
+      put(column, row, value_at(sorted, centre));
+    }
+  }
+}
+
+// Parts of `grid` which together have all pixels of the cell, each of part_side x part_side pixels at most:
+// for_each_pixel() of them all is that of the grid. A cell of few pixels has one part. Calls visit(part) until it
+// returns an error.
+inline constexpr std::int64_t part_side = 2048;
+Status for_each_part(const Grid& grid, const Triangle& cell, const std::function<Status(const Grid&)>& visit);
+
+}  // namespace tessera::terrain

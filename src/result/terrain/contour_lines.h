@@ -1,0 +1,82 @@
+// Contour lines, linked from pieces across the borders of tiles, by way of a scratch file.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/files/descriptor.h"
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/result/store/external_sort.h"
+
+namespace tessera::terrain {
+
+// Where a line passes an edge, which is told by its ends, the lower first.
+struct LinePoint {
+  PointId a, b;
+  double x = 0, y = 0;
+  std::pair<PointId, PointId> edge() const { return {a, b}; }
+};
+static_assert(sizeof(LinePoint) == 32);
+
+class ContourLines {
+ public:
+  struct Memory {
+    std::uint64_t sort_bytes = 0;
+    std::uint64_t parts_bytes = 0;  // for lines that end at the border of a tile, part_bytes each
+  };
+  static constexpr std::uint64_t part_bytes = 96;
+  // `folder`: of the scratch file. All functions end soon after `stop` is requested, with the error interrupted.
+  static Result<ContourLines> create(const std::filesystem::path& folder, const Memory& memory, std::stop_token stop);
+
+  // A line of a tile, with what is above its level on its left. A closed one ends with its first point again. Safe to
+  // call from several threads. Error memory for more lines that end at borders than there is room for.
+  Status add(std::int64_t level, std::span<const LinePoint> points);
+
+  // Calls visit(level, points) for each line, by level and then by its first edge: its first point is where it begins,
+  // of a closed one the point with the least edge, which is also its last. Points that follow each other differ; lines
+  // of which less than two points are left, or three of a closed one, have no length, and are none. All lines are a
+  // function of the triangulation, whatever its tiles. Ends this object's life. REQUIRES: a line fits in memory.
+  Status for_each(const std::function<Status(std::int64_t level, std::span<const Point> points)>& visit);
+
+ private:
+  // Points of the scratch file.
+  struct Line {
+    std::int64_t level = 0;
+    PointId a, b;  // the edge by which lines are sorted
+    std::uint64_t first = 0, count = 0;
+    bool operator<(const Line& other) const { return std::tie(level, a, b) < std::tie(other.level, other.a, other.b); }
+  };
+  struct Part {
+    Line line;  // by its first edge
+    PointId end_a, end_b;
+  };
+
+  ContourLines(FileHandle file, std::filesystem::path folder, const Memory& memory, std::stop_token stop)
+      : file_(std::move(file)),
+        folder_(std::move(folder)),
+        parts_max_(std::max<std::uint64_t>(memory.parts_bytes / part_bytes, 1024)),
+        stop_(std::move(stop)),
+        sorted_(folder_, memory.sort_bytes, stop_) {}
+  Result<Line> write(std::int64_t level, std::span<const LinePoint> points);
+  Status read(const Line& line, std::vector<LinePoint>& points) const;
+  Status link_parts();
+
+  FileHandle file_;
+  std::filesystem::path folder_;
+  std::uint64_t parts_max_;
+  std::stop_token stop_;
+  ExternalSort<Line> sorted_;
+  std::vector<Part> parts_;
+  std::uint64_t written_ = 0;  // points
+  std::unique_ptr<std::mutex> mutex_ = std::make_unique<std::mutex>();
+};
+
+}  // namespace tessera::terrain

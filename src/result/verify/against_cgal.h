@@ -1,0 +1,36 @@
+// The slow, independent answer: CGAL's triangulation of all vertices, in memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <stop_token>
+#include <utility>
+#include <vector>
+
+#include "src/base/point.h"
+#include "src/base/result.h"
+#include "src/geometry/mesh/tile_mesh.h"
+#include "src/result/verify/place.h"
+
+namespace tessera {
+
+class AgainstCgal {
+ public:
+  AgainstCgal(int dimension, std::stop_token stop) : dimension_(dimension), stop_(std::move(stop)) {}
+  // Keeps the tile's own vertices and main cells.
+  void add(const TileMesh& mesh);
+  // Builds and compares the sets of cells; not_delaunay tells the first cell that only one of them has. Error
+  // interrupted soon after the stop is requested.
+  Status compare(const std::filesystem::path& out);
+
+ private:
+  Status compare_all(const std::filesystem::path& out);  // throws Stopped
+
+  int dimension_;
+  std::stop_token stop_;
+  std::vector<Point> points_;  // in the order of the tiles, which is along Hilbert curves
+  std::vector<PointId> ids_;   // of points_
+  std::vector<IdSet> cells_;
+};
+
+}  // namespace tessera

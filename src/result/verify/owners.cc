@@ -1,0 +1,29 @@
+#include "src/result/verify/owners.h"
+
+#include <string>
+#include <utility>
+
+#include "src/result/verify/place.h"
+
+namespace tessera {
+
+Owners::Owners(const Manifest& manifest) {
+  if (manifest.format_version < 2) return;
+  if (auto partition = Partition::from_json(manifest.partition)) partition_ = std::move(partition).value();
+}
+
+void Owners::look_at(const TileMesh& mesh, TileId tile, const TileSource& source) {
+  if (!partition_ || wrong_) return;
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    const TileId owner = partition_->tile_of(mesh.points[i]);
+    if (mesh.owners[i] == owner) continue;
+    wrong_ = wrong_tile(source, tile,
+                        "vertex " + to_string(mesh.ids[i]) + " is said to be of tile " + to_string(mesh.owners[i]) +
+                            ", by the partition it is of tile " + to_string(owner));
+    return;
+  }
+}
+
+Status Owners::finish() const { return wrong_ ? Status(*wrong_) : Status(success()); }
+
+}  // namespace tessera

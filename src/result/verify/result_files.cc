@@ -1,0 +1,124 @@
+#include "src/result/verify/result_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+#include <span>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "src/base/files/checksum.h"
+#include "src/base/files/descriptor.h"
+#include "src/base/files/folder.h"
+#include "src/base/files/there.h"
+#include "src/base/files/whole_file.h"
+#include "src/result/check_sum.h"
+#include "src/result/old_versions.h"
+#include "src/result/store/manifest.h"
+#include "src/result/store/vtk_xml.h"
+
+namespace tessera {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Error corrupt(const fs::path& path, const std::string& reason) {
+  return error(Errc::corrupt, path.string() + ": " + reason);
+}
+
+std::uint64_t sum_of_text(const std::string& text) { return checksum(std::as_bytes(std::span(text))); }
+
+// The master of the version before, which stands when a writer was ended between manifest and master: it leads to tiles
+// that are still there.
+Status check_previous_master(const TileSource& source, const fs::path& path) {
+  BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
+  for (const auto& old : olds) {
+    if (old.version + 1 != source.manifest().version) continue;
+    BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
+    BOOST_OUTCOME_TRY(manifest, parse_manifest(old.file, bytes));
+    if (sum_of_text(store::master_text(manifest)) != *source.manifest().previous_master_xxh3) continue;
+    for (const auto& entry : manifest.tiles) {
+      BOOST_OUTCOME_TRY(there, is_there(tile_file(source.folder(), entry)));
+      if (!there) return corrupt(path, "leads to tiles of the version before, which are not there");
+    }
+    return success();
+  }
+  return corrupt(path, "is the master file of the version before, whose manifest is not there");
+}
+
+// Programs open it instead of the tiles: it must lead to all of them, whole and in order. Made again rather than
+// parsed, so that nothing in it can be overlooked.
+Status check_master(const TileSource& source) {
+  const Manifest& manifest = source.manifest();
+  const auto path = master_file(source.folder());
+  if (manifest.previous_master_xxh3) {
+    BOOST_OUTCOME_TRY(sum, checksum_file(path));
+    if (sum == *manifest.previous_master_xxh3 && sum != manifest.master_xxh3)
+      return check_previous_master(source, path);
+  }
+  BOOST_OUTCOME_TRYV(check_sum(path, manifest.master_xxh3));
+  if (sum_of_text(store::master_text(manifest)) == manifest.master_xxh3) return success();
+  return corrupt(path, "is not the master file of the tiles in the manifest");
+}
+
+// Beside the tiles there may be those of older versions, and those of a version that never came to be.
+Status check_listed(const TileSource& source) {
+  const Manifest& manifest = source.manifest();
+  const auto folder = tiles_folder(source.folder());
+  std::set<fs::path> names = result::tile_names(manifest);
+  BOOST_OUTCOME_TRY(olds, result::old_versions(source.folder()));
+  for (const auto& old : olds) {
+    BOOST_OUTCOME_TRY(bytes, read_whole(old.file));
+    BOOST_OUTCOME_TRY(other, parse_manifest(old.file, bytes));
+    names.merge(result::tile_names(other));
+  }
+  FolderReader reader(folder);
+  while (const char* entry = reader.next()) {
+    const fs::path name(entry);
+    const bool unfinished = version_of_tile_file(name).value_or(0) > manifest.version;
+    if (kind_of_tile_file(name) && !names.contains(name) && !unfinished)
+      return corrupt(folder / name, "is no tile of the manifest");
+  }
+  // A result without tiles may be without the folder.
+  if (reader.error() && !manifest.tiles.empty()) return io_error(folder, "cannot be listed", reader.error().value());
+  return success();
+}
+
+}  // namespace
+
+Status check_files(const TileSource& source) {
+  const fs::path& out = source.folder();
+  const Manifest& manifest = source.manifest();
+  BOOST_OUTCOME_TRYV(check_master(source));
+  const auto duplicates = duplicates_file(out);
+  if (manifest.duplicates_xxh3 != 0) {
+    BOOST_OUTCOME_TRYV(check_sum(duplicates, manifest.duplicates_xxh3, data_sum_of(manifest.format_version)));
+  } else {
+    BOOST_OUTCOME_TRY(there, is_there(duplicates));
+    if (there) return corrupt(duplicates, "has no checksum in the manifest");
+  }
+  return check_listed(source);
+}
+
+Result<TileMesh> open_tile(const TileSource& source, std::size_t index) {
+  const Manifest& manifest = source.manifest();
+  const TileEntry& entry = source.entry(index);
+  const auto path = source.file(index);
+  BOOST_OUTCOME_TRYV(source.check(index));
+  // With the values of attributes and columns, though nothing is known of them: each vertex and cell must have one.
+  BOOST_OUTCOME_TRY(tile, source.read(index, {.rows = true, .cell_columns = true}));
+  TileMesh& mesh = tile.mesh;
+  if (entry.tile.value < manifest.boxes.size()) {
+    const Box& box = manifest.boxes[entry.tile.value];
+    for (std::size_t i = 0; i < mesh.points.size(); ++i)
+      if (mesh.point_ghost[i] == 0 && !box.contains(mesh.points[i]))
+        return error(Errc::not_delaunay,
+                     path.string() + ": own vertex " + to_string(mesh.ids[i]) + " lies outside the tile's box");
+  }
+  return std::move(mesh);
+}
+
+}  // namespace tessera

@@ -1,0 +1,18 @@
+// Links for programs that take a relative one for the name of a host, as GDAL 3.6 does.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "src/service/http/links.h"
+
+namespace tessera::http {
+
+// By the host that was asked, which is one of ours (guard.h), unless there is a public address.
+inline std::string absolute(const Links& links, const Request& request, std::string_view path) {
+  std::string address = links.to(request, path);
+  if (address.find("://") != std::string::npos) return address;
+  return (request.tls ? "https://" : "http://") + std::string(request.header("host")) + std::string(path);
+}
+
+}  // namespace tessera::http

@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <utility>
+
+#include "src/service/http/handlers.h"
+#include "src/service/http/ranges.h"
+#include "web/web_files.h"
+
+namespace tessera::http {
+namespace {
+
+constexpr std::string_view page = "index.html";
+// Only its own files and this service; nothing that stands in the page itself runs or styles it. Text that comes from
+// jobs cannot become markup.
+constexpr const char* policy =
+    "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'; object-src 'none'; "
+    "require-trusted-types-for 'script'";
+
+Answer file_of(const Request& request, std::string_view name) {
+  const auto files = web_files();
+  const auto found = std::find_if(files.begin(), files.end(), [&](const WebFile& file) { return file.name == name; });
+  if (found == files.end()) return problem(404, "the dashboard has no file '" + std::string(name) + "'");
+  Answer answer;
+  answer.headers = {{"ETag", std::string(found->etag)},
+                    {"Cache-Control", "no-cache"},  // another version of the daemon has others under these names
+                    {"Content-Security-Policy", policy}};
+  if (names_tag(request.header("if-none-match"), found->etag, true)) {
+    answer.status = 304;
+    return answer;
+  }
+  answer.headers.emplace_back("Content-Type", std::string(found->type));
+  answer.body = std::string(found->bytes);
+  return answer;
+}
+
+Answer dashboard(const Call& call) {
+  if (call.request.target.path.ends_with('/')) return file_of(call.request, page);
+  Answer answer;
+  answer.status = 303;
+  answer.headers.emplace_back("Location", "ui/");  // which its files are relative to
+  return answer;
+}
+
+Answer file(const Call& call) { return file_of(call.request, call.arguments[0]); }
+
+}  // namespace
+
+void add_dashboard_routes(std::vector<Route>& routes) {
+  const Response unchanged{304, "", "", "It is the one that If-None-Match names"};
+  Route ui{"GET",
+           "/ui",
+           Role::none,
+           "getDashboard",
+           "The dashboard: a page for browsers, at /ui/",
+           {{200, "text/html", "", "The page"}, {303, "", "", "It stands at /ui/"}, unchanged},
+           dashboard};
+  Route part{"GET",
+             "/ui/{file}",
+             Role::none,
+             "getDashboardFile",
+             "What the dashboard is made of",
+             {{200, "text/javascript", "", "The file"}, unchanged},
+             file};
+  for (Route* route : {&ui, &part}) {
+    route->runs = Runs::at_once;
+    routes.push_back(std::move(*route));
+  }
+}
+
+}  // namespace tessera::http

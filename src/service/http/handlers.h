@@ -1,0 +1,54 @@
+// The table of routes and who answers them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "src/service/http/events.h"
+#include "src/service/http/metrics.h"
+#include "src/service/http/node_health.h"
+#include "src/service/http/router.h"
+
+namespace tessera::http {
+
+class Guard;
+
+// What outlives the handlers, and grows after them: the document and the figures are made from the table.
+struct Shared {
+  EventTexts texts;
+  std::string openapi;
+  std::unique_ptr<Metrics> metrics;
+  Guard* guard = nullptr;
+};
+
+// What the listener for supervisors asks.
+struct Operations {
+  std::string name;  // of what is ready or not
+  std::function<std::optional<std::string>()> unready;
+  std::function<std::string(Metrics&)> figures;  // as text
+};
+
+std::vector<Route> all_routes(Shared& shared, Backend& backend);
+// Health and figures alone.
+std::vector<Route> node_routes(Shared& shared, const NodeHealth& node);
+
+void add_common_routes(std::vector<Route>& routes, Shared& shared);
+void add_session_routes(std::vector<Route>& routes, Shared& shared);
+void add_job_routes(std::vector<Route>& routes, Shared& shared);
+void add_result_routes(std::vector<Route>& routes);
+void add_listing_routes(std::vector<Route>& routes);
+void add_question_routes(std::vector<Route>& routes);
+void add_map_routes(std::vector<Route>& routes);
+void add_node_routes(std::vector<Route>& routes);
+void add_dashboard_routes(std::vector<Route>& routes);
+void add_operations_routes(std::vector<Route>& routes, Shared& shared, Operations operations);
+
+// The number in a query: usage when it is none, or below 1; at most `max`.
+Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max);
+// Error of the caller as a problem with status 400.
+Answer bad_request(const Error& error);
+
+}  // namespace tessera::http

@@ -1,0 +1,42 @@
+#include <utility>
+
+#include "src/service/http/handlers.h"
+
+namespace tessera::http {
+namespace {
+
+constexpr const char* json = "application/json";
+
+Answer nodes(const Call& call) {
+  Reply<proto::NodeList> found = call.context.backend->nodes();
+  if (!found) return problem(found.error());
+  found.value().clear_links();
+  *found.value().add_links() = call.context.links.link(call.request, "/v1/nodes", "self", json);
+  return message_answer(call.request, 200, found.value());
+}
+
+Answer drain(const Call& call) {
+  const Reply<proto::NodeInfo> drained = call.context.backend->drain(call.arguments[0], call.request.caller);
+  return drained ? message_answer(call.request, 200, drained.value()) : problem(drained.error());
+}
+
+}  // namespace
+
+void add_node_routes(std::vector<Route>& routes) {
+  routes.push_back({"GET",
+                    "/v1/nodes",
+                    Role::read,
+                    "listNodes",
+                    "Who works on the jobs",
+                    {{200, json, "NodeList", "The nodes, in order of coming"}},
+                    nodes});
+  routes.push_back({"POST",
+                    "/v1/nodes/{node}/drain",
+                    Role::admin,
+                    "drainNode",
+                    "Take all work from a node, by its name or id, and let its process end",
+                    {{200, json, "NodeInfo", "The node, which goes"}},
+                    drain});
+}
+
+}  // namespace tessera::http

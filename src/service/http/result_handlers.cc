@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <utility>
+
+#include "src/base/files/names.h"
+#include "src/service/http/handlers.h"
+#include "src/service/http/ranges.h"
+
+namespace tessera::http {
+namespace {
+
+constexpr std::uint32_t page = 100, page_max = 1000;
+constexpr const char* json = "application/json";
+
+Answer no_content() {
+  Answer answer;
+  answer.status = 204;
+  return answer;
+}
+
+Answer triangulations(const Call& call) {
+  const Result<std::uint32_t> limit = limit_of(call.request, page, page_max);
+  if (!limit) return bad_request(limit.error());
+  Reply<proto::TriangulationList> found =
+      call.context.backend->triangulations(limit.value(), call.request.target.parameter("after").value_or(""));
+  if (!found) return problem(found.error());
+  proto::TriangulationList& list = found.value();
+  for (proto::TriangulationInfo& one : *list.mutable_triangulations()) call.context.links.add(call.request, one);
+  list.clear_links();
+  *list.add_links() = call.context.links.link(call.request, "/v1/triangulations", "self", json);
+  if (list.triangulations_size() > 0 && static_cast<std::uint32_t>(list.triangulations_size()) == limit.value()) {
+    const std::string& last = list.triangulations(list.triangulations_size() - 1).name();
+    const std::string next =
+        "/v1/triangulations?limit=" + std::to_string(limit.value()) + "&after=" + encode_segment(last);
+    *list.add_links() = call.context.links.link(call.request, next, "next", json);
+  }
+  return message_answer(call.request, 200, list);
+}
+
+Answer triangulation(const Call& call) {
+  Reply<proto::TriangulationInfo> found = call.context.backend->triangulation(call.arguments[0]);
+  if (!found) return problem(found.error());
+  call.context.links.add(call.request, found.value());
+  return message_answer(call.request, 200, found.value());
+}
+
+Answer remove(const Call& call) {
+  const Reply<void> removed = call.context.backend->remove_triangulation(call.arguments[0], call.request.caller);
+  return removed ? no_content() : problem(removed.error());
+}
+
+Answer file(const Call& call) {
+  const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], call.arguments[1]);
+  return found ? file_answer(call.request, found.value()) : problem(found.error());
+}
+
+// The files of the tileset that the dashboard shows, where programs look for such.
+Answer tileset(const Call& call) {
+  const std::filesystem::path path = tileset_of_result("") / call.arguments[1];
+  const Reply<ServedFile> found = call.context.backend->file(call.arguments[0], path.string());
+  if (found) return file_answer(call.request, found.value());
+  if (found.error().status() != 404) return problem(found.error());
+  return problem(
+      404,
+      "triangulation '" + call.arguments[0] +
+          "' has no such file of a tileset; the process export makes one of a 2D result, surface of a 3D one: "
+          "format 3dtiles, output " +
+          tileset_of_result("").filename().string(),
+      2);
+}
+
+Answer remove_export(const Call& call) {
+  const std::string begin = exports_folder("").string() + "/";
+  const std::string& path = call.arguments[1];
+  if (!path.starts_with(begin))
+    return problem(404, "there is no export at this address: other files go with their triangulation", 2);
+  const Reply<void> removed =
+      call.context.backend->remove_export(call.arguments[0], path.substr(begin.size()), call.request.caller);
+  return removed ? no_content() : problem(removed.error());
+}
+
+Answer uploaded(const Call& call) {
+  const Reply<std::uint64_t> bytes = call.context.backend->uploaded(call.arguments[0], call.arguments[1]);
+  if (!bytes) return problem(bytes.error());
+  Answer answer;
+  answer.status = 204;
+  answer.headers.emplace_back("Upload-Offset", std::to_string(bytes.value()));
+  return answer;
+}
+
+Answer remove_upload(const Call& call) {
+  const Reply<void> removed =
+      call.context.backend->remove_upload(call.arguments[0], call.arguments[1], call.request.caller);
+  return removed ? no_content() : problem(removed.error());
+}
+
+Reply<std::unique_ptr<Backend::Upload>> upload(const Call& call) {
+  std::uint64_t offset = 0;
+  const std::string_view text = call.request.header("upload-offset");
+  if (!text.empty()) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), offset);
+    if (error != std::errc() || end != text.data() + text.size()) {
+      proto::Problem problem;
+      problem.set_status(400);
+      problem.set_cause(2);
+      problem.set_detail("Upload-Offset: is no number of bytes");
+      return problem;
+    }
+  }
+  return call.context.backend->upload(call.arguments[0], call.arguments[1], offset, call.request.caller);
+}
+
+}  // namespace
+
+Result<std::uint32_t> limit_of(const Request& request, std::uint32_t usual, std::uint32_t max) {
+  const auto text = request.target.parameter("limit");
+  if (!text) return usual;
+  std::uint32_t limit = 0;
+  const auto [end, failed] = std::from_chars(text->data(), text->data() + text->size(), limit);
+  if (failed == std::errc::result_out_of_range && end == text->data() + text->size()) return max;
+  if (failed != std::errc() || end != text->data() + text->size() || limit == 0)
+    return error(Errc::usage, "limit: must be a number from 1 on");
+  return std::min(limit, max);
+}
+
+Answer bad_request(const Error& error) { return problem(400, error.where, static_cast<int>(error.code)); }
+
+void add_result_routes(std::vector<Route>& routes) {
+  const std::vector<Parameter> paging{{"limit", "integer", "How many at most"},
+                                      {"after", "string", "What ended the page before"}};
+  routes.push_back({"GET",
+                    "/v1/triangulations",
+                    Role::read,
+                    "listTriangulations",
+                    "The results, in pages",
+                    {{200, json, "TriangulationList", "The results"}},
+                    triangulations,
+                    paging});
+  routes.push_back({"GET",
+                    "/v1/triangulations/{triangulation}",
+                    Role::read,
+                    "getTriangulation",
+                    "A result",
+                    {{200, json, "TriangulationInfo", "The result"}},
+                    triangulation});
+  routes.push_back({"DELETE",
+                    "/v1/triangulations/{triangulation}",
+                    Role::submit,
+                    "removeTriangulation",
+                    "Remove a result for good",
+                    {{204, "", "", "It is gone"}},
+                    remove});
+  routes.push_back({"GET",
+                    "/v1/triangulations/{triangulation}/files/{path*}",
+                    Role::read,
+                    "getFile",
+                    "A file of a result, or a range of its bytes",
+                    {{200, "application/octet-stream", "", "The file"},
+                     {206, "application/octet-stream", "", "A part of it"},
+                     {304, "", "", "It is the one that If-None-Match names"}},
+                    file});
+  routes.push_back({"GET",
+                    "/v1/triangulations/{triangulation}/3dtiles/{path*}",
+                    Role::read,
+                    "getTileset",
+                    "A 2D result as 3D Tiles 1.1: tileset.json and what it names",
+                    {{200, json, "", "The tileset"},
+                     {200, "model/gltf-binary", "", "The surface of a node"},
+                     {304, "", "", "It is the one that If-None-Match names"}},
+                    tileset});
+  routes.push_back({"DELETE",
+                    "/v1/triangulations/{triangulation}/files/{path*}",
+                    Role::submit,
+                    "removeExport",
+                    "Remove what a triangulation was exported to: exports/NAME",
+                    {{204, "", "", "It is gone"}},
+                    remove_export});
+  routes.push_back({"HEAD",
+                    "/v1/uploads/{upload}/{file}",
+                    Role::submit,
+                    "getUpload",
+                    "How much of an upload is there: Upload-Offset",
+                    {{204, "", "", "Upload-Offset says it"}},
+                    uploaded});
+  routes.push_back({"DELETE",
+                    "/v1/uploads/{upload}/{file}",
+                    Role::submit,
+                    "removeUpload",
+                    "Remove an upload, also one that has not come whole",
+                    {{204, "", "", "It is gone"}},
+                    remove_upload});
+  Route put{"PUT",
+            "/v1/uploads/{upload}/{file}",
+            Role::submit,
+            "putUpload",
+            "An input file; with Upload-Offset, what comes after that many bytes",
+            {{204, "", "", "It is all there"}},
+            [](const Call&) { return no_content(); },
+            {},
+            "bytes"};
+  put.upload = upload;
+  routes.push_back(std::move(put));
+}
+
+}  // namespace tessera::http

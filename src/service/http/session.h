@@ -1,0 +1,90 @@
+// What is said over one connection: requests one after the other, each within its time and size.
+#pragma once
+
+#include "src/service/http/transport.h"
+
+#include <atomic>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stop_token>
+#include <string>
+
+#include "src/service/http/front.h"
+#include "src/service/http/workers.h"
+
+namespace tessera::http {
+
+struct SessionLimits {
+  std::uint32_t header_bytes = 8 << 10;
+  std::uint64_t body_bytes = 1 << 20;  // uploads apart
+  // `write`: without any progress; `work`: of what takes turns, but for questions, which have bounds of their own.
+  std::chrono::milliseconds header{10'000}, idle{60'000}, body{30'000}, write{30'000}, comment{15'000}, work{60'000};
+};
+
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  // `place`: what the listener offers. `front` outlives it.
+  // `workers` do what waits, so that the threads that serve connections never do; they are joined before what runs
+  // sessions dies.
+  Session(std::unique_ptr<Transport> transport, Front& front, Place place, const SessionLimits& limits,
+          Workers& workers);
+  ~Session();
+
+  // Until the connection ends.
+  asio::awaitable<void> run();
+  // From any thread: nothing new is begun, an idle connection ends, streams of events end.
+  void drain();
+  // What is being done for it, if anything, ends. REQUIRES: nothing runs the session any more.
+  void stop_asking() {
+    if (asked_) asked_->stop.request_stop();
+  }
+  asio::any_io_executor executor() { return transport_->socket().get_executor(); }
+
+ private:
+  struct Incoming;  // a request while it is read
+  struct Asked {    // what is done in turn with others
+    std::stop_source stop;
+    std::atomic<bool> begun = false;
+    std::chrono::steady_clock::time_point since;  // set before `begun`
+  };
+
+  void give_up_after(std::chrono::milliseconds time);
+  void never_give_up() { deadline_ = std::chrono::steady_clock::time_point::max(); }  // while a worker is at it
+  asio::awaitable<Answer> answer(Incoming& incoming);
+  asio::awaitable<void> watch_time();
+  asio::awaitable<bool> serve_one();
+  asio::awaitable<bool> read_header(Incoming& incoming);
+  std::optional<Answer> take_place(Incoming& incoming);
+  Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
+  asio::awaitable<bool> read_body(Incoming& incoming);
+  asio::awaitable<bool> take_upload(Incoming& incoming);
+  asio::awaitable<ErrorCode> read_more();
+  asio::awaitable<bool> send(Incoming& incoming, Answer answer);
+  asio::awaitable<ErrorCode> send_events(EventQueue& queue);
+  void watch_peer();
+  void watch_caller(Runs runs);
+  asio::awaitable<void> linger();
+
+  std::unique_ptr<Transport> transport_;
+  Front& front_;
+  const Place place_;
+  const SessionLimits& limits_;
+  Workers& workers_;
+  boost::beast::flat_buffer buffer_;  // what was read and not yet understood
+  asio::steady_timer time_;
+  std::chrono::steady_clock::time_point deadline_;
+  asio::steady_timer wake_;  // while events are waited for
+  std::shared_ptr<EventQueue> events_;
+  asio::steady_timer look_;       // at the caller, while it waits for its turn and is answered
+  std::unique_ptr<Asked> asked_;  // of that request
+  bool open_ = true, idle_ = true, draining_ = false, peer_gone_ = false, unread_ = false;
+  std::string remote_;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace tessera::http

@@ -1,0 +1,75 @@
+// Work that waits, done by threads that serve no connection.
+#pragma once
+
+#include <utility>  // before awaitable.hpp of Boost 1.74, which forgets it
+
+#include <boost/asio/associated_executor.hpp>
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <type_traits>
+
+#include "src/service/http/turns.h"
+
+namespace tessera::http {
+
+// Each kind of work has threads of its own, so that none holds up another.
+struct Workers {
+  Workers(unsigned disk_threads, const TurnLimits& change_limits, const TurnLimits& question_limits)
+      : health(2),
+        disk(disk_threads),
+        changes(std::make_shared<Turns>(change_limits)),
+        questions(std::make_shared<Turns>(question_limits)) {}
+  void stop() {
+    health.stop();
+    disk.stop();
+    changes->stop();
+    questions->stop();
+  }
+  void join() {
+    health.join();
+    disk.join();
+    changes->join();
+    questions->join();
+  }
+
+  boost::asio::thread_pool health;   // supervisors and Prometheus
+  boost::asio::thread_pool disk;     // short: what waits for a disk
+  std::shared_ptr<Turns> changes;    // what reads inputs, makes jobs or removes what is there
+  std::shared_ptr<Turns> questions;  // to results
+};
+
+// What `work()` returns, never nothing, once a worker has called it; what it throws is thrown here. `post` gives a
+// worker something to call. `work` is a named local of the coroutine that waits, and so is `post`. Not a coroutine
+// itself: g++ 12 destroys temporaries of such twice.
+template <class Post, class Work>
+boost::asio::awaitable<std::optional<std::invoke_result_t<const Work&>>> on_worker(const Post& post, const Work& work) {
+  namespace asio = boost::asio;
+  using Value = std::optional<std::invoke_result_t<const Work&>>;
+  return asio::async_initiate<const asio::use_awaitable_t<>, void(std::exception_ptr, Value)>(
+      [&post, &work](auto handler) {
+        auto executor = asio::get_associated_executor(handler);
+        auto busy = asio::make_work_guard(executor);
+        post([&work, executor, busy = std::move(busy), handler = std::move(handler)]() mutable {
+          std::exception_ptr thrown;
+          Value value;
+          try {
+            value.emplace(work());
+          } catch (...) {
+            thrown = std::current_exception();
+          }
+          asio::post(executor, [thrown, value = std::move(value), handler = std::move(handler)]() mutable {
+            handler(thrown, std::move(value));
+          });
+        });
+      },
+      asio::use_awaitable);
+}
+
+}  // namespace tessera::http

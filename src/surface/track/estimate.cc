@@ -1,0 +1,133 @@
+#include "src/surface/track/estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "src/base/ieee_arithmetic.h"
+#include "src/surface/track/window.h"
+
+namespace tessera {
+
+namespace {
+
+constexpr double height_min = 20, height_max = 20'000;
+constexpr double apart_max = 0.1;  // of the height: from the line's straight way, or its median height
+constexpr double kept_min = 0.3;   // of a line's windows
+
+// Those on one straight way, by a fit like the above of each coordinate by time.
+void drop_strays(std::vector<Window>& windows) {
+  std::vector<double> heights;
+  for (const Window& window : windows) heights.push_back(window.height);
+  if (heights.empty()) return;
+  const double height = middle_of(heights);
+  std::erase_if(windows, [&](const Window& w) { return std::abs(w.height - height) > apart_max * height; });
+  if (windows.size() < 4) return;
+  const double begin = windows.front().time;
+  std::vector<double> off(windows.size(), 1);
+  for (int round = 0; round < 30; ++round) {
+    double w = 0, t = 0, tt = 0;
+    Point p, tp;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      const double weight = 1 / std::max(off[i], 0.001 * height), time = windows[i].time - begin;
+      w += weight;
+      t += weight * time;
+      tt += weight * time * time;
+      for (int k = 0; k < 3; ++k) {
+        p[k] += weight * windows[i].at[k];
+        tp[k] += weight * time * windows[i].at[k];
+      }
+    }
+    const double det = w * tt - t * t;
+    if (!(det > 0)) return;
+    for (std::size_t i = 0; i < windows.size(); ++i) {
+      Point away;
+      for (int k = 0; k < 3; ++k) {
+        const double speed = (w * tp[k] - t * p[k]) / det, place = (p[k] - speed * t) / w;
+        away[k] = windows[i].at[k] - place - speed * (windows[i].time - begin);
+      }
+      off[i] = std::sqrt(away.x * away.x + away.y * away.y + away.z * away.z);
+    }
+  }
+  std::size_t i = 0;
+  std::erase_if(windows, [&](const Window&) { return off[i++] > apart_max * height; });
+}
+
+// Of one flight line. `Observed`: see fit_window().
+template <class Observed>
+TrackLine estimate_line(std::span<const Observed> observed, TrackLine told, Track& track) {
+  std::vector<Window> windows;
+  for (std::size_t i = 0, end = 0; i < observed.size(); i = end) {
+    const double window = std::floor(observed[i].time / window_s);
+    while (end < observed.size() && std::floor(observed[end].time / window_s) == window) ++end;
+    auto fit = fit_window(observed.subspan(i, end - i), (window + 0.5) * window_s);
+    told.observations += fit.observations;
+    if (fit.observations < window_observations_min) continue;
+    ++told.windows;
+    if (fit.found) windows.push_back(std::move(*fit.found));
+  }
+  drop_strays(windows);
+  told.kept = windows.size();
+  if (told.windows == 0) {
+    told.refused = told.from == TrackLine::From::pulses ? "too few pulses with several returns"
+                                                        : "too few points with scan angles";
+  } else if (windows.empty() || static_cast<double>(windows.size()) < kept_min * static_cast<double>(told.windows)) {
+    told.refused = told.from == TrackLine::From::pulses
+                       ? "its pulses do not come together in one place"
+                       : "its scan angles span too little, or do not agree on where the scanner was";
+  }
+  if (!told.refused.empty()) return told;
+  std::vector<double> degrees, heights;
+  std::vector<Track::Place> places;
+  for (const Window& window : windows) {
+    degrees.insert(degrees.end(), window.degrees.begin(), window.degrees.end());
+    heights.push_back(window.height);
+    places.push_back({window.time, window.at});
+  }
+  told.median_degrees = middle_of(degrees);
+  told.most_degrees = middle_of(degrees, 0.99);
+  told.height = middle_of(heights);
+  track.add(told.line, std::move(places));
+  return told;
+}
+
+// Of the front of `observed`, which is taken away: those of a line.
+template <class Observed>
+std::span<const Observed> take_line(std::span<const Observed>& observed, std::uint32_t line) {
+  std::size_t end = 0;
+  while (end < observed.size() && observed[end].line == line) ++end;
+  const auto taken = observed.first(end);
+  observed = observed.subspan(end);
+  return taken;
+}
+
+}  // namespace
+
+double middle_of(std::vector<double> values, double part) {
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+bool is_height_flown(double height) { return height > height_min && height < height_max; }
+
+EstimatedTrack estimate_track(std::span<const Pulse> pulses, std::span<const AngledPoint> angles) {
+  EstimatedTrack estimated;
+  while (!pulses.empty() || !angles.empty()) {
+    std::uint32_t line = pulses.empty() ? angles.front().line : pulses.front().line;
+    if (!angles.empty()) line = std::min(line, angles.front().line);
+    const auto with_pulses = take_line(pulses, line);
+    const auto with_angles = take_line(angles, line);
+    TrackLine told{.line = line, .from = TrackLine::From::pulses, .refused = "no pulses with several returns"};
+    if (!with_pulses.empty()) told = estimate_line(with_pulses, {.line = line, .refused = {}}, estimated.track);
+    if (!told.refused.empty() && !with_angles.empty()) {
+      const TrackLine by_angles =
+          estimate_line(with_angles, {.line = line, .from = TrackLine::From::angles, .refused = {}}, estimated.track);
+      if (by_angles.refused.empty() || with_pulses.empty()) told = by_angles;
+    }
+    estimated.lines.push_back(std::move(told));
+  }
+  return estimated;
+}
+
+}  // namespace tessera

@@ -1,0 +1,48 @@
+// The final cells of a tile in canonical order, so that the first ones can be written while the tile is still at work.
+// Those that border others, whose neighbours are not known yet, come last.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "src/base/big_vector.h"
+#include "src/base/ids.h"
+#include "src/geometry/kernel/kernel.h"
+#include "src/geometry/mesh/cell_stream.h"
+#include "src/tiling/tile/final_cells.h"
+#include "src/tiling/tile/sorted_cells.h"
+
+namespace tessera {
+
+class EarlyFinals final : public CellStream {
+ public:
+  // `ids`: of the tile's points. Of the cells that know all their neighbours as many are early as are whole `unit`s.
+  // Throws Stopped soon after `stop` is requested.
+  EarlyFinals(int dimension, std::span<const PointId> ids, FinalCells cells, std::uint64_t unit,
+              const std::stop_token& stop);
+
+  std::span<const PointId> ids() const { return ids_; }
+  std::uint64_t early() const { return early_; }
+  std::uint64_t all() const { return cells_.rows.size(); }
+  std::uint64_t others() const { return cells_.others; }  // cells of the tile that are not final
+  // Of the early cells, as they will be in the mesh.
+  Status vertices(const Take& take) const override;
+  Status neighbors(const Take& take) const override;
+  // The others.
+  KeptFinals left() const;
+
+ private:
+  SortedCells sorted(std::size_t first, std::size_t end) const;
+
+  int dimension_;
+  std::vector<PointId> ids_;  // who writes the cells may be late
+  FinalCells cells_;
+  BigVector<std::uint32_t> order_;  // of the rows in the mesh
+  BigVector<std::int32_t> places_;  // as SortedCells::place, from the third on
+  std::uint64_t early_ = 0;
+};
+
+}  // namespace tessera

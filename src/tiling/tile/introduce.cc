@@ -1,0 +1,172 @@
+// What a tile tells others of what has arrived: the rule of docs/design.md, section 2, and the published one.
+#include <algorithm>
+#include <utility>
+
+#include "src/base/check.h"
+#include "src/tiling/tile/tile_triangulation.h"
+
+namespace tessera {
+
+void TileTriangulation::introduce() {
+  if (!std::exchange(seeded_, true)) {
+    for (const Seed& seed : options_.around->seeds_of(options_.self)) {
+      if (seed.point.tile != options_.self) add_seed(seed);
+    }
+    std::erase_if(refused_, [&](const Refused& r) {  // seeds are vertices
+      const Vertex v = foreign_.at(r.point.id);
+      if (v != 0) hear(v, r.from, r.point);
+      return v != 0;
+    });
+  }
+  if (kernel_->dimension() < options_.dimension) {
+    share_with_all();
+  } else {
+    introduce_vertices();
+  }
+  // Not kept, but those it would have as neighbours are introduced: all of them foreign.
+  for (const Refused& r : refused_) {
+    stop_check_.step();
+    const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
+    check_read(!again.inserted, "what conflicts with no local star never will");
+    for (const Vertex w : around_) {
+      if (!knows(r.point.tile, w) && !heard(owners_[w], r) && !told(r.point.tile, w)) share(w, r.point.tile);
+    }
+  }
+  refused_.clear();
+  due_ = kernel_->vertices() + 1;
+}
+
+// One pass over the cells costs a fraction of a walk around each vertex, where the new ones are not few.
+void TileTriangulation::introduce_vertices() {
+  if ((kernel_->vertices() + 1 - due_) > kernel_->vertices() / 16) {
+    kernel_->edges_from(due_, [&](Vertex v, Vertex w) {
+      stop_check_.step();
+      introduce(v, w);
+    });
+    return;
+  }
+  for (Vertex v = due_; v <= kernel_->vertices(); ++v) {
+    stop_check_.step();
+    kernel_->neighbours(v, around_);
+    for (const Vertex w : around_) introduce(v, w);
+  }
+}
+
+// Of two foreign points it is enough that one of the owners hears of the other's.
+void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
+  const TileId owner = owners_[v], other = owners_[neighbour];
+  if (is_local(neighbour)) return share(neighbour, owner);
+  if (knows(owner, neighbour) || knows(other, v) || told(owner, neighbour) || told(other, v)) return;
+  // A seed is a neighbour of many: telling of it to one owner spares telling all of those to its own.
+  if (seeds_.contains(v)) return share(v, other);
+  share(neighbour, owner);
+}
+
+bool TileTriangulation::knows(TileId tile, Vertex v) const {
+  return owners_[v] == tile || sent_.has(v, tile) || knew(tile, v);
+}
+
+// By somebody. From now on it counts as told by this tile, too: so it is told again after a restart or a loss.
+bool TileTriangulation::told(TileId tile, Vertex v) {
+  if (told_[v] == 0 || (told_[v] & options_.around->bit(owners_[v], tile)) == 0) return false;
+  if (sent_.add(v, tile)) relied_.push_back(std::uint64_t{v} << 32 | tile.value);
+  return true;
+}
+
+// Whether a tile has been told of a point that was refused. That one is no vertex, and has no place in the sent-set.
+bool TileTriangulation::heard(TileId tile, const Refused& refused) {
+  const SharedPoint& p = refused.point;
+  const bool itself = tile == refused.from;
+  if (!itself && (p.told & options_.around->bit(p.tile, tile)) == 0) return false;
+  for (auto r = refused_relied_.rbegin(); r != refused_relied_.rend() && r->point.id == p.id; ++r) {
+    if (r->tile == tile) return true;  // a neighbour of it, too
+  }
+  refused_relied_.push_back({{p.at, p.id, p.tile, 0}, tile, itself ? 0u : 1u});
+  return true;
+}
+
+// False if it had been noted before.
+bool TileTriangulation::note(Vertex v, TileId tile) {
+  if (!sent_.add(v, tile)) return false;
+  told_[v] |= options_.around->bit(owners_[v], tile);
+  return true;
+}
+
+// Of a vertex, from a tile, in these words.
+void TileTriangulation::hear(Vertex v, TileId from, const SharedPoint& p) {
+  note(v, from);
+  told_[v] |= p.told;
+}
+
+// From the start.
+bool TileTriangulation::knew(TileId tile, Vertex v) const {
+  const auto seed = seeds_.find(v);
+  if (seed == seeds_.end()) return false;
+  return options_.around->has(tile, {{kernel_->point(v), ids_[v], owners_[v], 0}, seed->second});
+}
+
+// While the tile is flat every vertex counts as every other's neighbour: ties are not yet broken.
+void TileTriangulation::share_with_all() {
+  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
+    if (is_local(v)) continue;
+    for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
+      if (w != v) share(w, owners_[v]);
+    }
+  }
+}
+
+void TileTriangulation::share(Vertex v, TileId tile) {
+  if (tile == options_.self || owners_[v] == tile || sent_.has(v, tile) || knew(tile, v)) return;
+  note(v, tile);
+  updates_[tile].push_back(v);
+  ++counts_.sent;
+}
+
+std::map<TileId, std::vector<SharedPoint>> TileTriangulation::take_updates() {
+  std::map<TileId, std::vector<SharedPoint>> out;
+  for (const auto& [tile, list] : std::exchange(updates_, {})) {
+    auto& points = out[tile];
+    points.reserve(list.size());
+    for (const Vertex v : list) points.push_back(shared(v));
+  }
+  for (auto& [tile, list] : std::exchange(refused_updates_, {})) {
+    auto& points = out[tile];
+    points.insert(points.end(), list.begin(), list.end());
+  }
+  return out;
+}
+
+// The published order: insert everything, simplify, then splay what survived.
+Status TileTriangulation::receive_published(TileId from, std::span<const SharedPoint> points) {
+  std::vector<Vertex> around, added;
+  for (const SharedPoint& p : points) {
+    ++counts_.received;
+    if (const auto known = foreign_.find(p.id); known != foreign_.end() && known->second != 0) continue;
+    BOOST_OUTCOME_TRY(v, add_foreign(p, true, around));
+    added.push_back(v);
+    sent_.add(v, from);
+  }
+  for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
+    if (is_local(v) || !kernel_->alive(v) || kernel_->dimension() < options_.dimension) continue;
+    kernel_->neighbours(v, around);
+    if (std::none_of(around.begin(), around.end(), [&](Vertex w) { return is_local(w); })) {
+      kernel_->remove(v);
+      foreign_[ids_[v]] = 0;
+    }
+  }
+  if (kernel_->dimension() < options_.dimension) {
+    share_with_all();
+    return success();
+  }
+  for (const Vertex v : added) {
+    if (!kernel_->alive(v)) continue;
+    kernel_->neighbours(v, around);
+    for (const Vertex w : around) {
+      share(w, owners_[v]);
+      share(v, owners_[w]);
+    }
+  }
+  return success();
+}
+
+}  // namespace tessera

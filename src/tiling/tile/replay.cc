@@ -1,0 +1,48 @@
+// The way back into the exchange, of this tile or of others: docs/design.md, section 3.
+#include <algorithm>
+
+#include "src/tiling/tile/tile_triangulation.h"
+
+namespace tessera {
+
+void TileTriangulation::replay() {
+  replay_if([](TileId) { return true; });
+}
+
+void TileTriangulation::replay_to(std::span<const TileId> reborn) {
+  replay_if([&](TileId tile) { return std::binary_search(reborn.begin(), reborn.end(), tile); });
+}
+
+// What was relied on is told to tiles that live, too: whoever said that he had told them may have died before they
+// heard of it. From now on it is this tile's own word, and so are the words that are left.
+void TileTriangulation::replay_if(const std::function<bool(TileId)>& reborn) {
+  const auto tell = [&](std::uint64_t pair) {
+    updates_[TileId{static_cast<std::uint32_t>(pair)}].push_back(static_cast<Vertex>(pair >> 32));
+    ++counts_.sent;
+  };
+  for (const std::uint64_t pair : sent_.keys()) {
+    const TileId tile{static_cast<std::uint32_t>(pair)};
+    if (owners_[pair >> 32] != tile && reborn(tile)) tell(pair);
+  }
+  for (const std::uint64_t pair : relied_) {
+    if (!reborn(TileId{static_cast<std::uint32_t>(pair)})) tell(pair);
+  }
+  relied_.clear();
+  for (RefusedRelied& r : refused_relied_) {
+    if (!r.by_word && !reborn(r.tile)) continue;
+    refused_updates_[r.tile].push_back(r.point);
+    r.by_word = 0;
+    ++counts_.sent;
+  }
+  forget_words();
+}
+
+void TileTriangulation::forget_words() {
+  std::fill(told_.begin(), told_.end(), 0);
+  for (const std::uint64_t pair : sent_.keys()) {
+    const auto v = static_cast<Vertex>(pair >> 32);
+    told_[v] |= options_.around->bit(owners_[v], TileId{static_cast<std::uint32_t>(pair)});
+  }
+}
+
+}  // namespace tessera
