@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 #include "src/job/describe.h"
 
@@ -79,7 +80,7 @@ Result<std::string> describe_columns(const std::string& folder, bool json) {
   BOOST_OUTCOME_TRY(manifest, read_manifest(folder));
   if (json) {
     const Json object{{"result", folder}, {"version", manifest.version}, {"columns", columns_to_json(manifest)}};
-    return object.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(object) + "\n";
   }
   std::string text = printable(folder) + ", version " + std::to_string(manifest.version) + "\n";
   if (manifest.columns.empty()) return text + "  no columns: nothing was computed of this result\n";

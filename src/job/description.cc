@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "src/base/json/json_text.h"
 #include "src/base/phases.h"
 #include "src/base/printable.h"
 #include "src/input/cloud/cloud.h"
@@ -316,7 +317,7 @@ std::optional<std::string> description_text(const Json& described, bool counters
 
 std::string written(const Json& described, bool json, bool counters) {
   if (!json) return description_text(described, counters).value();
-  return described.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(described) + "\n";
 }
 
 }  // namespace tessera

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
+
 namespace tessera {
 
 std::string options_key(const JobOptions& options) {
@@ -26,11 +28,11 @@ std::string options_key(const JobOptions& options) {
     // As text: JSON has no infinity.
     std::string text;
     for (int axis = 0; axis < 3; ++axis) {
-      text += nlohmann::json(crop->lo[axis]).dump() + " " + nlohmann::json(crop->hi[axis]).dump() + " ";
+      text += json_text(nlohmann::json(crop->lo[axis])) + " " + json_text(nlohmann::json(crop->hi[axis])) + " ";
     }
     key["crop"] = text;
   }
-  return key.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(key);
 }
 
 Result<Box> crop_box(std::span<const double> numbers, int dimension) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
 #include "src/job/machine.h"
@@ -32,11 +33,10 @@ Manifest manifest_of(const RegionCloud& cloud, const RegionJobOptions& options, 
   manifest.partition_kind = name_of(whole.kind());
   manifest.boxes = whole.boxes();
   // The partition that is all of space has no dimension of its own.
-  manifest.partition = nlohmann::json{{"kind", manifest.partition_kind},
-                                      {"dimension", cloud.dimension},
-                                      {"tiles", whole.tiles()},
-                                      {"splits", nlohmann::json::array()}}
-                           .dump();
+  manifest.partition = json_text(nlohmann::json{{"kind", manifest.partition_kind},
+                                                {"dimension", cloud.dimension},
+                                                {"tiles", whole.tiles()},
+                                                {"splits", nlohmann::json::array()}});
   for (const Point& p : cells.mesh.points) manifest.bounds.add(p);
   // The format knows boxes: of a polygon's it has not all cells, and those that it has are final.
   manifest.region = {options.box, cells.complete && !options.shape};
@@ -144,7 +144,7 @@ std::string region_json(const RegionSummary& summary) {
       {"input_bytes", f.bytes},       {"read_bytes", f.bytes_read}, {"units", f.units},
       {"units_read", f.units_read},   {"rounds", f.rounds},         {"seconds", f.seconds},
       {"warnings", summary.warnings}};
-  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

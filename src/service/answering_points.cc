@@ -7,6 +7,7 @@
 
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/format.h"
 #include "src/job/report/human.h"
@@ -26,7 +27,7 @@ Result<std::vector<Point>> Answering::points() const {
 Result<std::vector<Point>> Answering::points_in_json() const {
   const auto bad = [](const std::string& what) { return error(Errc::bad_input, "the body: " + what); };
   if (nested_too_deep(*question_.body)) return bad("lists are nested too deep for points");
-  const auto document = nlohmann::json::parse(*question_.body, nullptr, false);
+  const auto document = parse_json(*question_.body);
   if (document.is_discarded()) return bad("is not JSON");
   const auto list = document.is_object() ? document.find("points") : document.end();
   if (!document.is_object() || list == document.end() || !list->is_array() || list->empty())

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "src/base/files/names.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/job/arguments.h"
 #include "src/job/report/human.h"
@@ -32,10 +33,9 @@ std::string geojson_of(const std::vector<ProfilePoint>& points) {
   }
   // A line has two points: one that only touches the surface is none.
   std::erase_if(parts.get_ref<Json::array_t&>(), [](const Json& part) { return part.size() < 2; });
-  return Json{{"type", "Feature"},
-              {"properties", Json::object()},
-              {"geometry", {{"type", "MultiLineString"}, {"coordinates", std::move(parts)}}}}
-             .dump() +
+  return json_text(Json{{"type", "Feature"},
+                        {"properties", Json::object()},
+                        {"geometry", {{"type", "MultiLineString"}, {"coordinates", std::move(parts)}}}}) +
          "\n";
 }
 
@@ -43,7 +43,7 @@ std::string json_of(const std::vector<ProfilePoint>& points, const std::string& 
   Json list = Json::array();
   for (const auto& p : points)
     list.push_back({{"distance", p.distance}, {"x", p.x}, {"y", p.y}, {value, p.value}, {"part", p.part}});
-  return Json{{"points", std::move(list)}}.dump() + "\n";
+  return json_text(Json{{"points", std::move(list)}}) + "\n";
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "src/base/crs/crs.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/input/column_names.h"
@@ -111,10 +112,10 @@ Status read_cloud(const proto::TriangulateInputs& inputs, CloudOptions& cloud) {
 
 // What has one name has one type, and goes over by its name.
 Result<proto::TriangulateInputs> renamed(const google::protobuf::Message& shared) {
-  auto json = nlohmann::json::parse(to_json(shared));
+  auto json = parse_json(to_json(shared));
   json.erase("bbox");  // a list, which is written though it is empty
   proto::TriangulateInputs cloud;
-  BOOST_OUTCOME_TRYV(from_json(json.dump(), cloud));
+  BOOST_OUTCOME_TRYV(from_json(json_text(json), cloud));
   return cloud;
 }
 

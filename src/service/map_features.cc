@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
+
 namespace tessera {
 namespace {
 
@@ -97,8 +99,8 @@ Result<bool> FeaturePage::add(std::uint64_t id, const nlohmann::ordered_json& pr
   points_ += points.size();
   using Json = nlohmann::ordered_json;
   text_ += text_.empty() ? "" : ",";
-  text_ += "{\"type\":\"Feature\",\"id\":" + std::to_string(id) +
-           ",\"properties\":" + properties.dump(-1, ' ', false, Json::error_handler_t::replace) + ",\"geometry\":";
+  text_ += "{\"type\":\"Feature\",\"id\":" + std::to_string(id) + ",\"properties\":" + json_text(properties) +
+           ",\"geometry\":";
   text_ += is_ring ? "{\"type\":\"Polygon\",\"coordinates\":[[" : "{\"type\":\"LineString\",\"coordinates\":[";
   for (std::size_t i = 0; i < points.size(); ++i) {
     text_ += i == 0 ? "[" : ",[";

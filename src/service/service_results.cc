@@ -8,6 +8,7 @@
 #include "src/base/crs/survey_system.h"
 #include "src/base/files/descriptor.h"
 #include "src/base/files/names.h"
+#include "src/base/json/json_text.h"
 #include "src/job/report/human.h"
 #include "src/service/costs.h"
 #include "src/service/owners.h"
@@ -27,7 +28,7 @@ std::optional<proto::Problem> no_uploads(const ServiceOptions& options) {
 // What an export job has written beside what it was told to: the names that stand directly under exports.
 std::set<std::string> exports_in(const std::string& outcome) {
   std::set<std::string> names;
-  const auto json = nlohmann::json::parse(outcome, nullptr, false);
+  const auto json = parse_json(outcome);
   if (!json.is_object() || !json.contains("written") || !json["written"].is_array()) return names;
   for (const auto& entry : json["written"]) {
     if (!entry.is_object() || !entry.contains("path") || !entry["path"].is_string()) continue;

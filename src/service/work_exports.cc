@@ -13,6 +13,7 @@
 #include "src/base/files/surface_names.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/base/stopped.h"
 #include "src/job/engine_steps.h"
@@ -91,11 +92,11 @@ std::function<void(double)> percentage(const JobWork& work) {
 
 // `told`: JSON of what was made, with its bytes. Of its many files the document is named.
 Reply<JobDone> done_with_tileset(const std::string& told, const std::string& output) {
-  Json outcome = Json::parse(told);
+  Json outcome = parse_ordered_json(told);
   outcome["output"] = output;
   outcome["written"] =
       Json::array({Json{{"path", tileset_file(exports_folder("") / output).string()}, {"bytes", outcome.at("bytes")}}});
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  return JobDone{json_text(outcome) + "\n", 0, {}};
 }
 
 Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
@@ -117,10 +118,10 @@ Reply<JobDone> export_tileset(const Workshop& shop, const JobWork& work) {
 Reply<JobDone> done_with(const std::filesystem::path& folder, const std::string& told, const std::string& output) {
   auto written = written_files(folder);
   if (!written) return problem_of(written.error());
-  Json outcome = Json::parse(told);
+  Json outcome = parse_ordered_json(told);
   outcome["output"] = output;
   outcome["written"] = std::move(written).value();
-  return JobDone{outcome.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", 0, {}};
+  return JobDone{json_text(outcome) + "\n", 0, {}};
 }
 
 // A file that terrain draws: `write` is given the result's folder and the file to make.

@@ -7,6 +7,7 @@
 
 #include "src/base/attribute.h"
 #include "src/base/files/folder.h"
+#include "src/base/json/json_text.h"
 #include "src/job/estimate.h"
 #include "src/job/open_cloud.h"
 #include "src/job/region_job.h"
@@ -52,7 +53,7 @@ Result<std::string> outcome_of_stored(const Workshop& shop, const std::string& n
                               {"vertices", manifest->vertices},
                               {"cells", manifest->cells}};
   for (const auto& [figure, number] : manifest->figures) told[figure] = number;
-  return told.dump() + "\n";
+  return json_text(told) + "\n";
 }
 
 }  // namespace

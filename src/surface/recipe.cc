@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
+
 namespace tessera::surface {
 
 namespace {
@@ -70,7 +72,7 @@ std::string recipe_of(const SurfaceOptions& options, const Manifest& manifest) {
 Result<std::optional<Recipe>> read_recipe(std::string_view line) {
   if (!line.starts_with(begin)) return std::optional<Recipe>();
   try {
-    return std::optional(recipe_in(Json::parse(line.substr(begin.size()))));
+    return std::optional(recipe_in(parse_ordered_json(line.substr(begin.size()))));
   } catch (const Json::exception&) {
     return error(Errc::bad_input, "its comment on how the surface was made cannot be understood");
   }

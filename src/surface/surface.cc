@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "src/base/files/surface_names.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/tileset/tileset.h"
 #include "src/surface/build.h"
@@ -129,7 +130,7 @@ std::string to_json(const Surface& surface, const std::string& output) {
                     {"cells_undecided", surface.undecided},
                     {"cells_outside", surface.outside},
                     {"note", surface.mesh.note}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

@@ -8,6 +8,7 @@
 
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/surface/folder_store.h"
 
 namespace tessera::surface {
@@ -93,12 +94,12 @@ std::string to_json(const SurfacePlan& plan) {
                   {"prove", options.prove},
                   {"together", options.together},
                   {"sensors", json_of(plan.sensors)}};
-  return json.dump() + "\n";
+  return json_text(json) + "\n";
 }
 
 Result<SurfacePlan> read_plan(std::span<const std::byte> bytes, const std::string& name) {
   try {
-    return plan_of(Json::parse(as_text(bytes)));
+    return plan_of(parse_ordered_json(as_text(bytes)));
   } catch (const Json::exception&) {
     return error(Errc::corrupt, name + ": is not the plan of a surface");
   }

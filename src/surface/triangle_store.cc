@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/json/json_text.h"
 #include "src/base/on_threads.h"
 #include "src/result/tile_queue.h"
 
@@ -26,10 +27,8 @@ Manifest manifest_of_triangles(const Manifest& from) {
   manifest.neighbors = false;
   manifest.columns.clear();
   manifest.partition_kind = "random";  // no box of a tile says where its triangles are
-  manifest.partition =
-      nlohmann::json{
-          {"kind", "random"}, {"dimension", 2}, {"tiles", manifest.boxes.size()}, {"splits", nlohmann::json::array()}}
-          .dump();
+  manifest.partition = json_text(nlohmann::json{
+      {"kind", "random"}, {"dimension", 2}, {"tiles", manifest.boxes.size()}, {"splits", nlohmann::json::array()}});
   manifest.duplicates = manifest.duplicates_xxh3 = 0;
   manifest.other_heights.reset();
   manifest.schema.insert(manifest.schema.begin(), Attribute{"z", AttributeType::f64});

@@ -12,6 +12,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
+#include "src/base/json/json_text.h"
 #include "src/result/store/external_sort.h"
 #include "src/surface/build.h"
 #include "src/surface/mesh_file.h"
@@ -277,7 +278,7 @@ std::string to_json(const SurfaceReport& report, const std::string& mesh) {
   const Json object{{"event", "verified"},         {"surface", mesh},     {"triangles", report.triangles},
                     {"vertices", report.vertices}, {"ends", report.ends}, {"passed", report.passed},
                     {"note", report.note}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

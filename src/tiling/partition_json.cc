@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/tiling/json_read.h"
 #include "src/tiling/partition.h"
 
@@ -49,12 +50,12 @@ std::string Partition::to_json() const {
   for (const SplitNode& node : nodes_) {
     splits.push_back(json::array({node.axis, node.value, node.child[0], node.child[1]}));
   }
-  return json{{"kind", name_of(kind_)}, {"dimension", dimension_}, {"tiles", tiles()}, {"splits", std::move(splits)}}
-      .dump();
+  return json_text(
+      json{{"kind", name_of(kind_)}, {"dimension", dimension_}, {"tiles", tiles()}, {"splits", std::move(splits)}});
 }
 
 Result<Partition> Partition::from_json(const std::string& text) {
-  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const json root = parse_json(text);
   if (!root.is_object()) return bad("not a JSON object");
   for (const char* key : {"kind", "dimension", "tiles", "splits"}) {
     if (!root.contains(key)) return bad(std::string(key) + " is missing");

@@ -14,6 +14,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 #include "src/tiling/json_read.h"
 
@@ -104,7 +105,7 @@ class PlanReader {
   }
 
   Status read_tiles() {
-    auto partition = Partition::from_json(at(root_, "partition").dump());
+    auto partition = Partition::from_json(json_text(at(root_, "partition")));
     if (!partition) return bad(partition.error().where);
     run_.partition = std::move(partition).value();
     run_.dimension = run_.partition.dimension();
@@ -301,7 +302,7 @@ Result<std::uint64_t> write_plan(const RoutedRun& run) {
     inputs.push_back({{"path", i.path}, {"bytes", i.bytes}, {"modified_ns", i.modified_ns}});
   }
   json plan{{"version", format_version},
-            {"partition", json::parse(run.partition.to_json())},
+            {"partition", parse_json(run.partition.to_json())},
             {"counts", {{"read", run.counts.read}, {"invalid", run.counts.invalid}, {"filtered", run.counts.filtered}}},
             {"tiles", std::move(tiles)},
             {"bundles", std::move(bundles)},
@@ -313,7 +314,7 @@ Result<std::uint64_t> write_plan(const RoutedRun& run) {
             {"options_key", run.options_key}};
   if (run.keep != KeptPoint::first) plan["keep"] = name_of(run.keep);
   // File names and coordinate systems need not be UTF-8, which JSON is.
-  const std::string text = sealed_plan(plan.dump(-1, ' ', false, json::error_handler_t::replace));
+  const std::string text = sealed_plan(json_text(plan));
   BOOST_OUTCOME_TRYV(write_whole(plan_file(run.folder), text));
   return seal_of(text);
 }
@@ -330,7 +331,7 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
     text.resize(got);
   }
   BOOST_OUTCOME_TRY(seal, check_seal(path, text));
-  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const json root = parse_json(text);
   if (root.is_discarded()) return damaged_run(path, "is not JSON");
   PlanReader reader(path, root);
   BOOST_OUTCOME_TRY(run, reader.read(folder));

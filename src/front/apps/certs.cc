@@ -1,5 +1,4 @@
 // tessera certs: the authority of a cluster, and certificates of its nodes.
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -112,13 +111,10 @@ Command add_certs(CLI::App& root) {
   add_switch(command, "quiet", "say nothing but errors");
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   auto arguments = std::make_shared<Arguments>();
-  command.app->add_option("action", arguments->action, "init: an authority; node: certificates of nodes")
-      ->type_name("init|node");
+  add_argument(command, "action", "init|node", arguments->action, "init: an authority; node: certificates of nodes");
   add_choices(command, "action", "init, node");
-  command.app->add_option("folder", arguments->folder, "the folder of the authority, which init makes")
-      ->type_name("DIR");
-  command.app->add_option("names", arguments->nodes, "node: what they are called, as node-1 or 10.0.0.7")
-      ->type_name("NAME");
+  add_argument(command, "folder", "DIR", arguments->folder, "the folder of the authority, which init makes");
+  add_argument(command, "names", "NAME", arguments->nodes, "node: what they are called, as node-1 or 10.0.0.7");
   command.run = [settings = command.settings.get(), arguments](const std::vector<std::string>&) {
     return run_certs(*settings, *arguments);
   };

@@ -1,7 +1,6 @@
 // tessera cluster: several daemons of this machine as one cluster, to try and to test.
 #include <signal.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -320,10 +319,10 @@ Command add_cluster(CLI::App& root) {
   add_switch(command, "quiet", "say nothing but errors");
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   auto arguments = std::make_shared<Arguments>();
-  command.app->add_option("action", arguments->action, "what to do")->type_name("up|status|kill|down");
+  add_argument(command, "action", "up|status|kill|down", arguments->action, "what to do");
   add_choices(command, "action", "up, status, kill, down");
-  command.app->add_option("folder", arguments->folder, "where it is: made by up")->type_name("DIR");
-  command.app->add_option("node", arguments->node, "kill: the number of a node; 1 coordinates")->type_name("N");
+  add_argument(command, "folder", "DIR", arguments->folder, "where it is: made by up");
+  add_argument(command, "node", "N", arguments->node, "kill: the number of a node; 1 coordinates");
   command.run = [settings = command.settings.get(), arguments](const std::vector<std::string>&) {
     return run_cluster(*settings, *arguments);
   };

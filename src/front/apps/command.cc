@@ -42,6 +42,18 @@ void add_switch(Command& command, const std::string& key, const std::string& hel
   on->excludes(off);
 }
 
+void add_argument(Command& command, const std::string& name, const std::string& metavar, std::string& target,
+                  const std::string& help) {
+  command.app->add_option(name, target, help)->type_name(metavar);
+}
+
+void add_argument(Command& command, const std::string& name, const std::string& metavar,
+                  std::vector<std::string>& target, const std::string& help) {
+  command.app->add_option(name, target, help)->type_name(metavar);
+}
+
+void set_group(Command& command, const std::string& heading) { command.app->group(heading); }
+
 void add_choices(Command& command, const std::string& key, const std::string& values) {
   auto& list = command.choices[key];
   for (std::size_t at = 0; at < values.size();) {

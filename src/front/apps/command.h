@@ -67,6 +67,13 @@ void add_value(Command& command, const std::string& key, const std::string& meta
 // --key and --no-key. With on_by_default `help` tells what the latter does.
 void add_switch(Command& command, const std::string& key, const std::string& help, char short_name = 0,
                 bool flag_only = false, bool on_by_default = false);
+// A positional argument: one word, or all that follow.
+void add_argument(Command& command, const std::string& name, const std::string& metavar, std::string& target,
+                  const std::string& help);
+void add_argument(Command& command, const std::string& name, const std::string& metavar,
+                  std::vector<std::string>& target, const std::string& help);
+// The heading under which the help of all commands lists this one.
+void set_group(Command& command, const std::string& heading);
 // What the value of that option or argument can be: "kdtree, grid".
 void add_choices(Command& command, const std::string& key, const std::string& values);
 void add_output_switches(Command& command);  // quiet, verbose, json

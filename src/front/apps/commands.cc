@@ -1,6 +1,5 @@
 #include "src/front/apps/commands.h"
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 #include "src/front/apps/help.h"

@@ -1,7 +1,6 @@
 // tessera contours: the contour lines of a 2D result.
 #include "src/result/terrain/contours.h"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <utility>

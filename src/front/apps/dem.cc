@@ -1,7 +1,6 @@
 // tessera dem: a 2D result as a raster.
 #include "src/result/terrain/dem.h"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 #include <string>

@@ -1,8 +1,8 @@
 // tessera generate: made-up clouds.
 #include "src/input/generate/generate.h"
+#include "src/base/json/json_text.h"
 #include "src/front/apps/say.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -57,7 +57,7 @@ Status run_generate(Settings& settings, const std::string& kind) {
   if (output.json) {
     const nlohmann::ordered_json object{
         {"event", "generated"}, {"output", target.string()}, {"points", options.points}, {"bytes", bytes}};
-    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(object).c_str());
   } else if (!output.quiet) {
     say("%s: %s points, %s\n", target.c_str(), grouped(options.points).c_str(), human_bytes(bytes).c_str());
   }
@@ -71,7 +71,7 @@ Command add_generate(CLI::App& root) {
                              "  tessera generate uniform -n 10M --seed 7 -o cloud.las\n"
                              "  tessera generate terrain -n 1.5M -o hills.las\n"
                              "  tessera generate sphere -n 10k --dim 2 -o circle.xyz");
-  command.app->group("For tests");
+  set_group(command, "For tests");
   add_value(command, "points", "N", "how many points, as 500, 10k or 1.5M", 'n', true);
   add_value(command, "seed", "N", "another seed gives another cloud of the same kind; default: 1");
   add_value(command, "dim", "2|3", "2 leaves z out; default: 3");
@@ -79,7 +79,7 @@ Command add_generate(CLI::App& root) {
   add_switch(command, "overwrite", "replace the file if it exists", 0, true);
   add_output_switches(command);
   auto kind = std::make_shared<std::string>();
-  command.app->add_option("kind", *kind, "uniform, normal, sphere, grid or terrain")->type_name("KIND");
+  add_argument(command, "kind", "KIND", *kind, "uniform, normal, sphere, grid or terrain");
   add_choices(command, "kind", "uniform, normal, sphere, grid, terrain");
   command.run = [settings = command.settings.get(), kind](const std::vector<std::string>&) {
     return run_generate(*settings, *kind);

@@ -1,7 +1,7 @@
 // tessera harness: the real actors under a deterministic scheduler, compared with CGAL, seed after seed.
 #include "actors/harness/harness.h"
+#include "src/base/json/json_text.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -143,7 +143,7 @@ Status run_harness_command(Settings& settings) {
                                         {"waves", report.waves},       {"sleeps", report.sleeps},
                                         {"spills", report.spills},     {"failures", report.failures},
                                         {"restarts", report.restarts}, {"epochs", report.epochs}};
-    std::printf("%s\n", object.dump().c_str());
+    std::printf("%s\n", json_text(object).c_str());
   } else if (!output.quiet) {
     std::printf(
         "%s seeds passed: %s steps, %s messages with points, %s collections of counters, %s sleeps, "
@@ -163,7 +163,7 @@ Command add_harness(CLI::App& root) {
   auto command = new_command(root, "harness", "Runs the actors in seeded random schedules and compares with CGAL",
                              "  tessera harness --kind lattice -n 40 --tiles 7 --seeds 1..1000\n"
                              "  tessera harness --kind lattice -n 40 --tiles 7 --seed 17 --trace      (replays one)");
-  command.app->group("For tests");
+  set_group(command, "For tests");
   add_value(command, "kind", "NAME", kinds() + "; default: uniform", 0, true);
   add_choices(command, "kind", kinds());
   add_value(command, "points", "N", "about how many points; default: 40", 'n', true);

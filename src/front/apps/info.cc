@@ -1,5 +1,4 @@
 // tessera info: what is in a file or a result folder, and what triangulating it would take.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -49,11 +48,9 @@ Command add_info(CLI::App& root) {
   add_switch(command, "verbose", "of a result, all counters of the run that made it", 'v');
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   auto what = std::make_shared<std::vector<std::string>>();
-  command.app
-      ->add_option("what", *what,
-                   "input files, folders of them, - for standard input; or one result folder. With --server, as the "
-                   "daemon names them")
-      ->type_name("FILE|FOLDER");
+  add_argument(command, "what", "FILE|FOLDER", *what,
+               "input files, folders of them, - for standard input; or one result folder. With --server, as the "
+               "daemon names them");
   command.run = [settings = command.settings.get(), what](const std::vector<std::string>&) {
     return run_info(*settings, *what);
   };

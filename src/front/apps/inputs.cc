@@ -1,5 +1,4 @@
 // tessera inputs: the files that jobs of a daemon may read.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -33,13 +32,12 @@ Command add_inputs(CLI::App& root) {
                              "  tessera inputs --server http://127.0.0.1:7070\n"
                              "  tessera inputs block --json           (what is in a folder, as the list names it)\n"
                              "  tessera inputs upload:mine            (what was sent to it)");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   auto folder = std::make_shared<std::string>();
-  command.app
-      ->add_option("folder", *folder, "a folder, as 'tessera inputs' shows it; default: all that the daemon reads")
-      ->type_name("FOLDER");
+  add_argument(command, "folder", "FOLDER", *folder,
+               "a folder, as 'tessera inputs' shows it; default: all that the daemon reads");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_inputs(*settings, *folder);
   };

@@ -1,5 +1,4 @@
 // tessera jobs, job and cancel: what a daemon has to do.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -71,7 +70,7 @@ Status run_cancel(Settings& settings, const std::string& id) {
 
 std::shared_ptr<std::string> add_job_id(Command& command) {
   auto id = std::make_shared<std::string>();
-  command.app->add_option("job", *id, "the job's id, as 'tessera jobs' shows it")->type_name("ID");
+  add_argument(command, "job", "ID", *id, "the job's id, as 'tessera jobs' shows it");
   return id;
 }
 
@@ -80,7 +79,7 @@ Command add_jobs(CLI::App& root) {
                              "  tessera jobs --server http://127.0.0.1:7070\n"
                              "  tessera jobs --status accepted,running      (with TESSERA_SERVER set)\n"
                              "  tessera jobs --limit 1000 --json");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_value(command, "status", "LIST", std::string("only those that are ") + states);
   add_choices(command, "status", states);
   add_value(command, "limit", "N", "no more than so many; default: 100");
@@ -94,7 +93,7 @@ Command add_job(CLI::App& root) {
   auto command = new_command(root, "job", "Tells what a daemon knows of a job",
                              "  tessera job ID --server http://127.0.0.1:7070\n"
                              "  tessera job ID --json");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_switch(command, "json", "one JSON object on stdout, instead of text");
   command.run = [settings = command.settings.get(), id = add_job_id(command)](const std::vector<std::string>&) {
@@ -107,7 +106,7 @@ Command add_cancel(CLI::App& root) {
   auto command = new_command(root, "cancel", "Stops a job of a daemon, so that it can be resumed",
                              "  tessera cancel ID --server http://127.0.0.1:7070\n"
                              "  tessera cancel ID --quiet");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_output_switches(command);
   command.run = [settings = command.settings.get(), id = add_job_id(command)](const std::vector<std::string>&) {

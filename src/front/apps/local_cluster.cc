@@ -16,6 +16,7 @@
 #include "src/base/files/process.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/cluster/certs/certificates.h"
 #include "src/service/client/address.h"
 
@@ -133,7 +134,7 @@ Result<std::optional<LocalCluster>> read_local_cluster(const fs::path& folder) {
   LocalCluster cluster;
   cluster.folder = folder;
   try {
-    const auto json = nlohmann::json::parse(as_text(bytes));
+    const auto json = parse_json(as_text(bytes));
     cluster.boot = json.at("boot").get<std::string>();
     cluster.api = json.at("api").get<std::uint16_t>();
     cluster.memory_bytes = json.at("memory_bytes").get<std::uint64_t>();
@@ -165,7 +166,7 @@ Status write_local_cluster(const LocalCluster& cluster) {
                              {"log", cluster.log_of(node).string()}});
   }
   const auto replace = nlohmann::ordered_json::error_handler_t::replace;
-  return write_whole(local_cluster_file(cluster.folder), json.dump(2, ' ', false, replace) + "\n");
+  return write_whole(local_cluster_file(cluster.folder), json_text(json, 2) + "\n");
 }
 
 Result<std::optional<RunningProcess>> process_of(const LocalCluster& cluster, const LocalNode& node) {

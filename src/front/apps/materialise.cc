@@ -1,7 +1,7 @@
 // tessera materialise: cells of a result that is kept as points, as files.
 #include "src/delaunay/run/materialise.h"
+#include "src/base/json/json_text.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -30,7 +30,7 @@ void print(const Materialised& made, const OutputOptions& output) {
                                       {"tiles", made.tiles},
                                       {"left_as_points", made.left_as_points},
                                       {"bytes", made.bytes}};
-    std::printf("%s\n", told.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(told).c_str());
     return;
   }
   if (output.quiet) return;
@@ -85,7 +85,7 @@ Command add_materialise(CLI::App& root) {
   add_memory_option(command, "tiles");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  add_argument(command, "result", "FOLDER", *folder, "result folder");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_materialise(*settings, *folder);
   };

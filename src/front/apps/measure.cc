@@ -1,7 +1,6 @@
 // tessera measure and tessera columns: what is computed of a finished result, and what there is.
 #include "src/result/measure/measure.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -82,7 +81,7 @@ Command add_measure(CLI::App& root) {
   add_memory_option(command, "tiles");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  add_argument(command, "result", "FOLDER", *folder, "result folder");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>& command_line) {
     return run_measure(*settings, *folder, command_line);
   };
@@ -96,7 +95,7 @@ Command add_columns(CLI::App& root) {
                   "  tessera columns out/ --json");
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder")->type_name("FOLDER");
+  add_argument(command, "result", "FOLDER", *folder, "result folder");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_columns(*settings, *folder);
   };

@@ -1,5 +1,4 @@
 // tessera nodes and drain: who works on the jobs of a daemon.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -48,7 +47,7 @@ Command add_nodes(CLI::App& root) {
   auto command = new_command(root, "nodes", "Lists the nodes that work on a daemon's jobs",
                              "  tessera nodes --server http://127.0.0.1:7070\n"
                              "  tessera nodes --json");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   command.run = [settings = command.settings.get()](const std::vector<std::string>&) { return run_nodes(*settings); };
@@ -59,11 +58,11 @@ Command add_drain(CLI::App& root) {
   auto command = new_command(root, "drain", "Takes all work from a node of a cluster, whose process then ends",
                              "  tessera drain beta --server http://127.0.0.1:7070\n"
                              "  tessera drain beta --quiet");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
-  command.app->add_option("node", *name, "its name or id, as 'tessera nodes' shows them")->type_name("NODE");
+  add_argument(command, "node", "NODE", *name, "its name or id, as 'tessera nodes' shows them");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_drain(*settings, *name);
   };

@@ -1,6 +1,5 @@
 #include "src/front/apps/one_step.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -108,10 +107,8 @@ std::shared_ptr<std::vector<std::string>> add_sources(Command& command, int dime
   add_source_options(command);
   if (dimension == 0) add_dimension(command);
   auto sources = std::make_shared<std::vector<std::string>>();
-  command.app
-      ->add_option("result", *sources,
-                   "result folder; with --server, the name of the result; or point files, as of tessera triangulate")
-      ->type_name("FOLDER");
+  add_argument(command, "result", "FOLDER", *sources,
+               "result folder; with --server, the name of the result; or point files, as of tessera triangulate");
   return sources;
 }
 

@@ -1,7 +1,7 @@
 // tessera profile: the heights of a 2D result along a line.
 #include "src/result/terrain/profile.h"
+#include "src/base/json/json_text.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -59,7 +59,7 @@ void tell(std::span<const ProfilePoint> points, std::span<const Point> line, con
     const nlohmann::ordered_json object{
         {"event", "profile"},    {"output", target},    {"points", points.size()}, {"parts", points.back().part + 1},
         {"before", gaps.before}, {"after", gaps.after}, {"gaps", gaps.count},      {"between", gaps.between}};
-    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(object).c_str());
     return;
   }
   if (output.quiet || output.json) return;

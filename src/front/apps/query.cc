@@ -1,5 +1,4 @@
 // tessera query: questions to a result folder.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <utility>
@@ -132,13 +131,11 @@ Command add_query(CLI::App& root) {
   add_switch(command, "overwrite", "replace files that exist", 0, true);
   add_output_switches(command);
   auto asked = std::make_shared<Asked>();
-  command.app->add_option("result", asked->folder, "result folder")->type_name("FOLDER");
-  command.app->add_option("question", asked->question, "locate, star, cells or interpolate")->type_name("QUESTION");
+  add_argument(command, "result", "FOLDER", asked->folder, "result folder");
+  add_argument(command, "question", "QUESTION", asked->question, "locate, star, cells or interpolate");
   add_choices(command, "question", "locate, star, cells, interpolate");
-  command.app
-      ->add_option("about", asked->argument,
-                   "locate: a point as X,Y[,Z]; star: the source index of a vertex; interpolate: a file with points")
-      ->type_name("ABOUT");
+  add_argument(command, "about", "ABOUT", asked->argument,
+               "locate: a point as X,Y[,Z]; star: the source index of a vertex; interpolate: a file with points");
   command.run = [settings = command.settings.get(), asked](const std::vector<std::string>&) {
     return run_query(*settings, *asked);
   };

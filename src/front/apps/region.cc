@@ -1,5 +1,4 @@
 // tessera region: the cells of a region of raw clouds.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -157,8 +156,7 @@ Command add_region(CLI::App& root) {
   add_remote_options(command);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("inputs", *inputs, "point files, folders of them, patterns of their names")
-      ->type_name("FILE");
+  add_argument(command, "inputs", "FILE", *inputs, "point files, folders of them, patterns of their names");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(read, read_command(*settings, *inputs));
     if (read.output.verbose) log_everything();

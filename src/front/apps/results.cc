@@ -1,5 +1,4 @@
 // tessera results and fetch: what a daemon has made.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -104,7 +103,7 @@ Command add_results(CLI::App& root) {
   auto command = new_command(root, "results", "Lists the results that a daemon has",
                              "  tessera results --server http://127.0.0.1:7070\n"
                              "  tessera results --json");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_switch(command, "json", "one JSON object a line on stdout, instead of text");
   command.run = [settings = command.settings.get()](const std::vector<std::string>&) { return run_results(*settings); };
@@ -116,17 +115,15 @@ Command add_fetch(CLI::App& root) {
                              "  tessera fetch NAME -o out/ --server http://127.0.0.1:7070\n"
                              "  tessera fetch NAME -o out/      (again, after Ctrl-C: goes on where it was)\n"
                              "  tessera fetch ID -o mesh.ply    (what a job of export, dem or contours has written)");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_value(command, "output", "FOLDER",
             "the result folder: new, empty, or what an earlier fetch has left; of a job's files, the file or folder",
             'o', true);
   add_server_options(command);
   add_output_switches(command);
   auto name = std::make_shared<std::string>();
-  command.app
-      ->add_option("result", *name,
-                   "its name, as 'tessera results' shows it; or the id of a job of export, dem or contours")
-      ->type_name("NAME");
+  add_argument(command, "result", "NAME", *name,
+               "its name, as 'tessera results' shows it; or the id of a job of export, dem or contours");
   command.run = [settings = command.settings.get(), name](const std::vector<std::string>&) {
     return run_fetch(*settings, *name);
   };

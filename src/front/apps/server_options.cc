@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/job/arguments.h"
 
 namespace tessera {
@@ -68,8 +69,6 @@ Result<Server> open_server(Settings& settings) {
   return Server::make(std::move(options));
 }
 
-void print_json_line(const nlohmann::ordered_json& object) {
-  std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
-}
+void print_json_line(const nlohmann::ordered_json& object) { std::printf("%s\n", json_text(object).c_str()); }
 
 }  // namespace tessera

@@ -1,7 +1,6 @@
 // tessera surface: a closed surface of a 3D result.
 #include "src/surface/surface.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <cstdio>
 #include <limits>

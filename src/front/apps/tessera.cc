@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/base/printable.h"
 #include "src/base/result.h"
@@ -39,7 +40,7 @@ int fail(const Error& error, bool json) {
                                         {"status", static_cast<int>(error.code)},
                                         {"message", sentence},
                                         {"options", option_keys(error.where)}};
-    std::printf("%s\n", object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(object).c_str());
     std::fflush(stdout);
   }
   return static_cast<int>(error.code);

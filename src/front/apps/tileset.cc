@@ -2,7 +2,6 @@
 #include "src/result/tileset/tileset.h"
 #include "src/front/apps/say.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -1,7 +1,7 @@
 // tessera track: where the scanner of points was.
 #include "src/surface/track/track.h"
+#include "src/base/json/json_text.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -41,7 +41,7 @@ void print(const EstimatedTrack& found, const std::string& target, const OutputO
                        {"height", line.height},
                        {"refused", line.refused}});
     const Json object{{"event", "track"}, {"output", target}, {"lines", std::move(lines)}};
-    std::printf("%s\n", object.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+    std::printf("%s\n", json_text(object).c_str());
     return;
   }
   if (output.quiet) return;
@@ -114,7 +114,7 @@ Command add_track(CLI::App& root) {
   add_switch(command, "overwrite", "replace a file that exists", 0, true);
   add_output_switches(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("inputs", *inputs, "point files, folders of them")->type_name("FILE|FOLDER");
+  add_argument(command, "inputs", "FILE|FOLDER", *inputs, "point files, folders of them");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>&) {
     return run_track(*settings, *inputs);
   };

@@ -1,7 +1,6 @@
 // tessera triangulate: point files in, result folder out.
 #include <malloc.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/json/json_text.h"
 #include "src/front/apps/command.h"
 #include "src/front/apps/interrupt.h"
 #include "src/front/apps/log.h"
@@ -38,7 +38,7 @@ void spare_memory(std::uint64_t memory_bytes) {
 std::string already_finished(const std::filesystem::path& out, bool json) {
   if (!json) return out.string() + ": is finished already, there is nothing to resume\n";
   const nlohmann::ordered_json line{{"event", "finished"}, {"output", out.string()}};
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  return json_text(line) + "\n";
 }
 
 Status run_triangulate(TriangulateOptions options) {
@@ -91,12 +91,10 @@ Command add_triangulate(CLI::App& root) {
   add_triangulate_options(command);
   add_remote_options(command);
   auto inputs = std::make_shared<std::vector<std::string>>();
-  command.app
-      ->add_option(
-          "inputs", *inputs,
-          "LAS, LAZ, COPC, PLY, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
-          "their names; - for standard input")
-      ->type_name("FILE");
+  add_argument(
+      command, "inputs", "FILE", *inputs,
+      "LAS, LAZ, COPC, PLY, OFF, OBJ, STL, XYZ/CSV or NPY files, also as .gz or .zst; folders of them; patterns of "
+      "their names; - for standard input");
   command.run = [settings = command.settings.get(), inputs](const std::vector<std::string>& command_line) -> Status {
     BOOST_OUTCOME_TRY(options, read_triangulate_options(*settings, *inputs));
     if (options.output.verbose) log_everything();

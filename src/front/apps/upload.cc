@@ -2,7 +2,6 @@
 #include "src/service/client/upload.h"
 #include "src/front/apps/say.h"
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -76,12 +75,12 @@ Command add_upload(CLI::App& root) {
                   "  tessera triangulate upload:block -o block      (all of them; or upload:block/a.laz)\n\n"
                   "A daemon takes files when it was started with --uploads. A connection that ends is gone on with;\n"
                   "what has the same name there is replaced.");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_value(command, "output", "NAME", "the folder there, which jobs call upload:NAME", 'o', true);
   add_server_options(command);
   add_output_switches(command);
   auto files = std::make_shared<std::vector<std::string>>();
-  command.app->add_option("files", *files, "point files of this machine")->type_name("FILE");
+  add_argument(command, "files", "FILE", *files, "point files of this machine");
   command.run = [settings = command.settings.get(), files](const std::vector<std::string>&) {
     return run_upload(*settings, *files);
   };

@@ -1,7 +1,6 @@
 // tessera verify: proves a result folder.
 #include "src/result/verify/verify.h"
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -98,8 +97,7 @@ Command add_verify(CLI::App& root) {
   add_remote_options(command);
   add_output_switches(command);
   auto folder = std::make_shared<std::string>();
-  command.app->add_option("result", *folder, "result folder; with --server, the name of the result")
-      ->type_name("FOLDER");
+  add_argument(command, "result", "FOLDER", *folder, "result folder; with --server, the name of the result");
   command.run = [settings = command.settings.get(), folder](const std::vector<std::string>&) {
     return run_verify(*settings, *folder);
   };

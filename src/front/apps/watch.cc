@@ -1,5 +1,4 @@
 // tessera watch and resume: a job of a daemon, as if it ran here.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,7 +42,7 @@ Command add_watch(CLI::App& root) {
                   "  tessera watch ID --json\n\n"
                   "Its exit status is that of the job. Ctrl-C ends the watching, not the job. A daemon that\n"
                   "goes away is waited for.");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_server_options(command);
   add_output_switches(command);
   command.run = [settings = command.settings.get(), id = add_job_id(command)](const std::vector<std::string>&) {
@@ -56,7 +55,7 @@ Command add_resume(CLI::App& root) {
   auto command = new_command(root, "resume", "Goes on with a job of a daemon that failed or was cancelled",
                              "  tessera resume ID --server http://127.0.0.1:7070\n"
                              "  tessera resume ID --detach      (without watching it)");
-  command.app->group(daemon_group);
+  set_group(command, daemon_group);
   add_switch(command, "detach", "do not watch the job", 0, true);
   add_server_options(command);
   add_output_switches(command);

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 
 namespace tessera {
@@ -30,7 +31,7 @@ class OneLine final : public spdlog::formatter {
     if (json_) {
       nlohmann::ordered_json object{{"time", when}, {"level", level}, {"message", text}};
       if (insecure_) object["insecure"] = true;
-      line = object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+      line = json_text(object);
     } else {
       line = when + " " + level + (insecure_ ? " INSECURE " : " ") + text;
     }

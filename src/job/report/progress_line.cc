@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/base/phases.h"
 #include "src/job/report/human.h"
 
@@ -195,7 +196,7 @@ std::string progress_json(const ProgressSnapshot& before, const ProgressSnapshot
   }
   const double left = seconds_left(now);
   json["eta_s"] = left < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(left);
-  return json.dump();
+  return json_text(json);
 }
 
 }  // namespace tessera

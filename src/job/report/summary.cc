@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
 #include "src/base/printable.h"
 #include "src/job/report/human.h"
 
@@ -89,7 +90,7 @@ std::string summary_json(const JobSummary& s) {
                   {"seconds", seconds},
                   {"total_s", s.total_s},
                   {"warnings", s.warnings}};
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return json_text(json);
 }
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
 #include "src/result/export/export.h"
 
 namespace tessera {
@@ -11,7 +12,7 @@ std::string to_json(const Exported& exported, const std::string& output) {
               {"left_out", exported.left_out}, {"files", exported.files},
               {"bytes", exported.bytes},       {"note", exported.note}};
   if (exported.corner) object["corner"] = {exported.corner->x, exported.corner->y, exported.corner->z};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

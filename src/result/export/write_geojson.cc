@@ -13,6 +13,7 @@
 
 #include "src/base/attribute_value.h"
 #include "src/base/crs/crs.h"
+#include "src/base/json/json_text.h"
 #include "src/result/export/formats.h"
 #include "src/result/export/stream_writer.h"
 
@@ -20,9 +21,7 @@ namespace tessera::exports {
 
 namespace {
 
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string quoted(const std::string& text) { return json_text(nlohmann::json(text)); }
 
 class GeoJsonWriter : public StreamWriter {
  public:

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "src/base/attribute_value.h"
+#include "src/base/json/json_text.h"
 #include "src/result/export/formats.h"
 #include "src/result/export/output.h"
 
@@ -88,7 +89,7 @@ class GlbWriter : public MeshWriter {
     for (Stream* stream : {&positions_, &colors_, &corners_}) {
       BOOST_OUTCOME_TRYV(stream->flush());
     }
-    std::string text = description().dump();
+    std::string text = json_text(description());
     text.resize(description_bytes, ' ');
     Stream head(file_, 0);
     head.text("glTF");

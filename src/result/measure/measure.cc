@@ -14,6 +14,7 @@
 
 #include "src/base/crs/survey_system.h"
 #include "src/base/files/free_space.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/geometry/mesh/tile_mesh.h"
 #include "src/result/measure/exact_volume.h"
@@ -213,7 +214,7 @@ std::string to_json(const Measured& measured) {
                     {"unit", measured.unit},
                     {"infinite", measured.infinite},
                     {"note", measured.note}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

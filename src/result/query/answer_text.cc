@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
 #include "src/result/query/answers.h"
 
 namespace tessera {
@@ -91,7 +92,7 @@ std::string json_of(const Point& p, int dimension, const std::optional<query::Ce
     object["cell"] = nullptr;
   }
   if (final) object["final"] = *final;
-  return object.dump() + "\n";
+  return json_text(object) + "\n";
 }
 
 std::string text_of(PointId asked, int dimension, const query::Star& star, bool part) {
@@ -121,7 +122,7 @@ std::string json_of(PointId asked, int dimension, const query::Star& star, bool 
   object["neighbors"] = json_of(star.neighbors, dimension);
   object["cells"] = json_of(star.cells, dimension);
   if (part) object["final"] = star.final;
-  return object.dump() + "\n";
+  return json_text(object) + "\n";
 }
 
 }  // namespace tessera

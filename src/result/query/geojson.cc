@@ -8,6 +8,7 @@
 
 #include "src/base/crs/crs.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 
 namespace tessera::query {
 namespace {
@@ -136,7 +137,7 @@ Result<GeoJsonShapes> read_geojson(const std::filesystem::path& path, GeoJson ki
 }
 
 Result<GeoJsonShapes> of_geojson(std::string_view text, const std::string& name, GeoJson kind) {
-  const json document = json::parse(text, nullptr, false);
+  const json document = parse_json(text);
   const auto bad = [&](const std::string& reason) { return error(Errc::bad_input, name + ": " + reason); };
   if (document.is_discarded()) return bad("is not JSON");
   Collection collection(kind);

@@ -9,6 +9,7 @@
 #include "src/base/files/names.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/result/store/manifest_json.h"
 #include "src/result/store/tile_layout.h"
 #include "src/result/store/vtk_xml.h"
@@ -87,7 +88,7 @@ TileEntry to_entry(const json& value) {
   entry.digest = to_digest(value);
   if (value.contains("kind")) {
     if (value.at("kind") != "points")
-      throw json::other_error::create(501, value.at("kind").dump() + " is no kind of tile", &value);
+      throw json::other_error::create(501, json_text(value.at("kind")) + " is no kind of tile", &value);
     entry.kind = TileKind::points;
   }
   if (value.contains("file")) {
@@ -111,7 +112,7 @@ std::string partition_text(const json& value, const Manifest& manifest) {
       to_count(value.at("tiles")) != manifest.boxes.size() || !value.at("splits").is_array())
     throw json::other_error::create(501, "the partition does not fit to the result", &value);
   const auto member = [&](const char* name) { return std::pair(std::string(name), value.at(name)); };
-  return json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}).dump();
+  return json_text(json(std::map{member("kind"), member("dimension"), member("tiles"), member("splits")}));
 }
 
 Manifest to_manifest(const json& value) {
@@ -199,9 +200,7 @@ std::string manifest_to_text(const Manifest& manifest) {
   value["seconds"] = json(manifest.seconds);
   value["figures"] = json(manifest.figures);
   // A path may be any bytes; what is not UTF-8 becomes U+FFFD rather than an exception.
-  const auto text = [](const ordered_json& part, int indent) {
-    return part.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
-  };
+  const auto text = [](const ordered_json& part, int indent) { return json_text(part, indent); };
   // A box and a tile are a line each, also among thousands.
   const auto lines = [&](const auto& list, const std::string& indent, const auto& to_json) {
     std::string result = "[";
@@ -213,9 +212,9 @@ std::string manifest_to_text(const Manifest& manifest) {
   result.erase(result.rfind('\n'));  // the closing brace: two members follow
   result += ",\n  \"partition\": {\n    \"kind\": " + text(manifest.partition_kind, -1);
   if (!manifest.partition.empty()) {
-    const json partition = json::parse(manifest.partition);
-    result += ",\n    \"dimension\": " + partition.at("dimension").dump() +
-              ",\n    \"tiles\": " + partition.at("tiles").dump() + ",\n    \"splits\": ";
+    const json partition = parse_json(manifest.partition);
+    result += ",\n    \"dimension\": " + json_text(partition.at("dimension")) +
+              ",\n    \"tiles\": " + json_text(partition.at("tiles")) + ",\n    \"splits\": ";
     result += lines(partition.at("splits"), "    ", [](const ordered_json& split) { return split; });
   }
   result += ",\n    \"boxes\": ";
@@ -251,17 +250,17 @@ Result<Manifest> read_manifest(const fs::path& out) {
 Result<Manifest> parse_manifest(const fs::path& path, std::span<const std::byte> bytes) {
   const auto corrupt = [&](const std::string& reason) { return error(Errc::corrupt, path.string() + ": " + reason); };
   const char* text = reinterpret_cast<const char*>(bytes.data());
-  const json value = json::parse(text, text + bytes.size(), nullptr, false);
+  const json value = parse_json({text, bytes.size()});
   if (value.is_discarded() || !value.is_object() || value.value("format", json()) != json("tessera"))
     return corrupt("is not a manifest of tessera, or damaged");
   const json version = value.value("format_version", json());
   if (!version.is_number_unsigned()) return corrupt("does not tell its format version");
   if (version.get<std::uint64_t>() > newest_format)
-    return corrupt("is of format version " + version.dump() + ", this program knows version " +
+    return corrupt("is of format version " + json_text(version) + ", this program knows version " +
                    std::to_string(newest_format) + " and older: use a newer tessera");
   if (version.get<std::uint64_t>() < oldest_format)
     return corrupt(
-        "is of format version " + version.dump() +
+        "is of format version " + json_text(version) +
         ", which this program reads no more: the tessera that wrote it (software_version in this file) reads and "
         "exports it; or triangulate again, for the file tells inputs and command");
   try {

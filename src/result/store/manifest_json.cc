@@ -10,6 +10,7 @@
 
 #include "src/base/files/checksum.h"
 #include "src/base/files/names.h"
+#include "src/base/json/json_text.h"
 #include "src/result/store/tile_layout.h"
 
 namespace tessera {
@@ -98,7 +99,7 @@ double to_double(const json& value) {
 }
 
 std::uint64_t to_count(const json& value) {
-  if (!value.is_number_unsigned()) throw wrong(value.dump() + " is not a count", value);
+  if (!value.is_number_unsigned()) throw wrong(json_text(value) + " is not a count", value);
   return value.get<std::uint64_t>();
 }
 

@@ -8,6 +8,7 @@
 
 #include "src/base/crs/crs.h"
 #include "src/base/files/temporary.h"
+#include "src/base/json/json_text.h"
 #include "src/base/stopped.h"
 #include "src/result/export/output.h"
 #include "src/result/query/column.h"
@@ -65,7 +66,7 @@ std::string to_json(const Contours& contours) {
                     {"closed", contours.closed},     {"vertices", contours.vertices},    {"levels", contours.levels},
                     {"left_out", contours.left_out}, {"shorter", contours.shorter},      {"bytes", contours.bytes},
                     {"note", contours.note}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 Result<ContourCost> estimate_contours(const fs::path& out, const ContourOptions& options, std::uint64_t cells_max,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/base/crs/crs.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/query/column.h"
 #include "src/result/store/tile_store.h"
@@ -83,7 +84,7 @@ std::string to_json(const Dem& dem) {
   using Json = nlohmann::ordered_json;
   const Json object{{"event", "dem"},       {"output", dem.path.string()}, {"width", dem.width}, {"height", dem.height},
                     {"pixels", dem.pixels}, {"left_out", dem.left_out},    {"bytes", dem.bytes}, {"note", dem.note}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 // What there is to write, from the first pixel to the last.

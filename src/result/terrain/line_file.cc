@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "src/base/crs/crs.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/export/geopackage.h"
 #include "src/result/export/output.h"
@@ -60,9 +61,7 @@ class GeoPackageLines : public LineFile {
   std::vector<unsigned char> wkb_;
 };
 
-std::string quoted(const std::string& text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string quoted(const std::string& text) { return json_text(nlohmann::json(text)); }
 
 class GeoJsonLines : public LineFile {
  public:

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "src/base/json/json_text.h"
+
 namespace tessera::tileset {
 namespace {
 
@@ -106,7 +108,7 @@ std::vector<std::byte> GlbFile::finish(const Json& extras) const {
         {{"byteLength", unpacked_}, {"extensions", {{"EXT_meshopt_compression", {{"fallback", true}}}}}}};
   }
   document["scenes"] = Json::array({std::move(scene)});
-  std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = json_text(document);
   text.resize((text.size() + 3) / 4 * 4, ' ');
   std::vector<std::byte> file;
   const auto word = [&](std::size_t value) {

@@ -8,6 +8,7 @@
 #include "src/base/files/checksum.h"
 #include "src/base/files/names.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/result/tileset/glb.h"
 
 namespace tessera::tileset {
@@ -84,7 +85,7 @@ Status NodeFiles::finish(std::size_t root, const Manifest& manifest) const {
         {"intensityMax", ranges_.intensity},
         {"classes", std::move(classes)},
         {"attributes", std::move(attributes)}}}};
-  return write_whole(tileset_file(folder_), document.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
+  return write_whole(tileset_file(folder_), json_text(document) + "\n");
 }
 
 }  // namespace tessera::tileset

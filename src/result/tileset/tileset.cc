@@ -14,6 +14,7 @@
 #include "src/base/files/temporary.h"
 #include "src/base/files/there.h"
 #include "src/base/files/whole_file.h"
+#include "src/base/json/json_text.h"
 #include "src/base/option.h"
 #include "src/result/export/cell_filter.h"
 #include "src/result/tile_source.h"
@@ -229,7 +230,7 @@ std::string to_json(const Tileset& tileset) {
   const Json object{{"event", "tileset"},       {"output", tileset.path.string()}, {"nodes", tileset.nodes},
                     {"leaves", tileset.leaves}, {"triangles", tileset.triangles},  {"left_out", tileset.left_out},
                     {"bytes", tileset.bytes}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 Status check_tileset_target(const fs::path& target, bool overwrite) {

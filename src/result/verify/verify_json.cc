@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
 #include "src/result/verify/verify.h"
 
 namespace tessera {
@@ -13,7 +14,7 @@ std::string to_json(const VerifyReport& report, const std::string& result) {
                     {"hull_facets", report.hull_facets},
                     {"vertices", report.vertices},
                     {"passed", report.passed}};
-  return object.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_text(object);
 }
 
 }  // namespace tessera

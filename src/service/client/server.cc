@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/base/random_token.h"
 #include "src/service/client/event_stream.h"
 #include "src/service/client/messages.h"
@@ -139,8 +140,7 @@ HttpRequest Server::execution(const std::string& process, const nlohmann::ordere
   HttpRequest request{.method = "POST", .target = target("/processes/" + process + "/execution")};
   request.headers = {{"Content-Type", "application/json"}};
   // Of names that are not UTF-8 the server would make U+FFFD, and not find them.
-  request.body =
-      nlohmann::ordered_json{{"inputs", inputs}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  request.body = json_text(nlohmann::ordered_json{{"inputs", inputs}});
   return request;
 }
 
@@ -156,7 +156,7 @@ Result<Server::Told> Server::info(const nlohmann::ordered_json& inputs, const st
   BOOST_OUTCOME_TRY(answer, answer_to(execution("info", inputs), stop));
   Told told;
   if (answer.status / 100 == 2) {
-    told.now = nlohmann::ordered_json::parse(answer.body, nullptr, false);
+    told.now = parse_ordered_json(answer.body);
     if (!is_json(answer) || !told.now.is_object()) return no_tessera();
     return told;
   }
@@ -196,7 +196,7 @@ Result<proto::StatusInfo> Server::resume(const std::string& id, const std::stop_
 
 Result<nlohmann::ordered_json> Server::outcome(const std::string& id, const std::stop_token& stop) {
   BOOST_OUTCOME_TRY(answer, ask({.target = target("/jobs/" + percent_encoded(id) + "/results")}, stop));
-  auto results = nlohmann::ordered_json::parse(answer.body, nullptr, false);
+  auto results = parse_ordered_json(answer.body);
   if (!results.is_object()) return no_tessera();
   auto& outcome = results["outcome"];
   if (!outcome.is_object() || !outcome["value"].is_object()) return no_tessera();

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/json/json_text.h"
 #include "src/service/http/absolute.h"
 #include "src/service/http/handlers.h"
 #include "src/service/http/openapi.h"
@@ -55,7 +56,7 @@ Answer landing(const Call& call) {
                              {"rel", entry.rel},
                              {"type", entry.type},
                              {"title", entry.title}});
-  Answer answer = json_answer(200, page.dump());
+  Answer answer = json_answer(200, json_text(page));
   answer.headers.emplace_back("Vary", "Accept");
   return answer;
 }
@@ -71,7 +72,7 @@ std::string conformance_text() {
   add("ogcapi-features-1", {"core", "geojson", "oas30"});
   add("ogcapi-features-2", {"crs"});
   add("ogcapi-tiles-1", {"core", "tileset", "tilesets-list", "png"});
-  return ordered_json{{"conformsTo", all}}.dump();
+  return json_text(ordered_json{{"conformsTo", all}});
 }
 
 Answer conformance(const Call&) {
@@ -86,7 +87,7 @@ Answer process_list(const Call& call) {
     list["processes"].push_back(process_summary(process, call.context.links, call.request));
   list["links"].push_back(
       {{"href", call.context.links.to(call.request, "/v1/processes")}, {"rel", "self"}, {"type", json}});
-  return json_answer(200, list.dump());
+  return json_answer(200, json_text(list));
 }
 
 Answer process(const Call& call) {
@@ -94,7 +95,7 @@ Answer process(const Call& call) {
   if (!found)
     return problem(404, "there is no process '" + call.arguments[0] + "'", 0,
                    "http://www.opengis.net/def/exceptions/ogcapi-processes-1/1.0/no-such-process");
-  return json_answer(200, process_description(*found, call.context.links, call.request).dump());
+  return json_answer(200, json_text(process_description(*found, call.context.links, call.request)));
 }
 
 Answer caller(const Call& call) {

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/service/http/handlers.h"
 #include "src/service/http/processes.h"
 #include "src/service/http/ranges.h"
@@ -133,10 +134,10 @@ Answer results(const Call& call) {
   if (status.process_id() != "triangulate") {
     const Reply<std::string> outcome = call.context.backend->outcome(call.arguments[0]);
     if (!outcome) return problem(outcome.error());
-    const auto value = nlohmann::ordered_json::parse(outcome.value(), nullptr, false);
+    const auto value = parse_ordered_json(outcome.value());
     told["outcome"] = {{"value", value.is_discarded() ? nlohmann::ordered_json(outcome.value()) : value}};
   }
-  return json_answer(200, told.dump());
+  return json_answer(200, json_text(told));
 }
 
 Answer tiles(const Call& call) {

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "src/base/json/json_text.h"
 #include "src/service/http/absolute.h"
 #include "src/service/http/handlers.h"
 
@@ -53,12 +54,12 @@ Answer collections(const Call& call) {
   ordered_json list{{"links", {link(call, "/v1/collections", "self", json, "What there is for maps")}},
                     {"collections", ordered_json::array()}};
   for (const FeatureCollection& one : found.value()) list["collections"].push_back(told(call, one));
-  return json_answer(200, list.dump());
+  return json_answer(200, json_text(list));
 }
 
 Answer collection(const Call& call) {
   const auto found = call.context.backend->collection(call.arguments[0]);
-  return found ? json_answer(200, told(call, found.value()).dump()) : problem(found.error());
+  return found ? json_answer(200, json_text(told(call, found.value()))) : problem(found.error());
 }
 
 // The text of the features, with links to what goes with them. They are in the system that was asked for: another one
@@ -70,7 +71,7 @@ Answer with_links(const Call& call, QuestionAnswer found, ordered_json links) {
                     {"Tessera-Final", found.final ? "true" : "false"},
                     // Lines may be drawn anew.
                     {"Cache-Control", "private, no-cache"}};
-  answer.body = std::move(found.text) + ",\"links\":" + links.dump() + "}\n";
+  answer.body = std::move(found.text) + ",\"links\":" + json_text(links) + "}\n";
   return answer;
 }
 
@@ -139,13 +140,13 @@ Answer map_tilesets(const Call& call) {
   if (!extent) return problem(extent.error());
   const ordered_json list{{"tilesets", {tileset(call, call.arguments[0], extent.value())}},
                           {"links", {link(call, triangulation_path(call.arguments[0]) + "/map/tiles", "self", json)}}};
-  return json_answer(200, list.dump());
+  return json_answer(200, json_text(list));
 }
 
 Answer map_tileset(const Call& call) {
   const auto extent = call.context.backend->map_extent(call.arguments[0]);
   if (!extent) return problem(extent.error());
-  return json_answer(200, tileset(call, call.arguments[0], extent.value()).dump());
+  return json_answer(200, json_text(tileset(call, call.arguments[0], extent.value())));
 }
 
 // A number of a tile, of a map that is small enough for all of them to have few digits.

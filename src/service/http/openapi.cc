@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
+#include "src/base/json/json_text.h"
 #include "src/service/http/documents.h"
 #include "src/service/http/schema.h"
 #include "src/service/http/tokens.h"
@@ -105,7 +106,7 @@ std::string openapi_document(const std::vector<Route>& routes, const std::string
        {{"token", {{"type", "http"}, {"scheme", "bearer"}}},
         {"password",
          {{"type", "http"}, {"scheme", "basic"}, {"description", "Any name, and the token as password: to read"}}}}}};
-  return document.dump();
+  return json_text(document);
 }
 
 }  // namespace tessera::http

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "src/base/json/json_text.h"
 #include "src/service/http/schema.h"
 #include "src/service/json.h"
 
@@ -183,7 +184,7 @@ Result<proto::Inputs> read_inputs(const Process& process, const Request& request
   google::protobuf::Message* chosen = inputs.GetReflection()->MutableMessage(&inputs, &member_of(process));
   if (nested_too_deep(request.body))
     return error(Errc::usage, "the body: lists and objects are nested more than 32 deep");
-  const nlohmann::json body = nlohmann::json::parse(request.body, nullptr, false);
+  const nlohmann::json body = parse_json(request.body);
   if (!body.is_object()) return error(Errc::usage, "the body must be a JSON object");
   for (const auto& [name, value] : body.items()) {
     if (name == "inputs") continue;
