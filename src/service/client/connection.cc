@@ -15,7 +15,9 @@
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -54,8 +56,58 @@ const std::string& HttpHead::header(const std::string& name) const {
   return found == headers.end() ? none : found->second;
 }
 
+using Secure = beast::ssl_stream<beast::tcp_stream>;
+using Completed = std::function<void(error_code, std::size_t)>;
+
+// Either of two streams, with handlers of one type: what Beast composes is compiled once, not for each stream and
+// handler.
+class AnyStream {
+ public:
+  using executor_type = beast::tcp_stream::executor_type;
+
+  AnyStream(std::optional<beast::tcp_stream>& plain, std::optional<Secure>& secure) : plain_(plain), secure_(secure) {}
+  executor_type get_executor() { return secure_ ? secure_->get_executor() : plain_->get_executor(); }
+
+  template <class Buffers, class Handler>
+  void async_read_some(const Buffers& buffers, Handler&& handler) {
+    read_some(
+        std::vector<asio::mutable_buffer>(asio::buffer_sequence_begin(buffers), asio::buffer_sequence_end(buffers)),
+        erased(std::forward<Handler>(handler)));
+  }
+  template <class Buffers, class Handler>
+  void async_write_some(const Buffers& buffers, Handler&& handler) {
+    write_some(
+        std::vector<asio::const_buffer>(asio::buffer_sequence_begin(buffers), asio::buffer_sequence_end(buffers)),
+        erased(std::forward<Handler>(handler)));
+  }
+
+ private:
+  // Handlers can be moved alone, and functions must be copied.
+  template <class Handler>
+  static Completed erased(Handler&& handler) {
+    auto held = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler));
+    return [held](error_code code, std::size_t bytes) { std::move (*held)(code, bytes); };
+  }
+  void read_some(const std::vector<asio::mutable_buffer>& buffers, Completed done) {
+    if (secure_) {
+      secure_->async_read_some(buffers, std::move(done));
+    } else {
+      plain_->async_read_some(buffers, std::move(done));
+    }
+  }
+  void write_some(const std::vector<asio::const_buffer>& buffers, Completed done) {
+    if (secure_) {
+      secure_->async_write_some(buffers, std::move(done));
+    } else {
+      plain_->async_write_some(buffers, std::move(done));
+    }
+  }
+
+  std::optional<beast::tcp_stream>& plain_;
+  std::optional<Secure>& secure_;
+};
+
 struct Connection::Impl {
-  using Secure = beast::ssl_stream<beast::tcp_stream>;
   using Parser = http::response_parser<http::buffer_body>;
 
   ServerAddress address;
@@ -64,6 +116,7 @@ struct Connection::Impl {
   asio::ip::tcp::resolver resolver{context};
   std::optional<beast::tcp_stream> plain;  // when it is open
   std::optional<Secure> secure;
+  AnyStream stream{plain, secure};
   beast::flat_buffer buffer;
 
   bool is_open() const { return plain.has_value() || secure.has_value(); }
@@ -74,33 +127,22 @@ struct Connection::Impl {
   }
   beast::tcp_stream& lowest() { return secure ? secure->next_layer() : *plain; }
 
-  template <class Use>
-  void with_stream(Use use) {
-    if (secure) {
-      use(*secure);
-    } else {
-      use(*plain);
-    }
-  }
-
   // Runs one asynchronous operation to its end. `cancel` ends it early.
-  template <class Start, class Cancel>
-  error_code complete(const std::stop_token& stop, Start start, Cancel cancel) {
+  error_code complete(const std::stop_token& stop, const std::function<void(Completed)>& start,
+                      const std::function<void()>& cancel) {
     error_code result;
     context.restart();
-    start([&result](error_code code) { result = code; });
+    start([&result](error_code code, std::size_t) { result = code; });
     const std::stop_callback on_stop(stop, [&] { asio::post(context, cancel); });
     context.run();
     return result;
   }
-  template <class Start>
-  error_code on_stream(const std::stop_token& stop, std::chrono::seconds silence, Start start) {
+  error_code on_stream(const std::stop_token& stop, std::chrono::seconds silence,
+                       const std::function<void(Completed)>& start) {
     lowest().expires_after(silence);
-    return complete(
-        stop, [&](auto done) { with_stream([&](auto& stream) { start(stream, done); }); },
-        [this] {
-          if (is_open()) lowest().cancel();
-        });
+    return complete(stop, start, [this] {
+      if (is_open()) lowest().cancel();
+    });
   }
 
   Error failed(const std::stop_token& stop, const error_code& code, const std::string& what) const {
@@ -113,11 +155,11 @@ struct Connection::Impl {
     asio::ip::tcp::resolver::results_type found;
     const auto resolved = complete(
         stop,
-        [&](auto done) {
+        [&](Completed done) {
           resolver.async_resolve(address.host, address.port, asio::ip::resolver_base::numeric_service,
                                  [&found, done](error_code code, auto results) mutable {
                                    found = results;
-                                   done(code);
+                                   done(code, 0);
                                  });
         },
         [this] { resolver.cancel(); });
@@ -130,7 +172,7 @@ struct Connection::Impl {
     lowest().expires_after(connect_patience);
     const auto connected = complete(
         stop,
-        [&](auto done) { lowest().async_connect(found, [done](error_code code, const auto&) mutable { done(code); }); },
+        [&](Completed done) { lowest().async_connect(found, [done](error_code code, const auto&) { done(code, 0); }); },
         [this] { lowest().cancel(); });
     if (connected) return failed(stop, connected, "no server can be reached there");
     error_code ignored;
@@ -143,9 +185,8 @@ struct Connection::Impl {
     asio::ip::make_address(address.host, not_an_address);
     if (not_an_address) SSL_set_tlsext_host_name(secure->native_handle(), address.host.c_str());
     secure->set_verify_callback(asio::ssl::host_name_verification(address.host));
-    const auto shaken = on_stream(stop, connect_patience, [](auto& stream, auto done) {
-      if constexpr (std::is_same_v<std::decay_t<decltype(stream)>, Secure>)
-        stream.async_handshake(asio::ssl::stream_base::client, done);
+    const auto shaken = on_stream(stop, connect_patience, [this](Completed done) {
+      secure->async_handshake(asio::ssl::stream_base::client, [done](error_code code) { done(code, 0); });
     });
     if (!shaken) return success();
     const auto verified = SSL_get_verify_result(secure->native_handle());
@@ -175,9 +216,8 @@ struct Connection::Impl {
     set_head(message, request);
     message.body() = request.body;
     message.prepare_payload();
-    return on_stream(stop, request.silence, [&](auto& stream, auto done) {
-      http::async_write(stream, message, [done](error_code code, std::size_t) mutable { done(code); });
-    });
+    return on_stream(stop, request.silence,
+                     [&](Completed done) { http::async_write(stream, message, std::move(done)); });
   }
 
   // Ends early when the server has something to say. `left`: bytes that were not sent.
@@ -188,9 +228,8 @@ struct Connection::Impl {
     message.body().data = nullptr;
     message.body().more = true;
     http::request_serializer<http::buffer_body> serializer(message);
-    auto code = on_stream(stop, request.silence, [&](auto& stream, auto done) {
-      http::async_write_header(stream, serializer, [done](error_code e, std::size_t) mutable { done(e); });
-    });
+    auto code = on_stream(stop, request.silence,
+                          [&](Completed done) { http::async_write_header(stream, serializer, std::move(done)); });
     std::vector<char> bytes(std::size_t{256} << 10);
     for (left = request.source_bytes; left > 0 && !code;) {
       error_code unknown;
@@ -201,9 +240,8 @@ struct Connection::Impl {
       message.body().data = bytes.data();
       message.body().size = piece;
       message.body().more = left > 0;
-      code = on_stream(stop, request.silence, [&](auto& stream, auto done) {
-        http::async_write(stream, serializer, [done](error_code e, std::size_t) mutable { done(e); });
-      });
+      code = on_stream(stop, request.silence,
+                       [&](Completed done) { http::async_write(stream, serializer, std::move(done)); });
       if (code == http::error::need_buffer) code = {};
     }
     return code;
@@ -225,8 +263,8 @@ struct Connection::Impl {
     // Boost 1.74 takes `none` for a limit that is below every length.
     parser.body_limit(std::numeric_limits<std::uint64_t>::max());
     parser.header_limit(header_bytes_max);
-    const auto read_head = on_stream(stop, request.silence, [&](auto& stream, auto done) {
-      http::async_read_header(stream, buffer, parser, [done](error_code code, std::size_t) mutable { done(code); });
+    const auto read_head = on_stream(stop, request.silence, [&](Completed done) {
+      http::async_read_header(stream, buffer, parser, std::move(done));
     });
     if (read_head) {
       if (read_head.category() == make_error_code(http::error::bad_version).category() &&
@@ -246,9 +284,8 @@ struct Connection::Impl {
     while (!parser.is_done()) {
       parser.get().body().data = bytes.data();
       parser.get().body().size = bytes.size();
-      auto code = on_stream(stop, request.silence, [&](auto& stream, auto done) {
-        http::async_read_some(stream, buffer, parser, [done](error_code e, std::size_t) mutable { done(e); });
-      });
+      auto code = on_stream(stop, request.silence,
+                            [&](Completed done) { http::async_read_some(stream, buffer, parser, std::move(done)); });
       if (code == http::error::need_buffer) code = {};
       const std::string_view part(bytes.data(), bytes.size() - parser.get().body().size);
       if (taken) {
