@@ -32,7 +32,7 @@ void Account::begin_stage(Time now) {
   quiet_.reset();
 }
 
-bool Account::heard(NodeId node, PartProgress said, std::size_t nodes) {
+bool Account::heard(NodeId node, ShareProgress said, std::size_t nodes) {
   untold_.insert(untold_.end(), said.spans.begin(), said.spans.end());
   untold_mail_.insert(untold_mail_.end(), said.mail.begin(), said.mail.end());
   said.spans.clear();
@@ -52,7 +52,7 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
   progress.step = step();
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Node& node = nodes[n];
-    PartProgress now = n < said_.size() ? said_[n] : PartProgress{};
+    ShareProgress now = n < said_.size() ? said_[n] : ShareProgress{};
     if (node.lost) {  // what it has stored stays so; the rest is done again
       now.tiles_begun = now.tiles_stored;
       now.weight_begun = now.tiles_asleep = now.memory_bytes = 0;
@@ -65,7 +65,7 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
     progress.sum.updates_processed += now.updates_processed;
     progress.sum.items_sent += now.items_sent;
     progress.sum.memory_bytes += now.memory_bytes;
-    progress.sum.gates += now.gates;
+    progress.sum.outboxes += now.outboxes;
     if (node.name.empty()) continue;
     progress.nodes.push_back({node.name, node.tiles, static_cast<std::uint32_t>(now.tiles_begun),
                               static_cast<std::uint32_t>(now.tiles_stored), now.memory_bytes, node.lost && !node.left});
@@ -73,13 +73,13 @@ RunProgress Account::progress(const std::vector<Node>& nodes) {
   return progress;
 }
 
-void Account::ended(const PartEnded& part) {
+void Account::ended(const ShareEnded& part) {
   sum_.items += part.items;
   sum_.updates += part.updates;
   sum_.hops = std::max(sum_.hops, part.hops);
   sum_.most_received = std::max(sum_.most_received, part.most_received);
   sum_.sleeps += part.sleeps;
-  sum_.gates += part.gates;
+  sum_.outboxes += part.outboxes;
   sum_.begin_us += part.begin_us;
   sum_.exchange_us += part.exchange_us;
   sum_.collect_us += part.collect_us;

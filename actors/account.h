@@ -37,7 +37,7 @@ class Account {
 
   // What one of `nodes` nodes says. True when the owner is to hear of it: of many nodes an eighth speak before all are
   // added up, or their words would cost the square of their number.
-  bool heard(NodeId node, PartProgress said, std::size_t nodes);
+  bool heard(NodeId node, ShareProgress said, std::size_t nodes);
   bool has_untold() const { return spoken_ > 0; }
   struct Node {
     std::string name;  // none: it is not told of by itself
@@ -47,18 +47,18 @@ class Account {
   // For the owner. Spans and mail are told once. `nodes`: by number.
   RunProgress progress(const std::vector<Node>& nodes);
 
-  void ended(const PartEnded& part);
+  void ended(const ShareEnded& part);
   // Without failure and memory. Once; takes no memory, of which there may be none.
   RunEnded end(Time now, std::uint64_t waves);
 
  private:
-  std::vector<PartProgress> said_;  // by node: the last, without spans and mail
+  std::vector<ShareProgress> said_;  // by node: the last, without spans and mail
   std::vector<WorkSpan> untold_;
   std::vector<MailArc> untold_mail_;
   std::size_t spoken_ = 0;  // times that a part has spoken since the owner was told
   std::uint32_t nodes_ = 0, nodes_lost_ = 0;
   std::uint64_t tiles_again_ = 0;
-  PartEnded sum_;
+  ShareEnded sum_;
   Time started_;
   std::optional<Time> begun_, quiet_;
   StageTimes times(Time now) const;

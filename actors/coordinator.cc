@@ -27,7 +27,7 @@ Coordinator::Coordinator(caf::actor_config& config, CoordinatorOptions options, 
 // All nodes are asked or none: what is opened must be told how it ends.
 void Coordinator::initialize() {
   SteadyActor::initialize();
-  for (PartOf& p : parts_) p.open.say(p.node);
+  for (Participant& p : parts_) p.open.say(p.node);
   for (const NodeHandle& node : asked_) find(node);
 }
 
@@ -39,7 +39,7 @@ void Coordinator::on_exit() {
     end.failure = failure_ ? std::move(*failure_) : ended_unexpectedly();
     owner_.ended(std::move(end));
   }
-  for (const PartOf& p : parts_) demonitor(p.node.address());
+  for (const Participant& p : parts_) demonitor(p.node.address());
   parts_.clear();
 }
 
@@ -65,39 +65,39 @@ Coordinator::behavior_type Coordinator::make_behavior() {
   const SharedBytes spec = spec_bytes();
   for (std::size_t n = 0; n < parts_.size(); ++n) prepare(NodeId{static_cast<std::uint32_t>(n)}, spec);
   return {
-      [this](const PartOpened& message) { attempt([&] { opened(message); }); },
-      [this](PartFound& message) { attempt([&] { found(message); }); },
-      [this](const PartBegun& message) {
+      [this](const ShareOpened& message) { attempt([&] { opened(message); }); },
+      [this](ShareFound& message) { attempt([&] { found(message); }); },
+      [this](const ShareBegun& message) {
         if (!roster_.has(message.node)) return;
         roster_[message.node].begun = true;
         if (roster_.all_have_begun()) account_.all_have_begun(std::chrono::steady_clock::now());
       },
-      [this](const PartIdle& idle) {
+      [this](const ShareIdle& idle) {
         attempt([&] {
           if (course_.is(At::exchanging)) act(detector_.notice(idle.node));
         });
       },
-      [this](const PartTally& tally) {
+      [this](const ShareTally& tally) {
         attempt([&] {
           if (!course_.is(At::exchanging) || tally.epoch != table().epoch || !placements_.complete()) return;
           act(detector_.answer(tally.wave, tally.node, tally.idle, {tally.sent, tally.processed}));
         });
       },
-      [this](const PartSettled& message) {
+      [this](const ShareSettled& message) {
         attempt([&] {
           if (message.epoch != table().epoch || !course_.is(At::settling) || !roster_.has(message.node)) return;
           roster_[message.node].reached = Reached::settled;
           collect_if_settled();
         });
       },
-      [this](const PartCollected& message) {
+      [this](const ShareCollected& message) {
         attempt([&] {
           if (message.epoch != table().epoch || !course_.is(At::collecting) || !roster_.has(message.node)) return;
           roster_[message.node].reached = Reached::collected;
           finish_if_collected();
         });
       },
-      [this](PartReleased& released) {
+      [this](ShareReleased& released) {
         attempt([&] {
           if (!course_.is(At::finding) && placements_.answer(released.node, released.tiles)) place_orphans();
         });
@@ -112,9 +112,9 @@ Coordinator::behavior_type Coordinator::make_behavior() {
       [this](const NodeBack& back) { attempt([&] { note(back); }); },
       [this](const NobodyCame& over) { attempt([&] { give_up_waiting(over); }); },
       [this](const NodeJoined& joined) { attempt([&] { join(caf::actor_cast<NodeHandle>(joined.node)); }); },
-      [this](PartProgress& message) { attempt([&] { show_progress(message); }); },
+      [this](ShareProgress& message) { attempt([&] { show_progress(message); }); },
       [this](const TileDone& done) { attempt([&] { take(done); }); },
-      [this](PartEnded& message) { attempt([&] { ended(message); }); },
+      [this](ShareEnded& message) { attempt([&] { ended(message); }); },
       [this](const Cancel&) {
         if (!course_.is(At::ending)) attempt([&] { fail(failure_of(error(Errc::interrupted, "interrupted"))); });
       },
@@ -122,20 +122,20 @@ Coordinator::behavior_type Coordinator::make_behavior() {
 }
 
 SharedBytes Coordinator::spec_bytes() const {
-  PartSpec spec = options_.spec;
+  ShareSpec spec = options_.spec;
   spec.table = table();
   return to_bytes(spec);
 }
 
 void Coordinator::prepare(NodeId node, const SharedBytes& spec) {
-  PartOf& p = parts_[node.value];
+  Participant& p = parts_[node.value];
   monitor(p.node);
   p.open.message() = {options_.job, node, spec, caf::actor_cast<caf::actor>(this), options_.term};
   p.abort.message().term = options_.term;
 }
 
-void Coordinator::opened(const PartOpened& message) {
-  PartOf& p = parts_.at(message.node.value);
+void Coordinator::opened(const ShareOpened& message) {
+  Participant& p = parts_.at(message.node.value);
   Roster::Node& node = roster_[message.node];
   if (message.failure) return not_opened(message);
   account_.node_came();
@@ -144,7 +144,7 @@ void Coordinator::opened(const PartOpened& message) {
   node.threads = message.threads;
   node.memory_bytes = message.memory_bytes;
   node.name = message.name;
-  p.part = caf::actor_cast<PartHandle>(message.part);
+  p.part = caf::actor_cast<ShareHandle>(message.part);
   if (course_.is(At::finishing)) node.standing = Standing::left;  // it is not needed any more
   if (node.gone() || course_.is(At::ending)) {
     p.abort.say(p.part);
@@ -156,7 +156,7 @@ void Coordinator::opened(const PartOpened& message) {
   welcome(message.node);
 }
 
-BeginPart Coordinator::beginning() const { return {part_handles(), table(), course_.is(At::collecting)}; }
+BeginShare Coordinator::beginning() const { return {part_handles(), table(), course_.is(At::collecting)}; }
 
 void Coordinator::take(const TileDone& done) {
   if (done.stage != table().stage) return;  // by one that was lost in the stage before
@@ -246,12 +246,12 @@ void Coordinator::give_up(Failure failure) noexcept {
 }
 
 void Coordinator::abort_parts() noexcept {
-  for (PartOf& p : parts_) p.abort.say(p.part);
+  for (Participant& p : parts_) p.abort.say(p.part);
 }
 
-void Coordinator::ended(PartEnded& message) {
+void Coordinator::ended(ShareEnded& message) {
   if (course_.is(At::finding)) {  // it had answered: its node may open another
-    for (PartFound& found : answers_) {
+    for (ShareFound& found : answers_) {
       if (found.part && found.self == message.node) found.part = nullptr;
     }
     return;

@@ -2,30 +2,30 @@
 // src/exchange/detector.h), places the tiles of lost nodes anew, and ends the job.
 //
 // state      | message          | effect                                                      | next
-// finding    | PartFound        | when all nodes have answered: a new table                   | where the parts are
-// opening    | PartOpened       | when all have: BeginPart to all                             | exchanging;
+// finding    | ShareFound        | when all nodes have answered: a new table                   | where the parts are
+// opening    | ShareOpened       | when all have: BeginShare to all                             | exchanging;
 //            |                  |                                                             | collecting if settled
-// exchanging | PartIdle         | begin a wave: Probe to every part                           | exchanging
-// exchanging | PartTally        | when two waves agree: Settle to all                         | settling
-// settling   | PartSettled      | when all have: mark the run settled, Collect to all         | collecting
+// exchanging | ShareIdle         | begin a wave: Probe to every part                           | exchanging
+// exchanging | ShareTally        | when two waves agree: Settle to all                         | settling
+// settling   | ShareSettled      | when all have: mark the run settled, Collect to all         | collecting
 // collecting | TileDone         | pass it on to the owner                                     | collecting
-// collecting | PartCollected    | when all have: the next stage begins, by a new table       | exchanging;
+// collecting | ShareCollected    | when all have: the next stage begins, by a new table       | exchanging;
 //            |                  | after the last one Finish to all                            | finishing
 // any        | NodeJoined       | open a part there; when it is open, Release to all others   |
 // any        | NodeLeaves       | NodeLet, once nothing is to be done there (coordinator_leaving.cc)
-// any        | PartReleased     | a new epoch: what is released begins where work is wanted   |
+// any        | ShareReleased     | a new epoch: what is released begins where work is wanted   |
 // exchanging, settling | NodeLost | a new epoch: its tiles begin again on the others          | exchanging
 // collecting | NodeLost         | a new epoch: what is not stored of its tiles is the others' | collecting
 // any        | NodeLost, the last one | waits for another; fails when none has come for the grace    | ending
 // finding, exchanging, collecting | a tile for which no node has the memory: the same (coordinator_room.cc)  |
 // any        | a part is gone without a word | as NodeLost                                    |
-// any        | PartProgress     | progress to the owner                                       |
+// any        | ShareProgress     | progress to the owner                                       |
 // any        | Cancel           | Suspend to all parts                                        | ending
-// any        | PartEnded        | with a failure of its node's scratch, and there are others: as NodeLost        |
-// exchanging | PartEnded        | without one, of a node that leaves: a new epoch, its tiles go on elsewhere
-// any        | PartEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
+// any        | ShareEnded        | with a failure of its node's scratch, and there are others: as NodeLost        |
+// exchanging | ShareEnded        | without one, of a node that leaves: a new epoch, its tiles go on elsewhere
+// any        | ShareEnded        | with a failure: Abort to the others; when all: the run has  | ending, ended
 //            |                  | ended                                                       |
-// collecting | PartEnded        | with damage: the run is not settled any more, too           | ending
+// collecting | ShareEnded        | with damage: the run is not settled any more, too           | ending
 // any        | an exception     | Abort to all parts                                          | ending
 #pragma once
 
@@ -44,15 +44,15 @@
 #include "actors/steady_actor.h"
 #include "src/exchange/course.h"
 #include "src/exchange/detector.h"
-#include "src/exchange/part.h"
 #include "src/exchange/placements.h"
 #include "src/exchange/roster.h"
+#include "src/exchange/share.h"
 
 namespace tessera {
 
 struct CoordinatorOptions {
   JobId job;
-  PartSpec spec;
+  ShareSpec spec;
   std::vector<std::uint64_t> weights;  // by tile: how much work it is, in a unit of the job's own; 0: there is none
   std::vector<TileId> order;           // of the tiles that there are: neighbours near each other
   // Claimed: of all coordinators of a job the one with the highest is obeyed. Takes over what an earlier one has begun.
@@ -73,7 +73,7 @@ struct CoordinatorOptions {
   // What a tile of this weight is, and needs, for people: "a tile of size 5, which needs about 3 MiB".
   std::function<std::string(std::uint64_t weight)> tile_in_words;
   // When set, called at the moment quiescence is believed: the harness checks there that it is true.
-  std::function<void(const Table&)> on_quiet;
+  std::function<void(const RoutingTable&)> on_quiet;
   std::optional<NodeId> home;  // see Hooks
 };
 
@@ -90,10 +90,10 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   using Standing = Roster::Standing;
   using Reached = Roster::Reached;
   // How a node and its part are reached; how they stand, the roster says.
-  struct PartOf {
+  struct Participant {
     NodeHandle node;
-    PartHandle part;  // null before it is opened, and when it has ended
-    Prepared<OpenPart> open;
+    ShareHandle part;  // null before it is opened, and when it has ended
+    Prepared<OpenShare> open;
     Prepared<Abort> abort;
   };
 
@@ -101,16 +101,16 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   // Whatever goes wrong in a step ends the job and not the coordinator, which waits for all parts.
   template <class Step>
   void attempt(Step step) noexcept;
-  void opened(const PartOpened& message);
-  void not_opened(const PartOpened& message);
+  void opened(const ShareOpened& message);
+  void not_opened(const ShareOpened& message);
   void begin();
   void begin_if_opened();
   void find(const NodeHandle& node);
-  void found(PartFound& message);
+  void found(ShareFound& message);
   void take_over();
   void open_anew();
   void go_on();
-  BeginPart beginning() const;  // for parts that are open, and have not been told
+  BeginShare beginning() const;  // for parts that are open, and have not been told
   void take(const TileDone& done);
   // `spec` as spec_bytes() has it: of many nodes it is made once.
   void prepare(NodeId node, const SharedBytes& spec);
@@ -121,7 +121,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void let_go();
   bool may_go(const NodeHandle& node);
   void dismiss(NodeId node);
-  void left(const PartEnded& message);
+  void left(const ShareEnded& message);
   void note(const NodeBack& back);
   bool knows(const NodeHandle& node) const;
   void welcome(NodeId node);
@@ -136,7 +136,7 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void give_up_waiting(const NobodyCame& over);
   void place_orphans();
   void change_table(const std::vector<Placement>& changes);
-  const Table& table() const { return placements_.table(); }
+  const RoutingTable& table() const { return placements_.table(); }
   Placements::Lives lives() const {
     return [this](NodeId node) { return roster_.has(node); };
   }
@@ -153,10 +153,10 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   void begin_next_stage();
   void act(QuiescenceDetector::Verdict verdict);
   void collect_if_settled();
-  void show_progress(PartProgress& message);
+  void show_progress(ShareProgress& message);
   void tell_progress();
   void count_tiles();
-  void ended(PartEnded& message);
+  void ended(ShareEnded& message);
   void fail(Failure failure);
   void give_up(Failure failure) noexcept;
   void abort_parts() noexcept;
@@ -165,29 +165,29 @@ class Coordinator : public SteadyActor<CoordinatorHandle, Pool::deciding> {
   // One message for many, for a table is as long as there are tiles: who changes what he gets makes his own of it.
   template <class Message>
   caf::message for_parts(Message message) const {
-    static_assert(caf::response_type_unbox<caf::signatures_of_t<PartHandle>, caf::detail::type_list<Message>>::valid);
+    static_assert(caf::response_type_unbox<caf::signatures_of_t<ShareHandle>, caf::detail::type_list<Message>>::valid);
     return caf::make_message(std::move(message));
   }
-  void tell(const PartOf& p, const caf::message& for_parts) {
+  void tell(const Participant& p, const caf::message& for_parts) {
     caf::actor_cast<caf::abstract_actor*>(p.part)->enqueue(caf::strong_actor_ptr(ctrl()), caf::make_message_id(),
                                                            for_parts, context());
   }
   template <class Message>
   void tell_parts(Message message) {
     const caf::message shared = for_parts(std::move(message));
-    for (const PartOf& p : parts_) {
+    for (const Participant& p : parts_) {
       if (p.part) tell(p, shared);
     }
   }
   CoordinatorOptions options_;
   RunOwner& owner_;
-  std::vector<PartOf> parts_;  // by node
-  Roster roster_;              // likewise
+  std::vector<Participant> parts_;  // by node
+  Roster roster_;                   // likewise
   Placements placements_;
   Course course_;
   QuiescenceDetector detector_;
   std::vector<NodeHandle> asked_;  // for their parts, and have not answered
-  std::vector<PartFound> answers_;
+  std::vector<ShareFound> answers_;
   std::uint32_t numbers_lost_ = 0;  // below it are those of parts whose nodes were lost after they had answered
   struct Leaving {
     NodeHandle node;

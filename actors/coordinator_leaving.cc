@@ -51,7 +51,7 @@ bool Coordinator::may_go(const NodeHandle& node) {
     dismiss(number);
     return true;
   }
-  const PartHandle& part = parts_[number.value].part;
+  const ShareHandle& part = parts_[number.value].part;
   if (course_.is(At::exchanging) && placements_.begin_handing(number)) send(part, HandOver{});
   if (course_.is(At::collecting) && known.reached == Reached::collected && !std::exchange(known.dismissed, true))
     send(part, Finish{});
@@ -60,7 +60,7 @@ bool Coordinator::may_go(const NodeHandle& node) {
 
 // It has begun nothing.
 void Coordinator::dismiss(NodeId node) {
-  PartOf& p = parts_[node.value];
+  Participant& p = parts_[node.value];
   roster_[node].standing = Standing::left;
   if (p.part) {
     demonitor(p.part.address());
@@ -72,7 +72,7 @@ void Coordinator::dismiss(NodeId node) {
 }
 
 // It has handed over, or has stored what it had.
-void Coordinator::left(const PartEnded& message) {
+void Coordinator::left(const ShareEnded& message) {
   Roster::Node& node = roster_[message.node];
   node.standing = Standing::left;
   if (placements_.end_handing(message.node)) account_.tiles_begin_again(message.not_handed);

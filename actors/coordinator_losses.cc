@@ -23,7 +23,7 @@ void Coordinator::lose(const NodeHandle& node, Failure failure, const std::strin
 // Whether it has answered or not. If it has, its part may still speak, so nobody else gets its number.
 void Coordinator::lose_found(const NodeHandle& node) {
   const bool asked = std::erase(asked_, node) > 0;
-  const auto answered = std::erase_if(answers_, [&](const PartFound& found) {
+  const auto answered = std::erase_if(answers_, [&](const ShareFound& found) {
     if (caf::actor_cast<NodeHandle>(found.node) != node) return false;
     if (found.part) numbers_lost_ = std::max(numbers_lost_, found.self.value + 1);
     return true;
@@ -39,7 +39,7 @@ void Coordinator::lose_found(const NodeHandle& node) {
 
 void Coordinator::lose(NodeId node, Failure failure, const std::string& why) {
   if (roster_[node].over()) return;
-  PartOf& p = parts_[node.value];
+  Participant& p = parts_[node.value];
   roster_[node].standing = Standing::lost;
   if (p.part) {
     account_.node_lost();
@@ -70,7 +70,7 @@ void Coordinator::orphan_tiles(NodeId node, const std::string& why) {
 }
 
 // Others do without it, if there are any. What nobody can open, and nobody was lost, is not waited for.
-void Coordinator::not_opened(const PartOpened& message) {
+void Coordinator::not_opened(const ShareOpened& message) {
   roster_[message.node].standing = Standing::refused;
   if (course_.ends()) return finish_if_over();
   if (roster_.all_refused() && waits_ == 0) return fail(message.failure);
@@ -104,7 +104,7 @@ void Coordinator::lost_actor(const caf::down_msg& down) {
       std::find_if(asked_.begin(), asked_.end(), [&](const NodeHandle& node) { return node.address() == down.source; });
   if (asked != asked_.end()) return lose(NodeHandle(*asked), lost("a node", down.reason), gone(down));
   for (std::uint32_t n = 0; n < parts_.size(); ++n) {
-    const PartOf& p = parts_[n];
+    const Participant& p = parts_[n];
     const bool node = p.node && down.source == p.node.address();
     const bool part = p.part && down.source == p.part.address();
     if ((!node && !part) || roster_[NodeId{n}].over()) continue;

@@ -9,11 +9,11 @@ namespace tessera {
 
 void Coordinator::find(const NodeHandle& node) {
   monitor(node);
-  send(node, FindPart{options_.job, options_.term, caf::actor_cast<caf::actor>(node), caf::actor_cast<caf::actor>(this),
-                      std::max(1U, options_.spec.shares)});
+  send(node, FindShare{options_.job, options_.term, caf::actor_cast<caf::actor>(node),
+                       caf::actor_cast<caf::actor>(this), std::max(1U, options_.spec.shares)});
 }
 
-void Coordinator::found(PartFound& message) {
+void Coordinator::found(ShareFound& message) {
   if (!course_.is(At::finding) || message.term != options_.term) return;
   const auto asked = std::find(asked_.begin(), asked_.end(), caf::actor_cast<NodeHandle>(message.node));
   if (asked == asked_.end()) return;
@@ -26,8 +26,8 @@ void Coordinator::found(PartFound& message) {
 void Coordinator::take_over() {
   std::vector<NodeHandle> without;
   std::uint32_t numbers = numbers_lost_;
-  Table newest = table();
-  for (const PartFound& found : answers_) {
+  RoutingTable newest = table();
+  for (const ShareFound& found : answers_) {
     if (!found.part) {
       without.push_back(caf::actor_cast<NodeHandle>(found.node));
       continue;
@@ -41,15 +41,15 @@ void Coordinator::take_over() {
   if (!anew) {
     for (const NodeId node : newest.nodes) numbers = std::max(numbers, node.value + 1);
   }
-  parts_ = std::vector<PartOf>(numbers);
+  parts_ = std::vector<Participant>(numbers);
   roster_.take_numbers(numbers);
   if (anew) return open_anew();
   placements_.adopt(std::move(newest));
-  for (const PartFound& found : answers_) {
+  for (const ShareFound& found : answers_) {
     if (!found.part) continue;
-    PartOf& p = parts_[found.self.value];
+    Participant& p = parts_[found.self.value];
     p.node = caf::actor_cast<NodeHandle>(found.node);
-    p.part = caf::actor_cast<PartHandle>(found.part);
+    p.part = caf::actor_cast<ShareHandle>(found.part);
     p.abort.message().term = options_.term;
     Roster::Node& node = roster_[found.self];
     node.standing = Standing::there;
@@ -68,7 +68,7 @@ void Coordinator::take_over() {
 void Coordinator::open_anew() {
   course_.open();
   std::vector<Host> hosts;
-  for (const PartFound& found : answers_) {
+  for (const ShareFound& found : answers_) {
     hosts.push_back(host(add(caf::actor_cast<NodeHandle>(found.node)), found.threads, found.memory_bytes));
   }
   answers_.clear();
@@ -81,7 +81,7 @@ void Coordinator::open_anew() {
   placements_.begin(stage, hosts);
   const SharedBytes spec = spec_bytes();
   for (const Host& host : hosts) prepare(host.node, spec);
-  for (PartOf& p : parts_) p.open.say(p.node);
+  for (Participant& p : parts_) p.open.say(p.node);
 }
 
 void Coordinator::go_on() {
@@ -103,7 +103,7 @@ void Coordinator::go_on() {
     for (const TileReceipt& tile : stored.value()) take({table().stage, tile, 0});
   }
   std::vector<bool> nowhere(options_.weights.size());
-  for (const PartFound& found : answers_) {
+  for (const ShareFound& found : answers_) {
     for (const TileId t : found.released) nowhere.at(t.value) = table().node_of(t) == found.self;
   }
   std::vector<TileId> tiles;
@@ -153,8 +153,8 @@ NodeId Coordinator::add(const NodeHandle& node) {
 bool Coordinator::knows(const NodeHandle& node) const {
   return std::find(asked_.begin(), asked_.end(), node) != asked_.end() ||
          std::any_of(answers_.begin(), answers_.end(),
-                     [&](const PartFound& found) { return caf::actor_cast<NodeHandle>(found.node) == node; }) ||
-         std::any_of(parts_.begin(), parts_.end(), [&](const PartOf& p) { return p.node == node; });
+                     [&](const ShareFound& found) { return caf::actor_cast<NodeHandle>(found.node) == node; }) ||
+         std::any_of(parts_.begin(), parts_.end(), [&](const Participant& p) { return p.node == node; });
 }
 
 // A part that has come later. It has no tiles yet, and so nothing to settle.
@@ -209,7 +209,7 @@ std::set<NodeId> Coordinator::nodes() const {
 
 std::vector<caf::actor> Coordinator::part_handles() const {
   std::vector<caf::actor> handles;
-  for (const PartOf& p : parts_) handles.push_back(caf::actor_cast<caf::actor>(p.part));
+  for (const Participant& p : parts_) handles.push_back(caf::actor_cast<caf::actor>(p.part));
   return handles;
 }
 

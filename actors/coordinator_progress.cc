@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-void Coordinator::show_progress(PartProgress& message) {
+void Coordinator::show_progress(ShareProgress& message) {
   const NodeId node = message.node;
   if (roster_.has(node) && account_.heard(node, std::move(message), parts_.size())) tell_progress();
 }

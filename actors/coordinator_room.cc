@@ -16,7 +16,7 @@ Host Coordinator::host(NodeId node, std::uint32_t threads, std::uint64_t memory_
 // When nobody has a part yet.
 bool Coordinator::may_begin() {
   std::vector<Host> hosts;
-  for (const PartFound& found : answers_) hosts.push_back(host(NodeId{0}, found.threads, found.memory_bytes));
+  for (const ShareFound& found : answers_) hosts.push_back(host(NodeId{0}, found.threads, found.memory_bytes));
   std::vector<TileId> without;
   std::copy_if(placements_.order().begin(), placements_.order().end(), std::back_inserter(without),
                [&](TileId tile) { return !any_has_room(hosts, placements_.weight(tile)); });
@@ -43,7 +43,7 @@ void Coordinator::wait_for_room(const std::vector<TileId>& tiles) {
     most = bytes;
   };
   if (course_.is(At::finding)) {  // none has a part yet
-    for (const PartFound& found : answers_) look(found.name, found.memory_bytes);
+    for (const ShareFound& found : answers_) look(found.name, found.memory_bytes);
   }
   for (const Roster::Node& node : roster_.nodes()) {
     if (node.there()) look(node.name, node.memory_bytes);

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "actors/failing.h"
-#include "actors/part_actor.h"
+#include "actors/share_actor.h"
 #include "src/base/files/inside.h"
 #include "src/delaunay/run/routing.h"
 
@@ -17,7 +17,7 @@ constexpr std::uint64_t work_between_words = 500'000;
 
 }  // namespace
 
-NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source)
+NodeActor::NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<ShareSource> source)
     : SteadyActor(config), options_(std::move(options)), source_(std::move(source)) {
   live_at(options_.hooks.home);
 }
@@ -29,16 +29,16 @@ NodeActor::behavior_type NodeActor::make_behavior() {
   });
   set_down_handler([this](caf::scheduled_actor*, caf::down_msg& down) { gone(down); });
   return {
-      [this](const OpenPart& wanted) { answer(wanted); },
-      [this](const FindPart& wanted) { find(wanted); },
-      [this](const RouteStretch& wanted) { route(wanted); },
+      [this](const OpenShare& wanted) { answer(wanted); },
+      [this](const FindShare& wanted) { find(wanted); },
+      [this](const RouteSplit& wanted) { route(wanted); },
       [this](const Leave&) { leave(); },
   };
 }
 
 // One job that cannot be opened is no reason to lose the others, but a coordinator that is not answered waits for ever.
 // The first always is; for the answer to a later one there is memory again when another job ends, at the latest.
-void NodeActor::answer(const OpenPart& wanted) {
+void NodeActor::answer(const OpenShare& wanted) {
   const auto coordinator = caf::actor_cast<CoordinatorHandle>(wanted.coordinator);
   while (answer_.said()) prepare_answer();
   answer_.message() = open_or_say_why(wanted);
@@ -55,8 +55,8 @@ void NodeActor::prepare_answer() noexcept {
   }
 }
 
-PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
-  PartOpened answer;
+ShareOpened NodeActor::open_or_say_why(const OpenShare& wanted) noexcept {
+  ShareOpened answer;
   try {
     auto opened = open(wanted);
     if (opened) return std::move(opened).value();
@@ -67,7 +67,7 @@ PartOpened NodeActor::open_or_say_why(const OpenPart& wanted) noexcept {
   return answer;
 }
 
-Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
+Result<ShareOpened> NodeActor::open(const OpenShare& wanted) {
   BOOST_OUTCOME_TRY(spec, spec_from_bytes(wanted.spec.get()));
   BOOST_OUTCOME_TRYV(check_path(spec.run_folder));
   BOOST_OUTCOME_TRYV(check_path(spec.out_folder));
@@ -84,19 +84,19 @@ Result<PartOpened> NodeActor::open(const OpenPart& wanted) {
   BOOST_OUTCOME_TRY(made, source_->open(spec, wanted.node));
   *options_.used += memory;
   // Before the part lets go of the run: whoever has waited for that may begin the next job.
-  const std::shared_ptr<const Part> part(made.release(), [used = options_.used, memory](const Part* last) {
+  const std::shared_ptr<const Share> part(made.release(), [used = options_.used, memory](const Share* last) {
     *used -= memory;
     delete last;
   });
-  PartOpened opened;
+  ShareOpened opened;
   opened.settled = part->settled;
   opened.threads = part->stages.at(part->table->stage).schedule.threads;
   opened.memory_bytes = memory;
   Opened& known = parts_[wanted.job];
   // Last: nothing must go wrong once it is there.
-  const PartHandle handle =
-      spawn<PartActor>(wanted.node, PartOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
-                       wanted.term, options_.hooks, options_.progress_interval, options_.meter);
+  const ShareHandle handle =
+      spawn<ShareActor>(wanted.node, ShareOptions(spec), part, caf::actor_cast<CoordinatorHandle>(wanted.coordinator),
+                        wanted.term, options_.hooks, options_.progress_interval, options_.meter);
   opened.part = caf::actor_cast<caf::actor>(handle);
   known.part = opened.part.address();
   monitor(known.part);
@@ -118,24 +118,24 @@ bool NodeActor::is_replaced(JobId job, Term term) {
 
 void NodeActor::leave() {
   for (const auto& [job, opened] : parts_) {
-    if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<PartHandle>(part), Leave{});
+    if (const auto part = caf::actor_cast<caf::actor>(opened.part)) send(caf::actor_cast<ShareHandle>(part), Leave{});
   }
   routing_.clear();
   quit();
 }
 
-void NodeActor::find(const FindPart& wanted) {
+void NodeActor::find(const FindShare& wanted) {
   if (is_replaced(wanted.job, wanted.term)) return answer_none(wanted);  // it will open anew, and hear why it cannot
   const auto found = parts_.find(wanted.job);
   const auto part = found == parts_.end() ? caf::actor{} : caf::actor_cast<caf::actor>(found->second.part);
   if (!part) return answer_none(wanted);
   found->second.wanted = wanted;
   found->second.wanted->name = options_.name;
-  send(caf::actor_cast<PartHandle>(part), *found->second.wanted);
+  send(caf::actor_cast<ShareHandle>(part), *found->second.wanted);
 }
 
-void NodeActor::answer_none(const FindPart& wanted) {
-  PartFound none;
+void NodeActor::answer_none(const FindShare& wanted) {
+  ShareFound none;
   none.term = wanted.term;
   none.node = caf::actor_cast<caf::actor>(this);
   const std::uint32_t shares = std::max(1U, wanted.shares);
@@ -146,16 +146,16 @@ void NodeActor::answer_none(const FindPart& wanted) {
 }
 
 // Whoever is told that it is done may send the next one at once: so the thread that was is waited for.
-void NodeActor::route(const RouteStretch& wanted) {
+void NodeActor::route(const RouteSplit& wanted) {
   std::erase_if(routing_, [](auto& entry) { return entry.second.get_stop_token().stop_requested(); });
   const auto router = caf::actor_cast<RouterHandle>(wanted.router);
-  StretchWork work{wanted.run_folder, wanted.attempt, options_.memory_bytes / std::max(1U, wanted.shares), {}};
+  SplitWork work{wanted.run_folder, wanted.attempt, options_.memory_bytes / std::max(1U, wanted.shares), {}};
   const auto threads = std::max(1U, options_.threads / std::max(1U, wanted.shares));
   monitor(wanted.router);
   routing_[wanted.router.address()] =
-      std::jthread([router, work, threads, stretch = wanted.stretch,
+      std::jthread([router, work, threads, split = wanted.split,
                     allowed = check_path(wanted.run_folder)](const std::stop_token& stop) mutable {
-        StretchRouted routed;
+        SplitRouted routed;
         routed.attempt = work.attempt;
         std::uint64_t told = 0;
         work.routed = [&](std::uint64_t more) {
@@ -167,7 +167,7 @@ void NodeActor::route(const RouteStretch& wanted) {
         try {
           if (!allowed) {
             routed.failure = failure_of(allowed.error());
-          } else if (Status done = route_stretch(work.run_folder, stretch, threads, work, stop); !done)
+          } else if (Status done = route_split(work.run_folder, split, threads, work, stop); !done)
             routed.failure = failure_of(std::move(done).error());
         } catch (...) {
           routed.failure = failure_of(std::current_exception(), [] { return std::string("routing input"); });

@@ -1,9 +1,9 @@
 // A node: what one process offers to jobs. Opens a part for each, within the memory it has.
 //
 // message      | effect                                                | answer to the coordinator, or router
-// OpenPart     | read what the part needs to know, start its actor     | PartOpened, always
-// FindPart     | pass it on to the part of that job, if there is one   | PartFound: by the part, or that there is none
-// RouteStretch | a thread routes it, which stops if the router is gone | StretchRouted
+// OpenShare     | read what the part needs to know, start its actor     | ShareOpened, always
+// FindShare     | pass it on to the part of that job, if there is one   | ShareFound: by the part, or that there is none
+// RouteSplit | a thread routes it, which stops if the router is gone | SplitRouted
 // Leave        | its parts leave, too                                  | -
 //
 // What a part may use is free again when the part's actor and its tiles have let go of it.
@@ -19,12 +19,12 @@
 #include <string>
 #include <thread>
 
+#include "actors/actor_directory.h"
 #include "actors/node_meter.h"
-#include "actors/office.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
-#include "src/exchange/part.h"
+#include "src/exchange/share.h"
 
 namespace tessera {
 
@@ -41,32 +41,32 @@ struct NodeOptions {
 
 class NodeActor : public SteadyActor<NodeHandle, Pool::deciding> {
  public:
-  NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<PartSource> source);
+  NodeActor(caf::actor_config& config, NodeOptions options, std::shared_ptr<ShareSource> source);
   behavior_type make_behavior() override;
 
  private:
   void failed(const std::exception_ptr&) noexcept override {}
-  void answer(const OpenPart& wanted);
+  void answer(const OpenShare& wanted);
   void prepare_answer() noexcept;
-  PartOpened open_or_say_why(const OpenPart& wanted) noexcept;
-  Result<PartOpened> open(const OpenPart& wanted);
+  ShareOpened open_or_say_why(const OpenShare& wanted) noexcept;
+  Result<ShareOpened> open(const OpenShare& wanted);
   bool is_replaced(JobId job, Term term);
   Status check_path(const std::string& path) const;
   void leave();
-  void find(const FindPart& wanted);
+  void find(const FindShare& wanted);
   void gone(const caf::down_msg& down);
-  void answer_none(const FindPart& wanted);
-  void route(const RouteStretch& wanted);
+  void answer_none(const FindShare& wanted);
+  void route(const RouteSplit& wanted);
 
   NodeOptions options_;
-  std::shared_ptr<PartSource> source_;
+  std::shared_ptr<ShareSource> source_;
   struct Opened {
     caf::actor_addr part;
-    std::optional<FindPart> wanted;  // the last that was passed on: it may not have arrived
+    std::optional<FindShare> wanted;  // the last that was passed on: it may not have arrived
   };
   std::map<JobId, Opened> parts_;
-  std::map<JobId, Term> terms_;  // the highest heard of: what an earlier one wants is not done any more
-  Prepared<PartOpened> answer_;  // the next one
+  std::map<JobId, Term> terms_;   // the highest heard of: what an earlier one wants is not done any more
+  Prepared<ShareOpened> answer_;  // the next one
   std::map<caf::actor_addr, std::jthread> routing_;  // by router; has ended or ends soon where that is gone
 };
 

@@ -5,14 +5,14 @@
 #include <map>
 #include <mutex>
 
-#include "src/exchange/gate.h"
+#include "src/exchange/outbox.h"
 
 namespace tessera {
 
 struct NodeWork {
   std::uint64_t parts = 0, tiles_asleep = 0, tile_memory_bytes = 0, waiting_bytes = 0;  // now
   std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0;                    // ever, as are the gates'
-  GateCounts gates;
+  OutboxCounts outboxes;
 };
 
 class NodeMeter {
@@ -48,7 +48,7 @@ class NodeMeter {
     sum.tiles_begun += work.tiles_begun;
     sum.weight_begun += work.weight_begun;
     sum.tiles_stored += work.tiles_stored;
-    sum.gates += work.gates;
+    sum.outboxes += work.outboxes;
   }
 
   mutable std::mutex mutex_;

@@ -15,8 +15,8 @@
 #include "src/base/mail_arcs.h"
 #include "src/base/result.h"
 #include "src/exchange/assignment.h"
-#include "src/exchange/gate.h"
-#include "src/exchange/table.h"
+#include "src/exchange/outbox.h"
+#include "src/exchange/routing_table.h"
 #include "src/exchange/tile_program.h"
 #include "src/exchange/update.h"
 #include "src/exchange/work.h"
@@ -33,7 +33,7 @@ inline Failure failure_of(Error e) { return {static_cast<std::uint8_t>(e.code), 
 inline Error error_of(Failure f) { return error(static_cast<Errc>(f.code), std::move(f.text)); }
 
 // part -> tile: do this now; answered by a TileReport.
-struct Grant {
+struct Permit {
   Work work = Work::step;
 };
 
@@ -84,7 +84,7 @@ struct Outgoing {
   Update update;
 };
 // part -> part of another node: updates for tiles that live there.
-struct Parcel {
+struct Packet {
   NodeId from;
   std::uint64_t window_bytes = 0;  // of the sender's gate
   std::vector<Update> updates;
@@ -129,8 +129,8 @@ class SharedBytes {
   std::shared_ptr<const std::string> bytes_;
 };
 
-// coordinator -> node: host these tiles. `spec`: a PartSpec as bytes, which are as many as there are tiles.
-struct OpenPart {
+// coordinator -> node: host these tiles. `spec`: a ShareSpec as bytes, which are as many as there are tiles.
+struct OpenShare {
   JobId job;
   NodeId node;  // the number that the node has in this job
   SharedBytes spec;
@@ -140,22 +140,22 @@ struct OpenPart {
 
 // a coordinator that takes over -> node, which passes it on to its part of the job: obey me. Terms are claimed, each by
 // one coordinator; a part obeys that of the highest term it has heard of.
-struct FindPart {
+struct FindShare {
   JobId job;
   Term term;
   caf::actor node;  // that is asked
   caf::actor coordinator;
-  std::uint32_t shares = 1;  // as in PartSpec
+  std::uint32_t shares = 1;  // as in ShareSpec
   std::string name = {};     // of the node, by itself
 };
 // node, or its part -> that coordinator
-struct PartFound {
+struct ShareFound {
   Term term;
   caf::actor node;
   caf::actor part;     // null: there is none; the rest, but what it would have, then says nothing
   NodeId self;         // the number that the node has in this job
-  bool begun = false;  // BeginPart has come
-  Table table;
+  bool begun = false;  // BeginShare has come
+  RoutingTable table;
   std::vector<TileId> released;  // by the table its own, and given up: nobody may have heard of it
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
@@ -163,13 +163,13 @@ struct PartFound {
 };
 
 // coordinator -> part. Each epoch has one table.
-struct BeginPart {
+struct BeginShare {
   std::vector<caf::actor> parts;  // by node; null where there is none
-  Table table;
+  RoutingTable table;
   bool settled = false;  // of all parts: collect at once
 };
 struct ChangeTable {
-  Table table;
+  RoutingTable table;
   std::vector<caf::actor> parts;  // by node
   bool settled = false;           // what is new is collected at once
 };
@@ -184,16 +184,16 @@ struct Abort {
   Term term;  // of the coordinator that says so
 };
 // Give up tiles that nobody has begun, until they have so much weight: another node is waiting for work. Answered by a
-// PartReleased.
+// ShareReleased.
 struct Release {
   std::uint64_t weight = 0;
 };
 
-// Your node leaves: tiles that have begun are handed over, for others to go on with. Answered by a PartEnded.
+// Your node leaves: tiles that have begun are handed over, for others to go on with. Answered by a ShareEnded.
 struct HandOver {};
 
 // node -> coordinator
-struct PartOpened {
+struct ShareOpened {
   NodeId node;
   Failure failure;
   caf::actor part;
@@ -203,36 +203,36 @@ struct PartOpened {
   std::string name;  // of the node in its cluster
 };
 // part -> coordinator
-struct PartBegun {  // all its tiles have begun
+struct ShareBegun {  // all its tiles have begun
   NodeId node;
 };
-struct PartIdle {
+struct ShareIdle {
   NodeId node;
 };
-struct PartTally {
+struct ShareTally {
   NodeId node;
   Epoch epoch;
   Wave wave;
   bool idle = false;
   std::uint64_t sent = 0, processed = 0;
 };
-struct PartSettled {
+struct ShareSettled {
   NodeId node;
   Epoch epoch;
 };
-struct PartCollected {  // all its tiles are stored
+struct ShareCollected {  // all its tiles are stored
   NodeId node;
   Epoch epoch;
 };
-struct PartReleased {
+struct ShareReleased {
   NodeId node;
   std::vector<TileId> tiles;  // not its own any more
 };
-struct PartProgress {
+struct ShareProgress {
   NodeId node;
   std::uint64_t tiles_begun = 0, weight_begun = 0, tiles_stored = 0, tiles_asleep = 0;
   std::uint64_t updates_sent = 0, updates_processed = 0, items_sent = 0, memory_bytes = 0;
-  GateCounts gates;
+  OutboxCounts outboxes;
   std::vector<WorkSpan> spans;  // since the last one
   std::vector<MailArc> mail;    // likewise; the heaviest
 };
@@ -242,14 +242,14 @@ struct TileDone {
   TileReceipt tile;
   std::uint64_t microseconds = 0;  // worked on it
 };
-struct PartEnded {
+struct ShareEnded {
   NodeId node;
   Failure failure;
   bool of_node = false;  // the failure: its own scratch cannot be used, and others can go on
   ExchangeCounts items;
   std::uint64_t updates = 0, hops = 0, sleeps = 0, most_received = 0;
   std::uint64_t begin_us = 0, exchange_us = 0, collect_us = 0;  // of work, summed over threads
-  GateCounts gates;                                             // of what was sent to other nodes
+  OutboxCounts outboxes;                                        // of what was sent to other nodes
   std::uint64_t handed = 0, not_handed = 0;                     // tiles that it had begun, when its node leaves
 };
 
@@ -283,13 +283,13 @@ struct NobodyCame {
 
 // router -> node: route this stretch of the input (src/delaunay/run/routing.h), with one of so many shares of your
 // threads and memory. Done or not, it is given up when the router is gone.
-struct RouteStretch {
+struct RouteSplit {
   std::string run_folder;
-  std::uint32_t stretch = 0, attempt = 0, shares = 1;
+  std::uint32_t split = 0, attempt = 0, shares = 1;
   caf::actor router;
 };
 // node -> router, now and then, and at the end
-struct StretchRouted {
+struct SplitRouted {
   std::uint32_t attempt = 0;
   std::uint64_t routed = 0;  // of what the stretch has, so far
   bool done = false;
@@ -309,33 +309,32 @@ struct Leave {
 };
 
 using TileHandle =
-    caf::typed_actor<caf::reacts_to<Delivery>, caf::reacts_to<Grant>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
-using PartHandle = caf::typed_actor<
-    caf::reacts_to<BeginPart>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>, caf::reacts_to<FindPart>,
+    caf::typed_actor<caf::reacts_to<Delivery>, caf::reacts_to<Permit>, caf::reacts_to<Rejoin>, caf::reacts_to<Leave>>;
+using ShareHandle = caf::typed_actor<
+    caf::reacts_to<BeginShare>, caf::reacts_to<ChangeTable>, caf::reacts_to<Finish>, caf::reacts_to<FindShare>,
     caf::reacts_to<HandOver>, caf::reacts_to<Release>, caf::reacts_to<TileRejoined>, caf::reacts_to<Probe>,
     caf::reacts_to<Settle>, caf::reacts_to<Collect>, caf::reacts_to<Suspend>, caf::reacts_to<Abort>,
-    caf::reacts_to<Parcel>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>, caf::reacts_to<Credit>,
+    caf::reacts_to<Packet>, caf::reacts_to<Outgoing>, caf::reacts_to<Taken>, caf::reacts_to<Credit>,
     caf::reacts_to<MailNotice>, caf::reacts_to<TileReport>, caf::reacts_to<TileFailed>, caf::reacts_to<TileStored>,
     caf::reacts_to<TileLeft>, caf::reacts_to<GraceOver>, caf::reacts_to<Leave>>;
 // What stands between tiles in the harness: a parcel, and the part that it is for.
-using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Parcel>, caf::reacts_to<caf::tick_atom>>;
-using NodeHandle = caf::typed_actor<caf::reacts_to<OpenPart>, caf::reacts_to<FindPart>, caf::reacts_to<RouteStretch>,
+using NetworkHandle = caf::typed_actor<caf::reacts_to<caf::actor, Packet>, caf::reacts_to<caf::tick_atom>>;
+using NodeHandle = caf::typed_actor<caf::reacts_to<OpenShare>, caf::reacts_to<FindShare>, caf::reacts_to<RouteSplit>,
                                     caf::reacts_to<Leave>>;
 // Whoever hears of nodes that come and go.
 using FollowerHandle = caf::typed_actor<caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
                                         caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>>;
 // Whoever has asked for nodes that are to leave.
 using UsherHandle = caf::typed_actor<caf::reacts_to<NodeLet>>;
-using RouterHandle =
-    caf::typed_actor<caf::reacts_to<StretchRouted>, caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
-                     caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>, caf::reacts_to<Cancel>>;
+using RouterHandle = caf::typed_actor<caf::reacts_to<SplitRouted>, caf::reacts_to<NodeLost>, caf::reacts_to<NodeJoined>,
+                                      caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>, caf::reacts_to<Cancel>>;
 using CoordinatorHandle =
-    caf::typed_actor<caf::reacts_to<PartOpened>, caf::reacts_to<PartFound>, caf::reacts_to<PartBegun>,
-                     caf::reacts_to<PartIdle>, caf::reacts_to<PartTally>, caf::reacts_to<PartSettled>,
-                     caf::reacts_to<PartCollected>, caf::reacts_to<PartReleased>, caf::reacts_to<NodeLost>,
+    caf::typed_actor<caf::reacts_to<ShareOpened>, caf::reacts_to<ShareFound>, caf::reacts_to<ShareBegun>,
+                     caf::reacts_to<ShareIdle>, caf::reacts_to<ShareTally>, caf::reacts_to<ShareSettled>,
+                     caf::reacts_to<ShareCollected>, caf::reacts_to<ShareReleased>, caf::reacts_to<NodeLost>,
                      caf::reacts_to<NodeJoined>, caf::reacts_to<NodeLeaves>, caf::reacts_to<NodeBack>,
-                     caf::reacts_to<NobodyCame>, caf::reacts_to<PartProgress>, caf::reacts_to<TileDone>,
-                     caf::reacts_to<PartEnded>, caf::reacts_to<Cancel>>;
+                     caf::reacts_to<NobodyCame>, caf::reacts_to<ShareProgress>, caf::reacts_to<TileDone>,
+                     caf::reacts_to<ShareEnded>, caf::reacts_to<Cancel>>;
 
 }  // namespace tessera
 

@@ -38,14 +38,14 @@ TESSERA_MESSAGE(Failure, x.code, x.text)
 TESSERA_MESSAGE(ExchangeCounts, x.received, x.inserted, x.refused, x.sent, x.kept)
 TESSERA_MESSAGE(MailArc, x.from, x.to, x.bytes)
 TESSERA_MESSAGE(WorkSpan, x.tile, x.work, x.thread, x.begin_us, x.end_us)
-TESSERA_MESSAGE(GateCounts, x.parcels, x.bytes, x.waits)
+TESSERA_MESSAGE(OutboxCounts, x.packets, x.bytes, x.waits)
 TESSERA_MESSAGE(Credit, x.from, x.bytes)
-TESSERA_MESSAGE(OpenPart, x.job, x.node, x.spec, x.coordinator, x.term)
-TESSERA_MESSAGE(Table, x.epoch, x.stage, x.nodes, x.incarnations)
-TESSERA_MESSAGE(FindPart, x.job, x.term, x.node, x.coordinator, x.shares, x.name)
-TESSERA_MESSAGE(PartFound, x.term, x.node, x.part, x.self, x.begun, x.table, x.released, x.threads, x.memory_bytes,
+TESSERA_MESSAGE(OpenShare, x.job, x.node, x.spec, x.coordinator, x.term)
+TESSERA_MESSAGE(RoutingTable, x.epoch, x.stage, x.nodes, x.incarnations)
+TESSERA_MESSAGE(FindShare, x.job, x.term, x.node, x.coordinator, x.shares, x.name)
+TESSERA_MESSAGE(ShareFound, x.term, x.node, x.part, x.self, x.begun, x.table, x.released, x.threads, x.memory_bytes,
                 x.name)
-TESSERA_MESSAGE(BeginPart, x.parts, x.table, x.settled)
+TESSERA_MESSAGE(BeginShare, x.parts, x.table, x.settled)
 TESSERA_MESSAGE(ChangeTable, x.table, x.parts, x.settled)
 TESSERA_MESSAGE(Probe, x.wave)
 TESSERA_MESSAGE(Settle)
@@ -54,21 +54,21 @@ TESSERA_MESSAGE(Finish)
 TESSERA_MESSAGE(Release, x.weight)
 TESSERA_MESSAGE(Suspend)
 TESSERA_MESSAGE(Abort, x.term)
-TESSERA_MESSAGE(PartOpened, x.node, x.failure, x.part, x.settled, x.threads, x.memory_bytes, x.name)
-TESSERA_MESSAGE(PartBegun, x.node)
-TESSERA_MESSAGE(PartIdle, x.node)
-TESSERA_MESSAGE(PartTally, x.node, x.epoch, x.wave, x.idle, x.sent, x.processed)
-TESSERA_MESSAGE(PartSettled, x.node, x.epoch)
-TESSERA_MESSAGE(PartCollected, x.node, x.epoch)
-TESSERA_MESSAGE(PartReleased, x.node, x.tiles)
-TESSERA_MESSAGE(PartProgress, x.node, x.tiles_begun, x.weight_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
-                x.updates_processed, x.items_sent, x.memory_bytes, x.gates, x.spans, x.mail)
+TESSERA_MESSAGE(ShareOpened, x.node, x.failure, x.part, x.settled, x.threads, x.memory_bytes, x.name)
+TESSERA_MESSAGE(ShareBegun, x.node)
+TESSERA_MESSAGE(ShareIdle, x.node)
+TESSERA_MESSAGE(ShareTally, x.node, x.epoch, x.wave, x.idle, x.sent, x.processed)
+TESSERA_MESSAGE(ShareSettled, x.node, x.epoch)
+TESSERA_MESSAGE(ShareCollected, x.node, x.epoch)
+TESSERA_MESSAGE(ShareReleased, x.node, x.tiles)
+TESSERA_MESSAGE(ShareProgress, x.node, x.tiles_begun, x.weight_begun, x.tiles_stored, x.tiles_asleep, x.updates_sent,
+                x.updates_processed, x.items_sent, x.memory_bytes, x.outboxes, x.spans, x.mail)
 TESSERA_MESSAGE(TileDone, x.stage, x.tile, x.microseconds)
-TESSERA_MESSAGE(PartEnded, x.node, x.failure, x.of_node, x.items, x.updates, x.hops, x.sleeps, x.most_received,
-                x.begin_us, x.exchange_us, x.collect_us, x.gates, x.handed, x.not_handed)
+TESSERA_MESSAGE(ShareEnded, x.node, x.failure, x.of_node, x.items, x.updates, x.hops, x.sleeps, x.most_received,
+                x.begin_us, x.exchange_us, x.collect_us, x.outboxes, x.handed, x.not_handed)
 TESSERA_MESSAGE(HandOver)
-TESSERA_MESSAGE(RouteStretch, x.run_folder, x.stretch, x.attempt, x.shares, x.router)
-TESSERA_MESSAGE(StretchRouted, x.attempt, x.routed, x.done, x.failure)
+TESSERA_MESSAGE(RouteSplit, x.run_folder, x.split, x.attempt, x.shares, x.router)
+TESSERA_MESSAGE(SplitRouted, x.attempt, x.routed, x.done, x.failure)
 
 // Receipts: the tile, then raw bytes.
 inline caf::error inspect(caf::serializer& f, TileReceipt& x) {
@@ -98,7 +98,7 @@ inline caf::error inspect(caf::deserializer& f, Update& x) {
   return n > 0 ? f.apply_raw(n, x.message.data()) : caf::error{};
 }
 
-inline caf::error inspect(caf::serializer& f, Parcel& x) {
+inline caf::error inspect(caf::serializer& f, Packet& x) {
   std::uint64_t n = x.updates.size();
   if (auto failed = f(x.from, x.window_bytes, n)) return failed;
   for (Update& update : x.updates) {
@@ -106,7 +106,7 @@ inline caf::error inspect(caf::serializer& f, Parcel& x) {
   }
   return caf::error{};
 }
-inline caf::error inspect(caf::deserializer& f, Parcel& x) {
+inline caf::error inspect(caf::deserializer& f, Packet& x) {
   std::uint64_t n = 0;
   if (auto failed = f(x.from, x.window_bytes, n)) return failed;
   x.updates.clear();
@@ -121,7 +121,7 @@ inline caf::error inspect(caf::deserializer& f, Parcel& x) {
 TESSERA_STAYS_HERE(tessera::Cancel)
 TESSERA_STAYS_HERE(tessera::Delivery)
 TESSERA_STAYS_HERE(tessera::GraceOver)
-TESSERA_STAYS_HERE(tessera::Grant)
+TESSERA_STAYS_HERE(tessera::Permit)
 TESSERA_STAYS_HERE(tessera::Leave)
 TESSERA_STAYS_HERE(tessera::MailNotice)
 TESSERA_STAYS_HERE(tessera::NobodyCame)
@@ -141,30 +141,30 @@ TESSERA_STAYS_HERE(tessera::TileStored)
 
 CAF_BEGIN_TYPE_ID_BLOCK(tessera, first_custom_type_id)
 CAF_ADD_TYPE_ID(tessera, (tessera::Abort))
-CAF_ADD_TYPE_ID(tessera, (tessera::BeginPart))
+CAF_ADD_TYPE_ID(tessera, (tessera::BeginShare))
 CAF_ADD_TYPE_ID(tessera, (tessera::ChangeTable))
 CAF_ADD_TYPE_ID(tessera, (tessera::Collect))
 CAF_ADD_TYPE_ID(tessera, (tessera::Credit))
 CAF_ADD_TYPE_ID(tessera, (tessera::Finish))
-CAF_ADD_TYPE_ID(tessera, (tessera::FindPart))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartFound))
+CAF_ADD_TYPE_ID(tessera, (tessera::FindShare))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareFound))
 CAF_ADD_TYPE_ID(tessera, (tessera::HandOver))
-CAF_ADD_TYPE_ID(tessera, (tessera::OpenPart))
-CAF_ADD_TYPE_ID(tessera, (tessera::Parcel))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartBegun))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartCollected))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartEnded))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartIdle))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartOpened))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartProgress))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartReleased))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartSettled))
-CAF_ADD_TYPE_ID(tessera, (tessera::PartTally))
+CAF_ADD_TYPE_ID(tessera, (tessera::OpenShare))
+CAF_ADD_TYPE_ID(tessera, (tessera::Packet))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareBegun))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareCollected))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareEnded))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareIdle))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareOpened))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareProgress))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareReleased))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareSettled))
+CAF_ADD_TYPE_ID(tessera, (tessera::ShareTally))
 CAF_ADD_TYPE_ID(tessera, (tessera::Probe))
 CAF_ADD_TYPE_ID(tessera, (tessera::Release))
-CAF_ADD_TYPE_ID(tessera, (tessera::RouteStretch))
+CAF_ADD_TYPE_ID(tessera, (tessera::RouteSplit))
 CAF_ADD_TYPE_ID(tessera, (tessera::Settle))
-CAF_ADD_TYPE_ID(tessera, (tessera::StretchRouted))
+CAF_ADD_TYPE_ID(tessera, (tessera::SplitRouted))
 CAF_ADD_TYPE_ID(tessera, (tessera::Suspend))
 CAF_ADD_TYPE_ID(tessera, (tessera::TileDone))
 CAF_END_TYPE_ID_BLOCK(tessera)

@@ -24,7 +24,7 @@ Router::behavior_type Router::make_behavior() {
   for (const NodeHandle& node : nodes_) monitor(node);
   hand_out();
   return {
-      [this](StretchRouted& routed) { take(routed); },
+      [this](SplitRouted& routed) { take(routed); },
       [this](const NodeLost& lost) { lose(lost.node.address()); },
       [this](const NodeJoined& joined) { join(caf::actor_cast<NodeHandle>(joined.node)); },
       [this](const NodeLeaves& leaves) {  // its stretch is another's at once
@@ -57,7 +57,7 @@ void Router::lose(const caf::actor_addr& node) {
   std::erase_if(nodes_, [&](const NodeHandle& known) { return known.address() == node; });
   for (auto at = at_work_.begin(); at != at_work_.end();) {
     if (at->second.node && at->second.node.address() == node) {
-      waiting_.push_front(at->second.stretch);
+      waiting_.push_front(at->second.split);
       at = at_work_.erase(at);
     } else {
       ++at;
@@ -66,7 +66,7 @@ void Router::lose(const caf::actor_addr& node) {
   hand_out();
 }
 
-void Router::take(StretchRouted& routed) {
+void Router::take(SplitRouted& routed) {
   const auto found = at_work_.find(routed.attempt);
   if (found == at_work_.end()) return;  // of a node that was lost
   found->second.routed = routed.routed;
@@ -74,14 +74,14 @@ void Router::take(StretchRouted& routed) {
     const Attempt attempt = found->second;
     at_work_.erase(found);
     if (!routed.failure) {
-      routed_[attempt.stretch] = routed.attempt;
+      routed_[attempt.split] = routed.attempt;
       routed_so_far_ += attempt.routed;
       --left_;
     } else if (!attempt.node) {
       return end(std::move(routed.failure));
     } else {
       std::erase(nodes_, attempt.node);
-      for_owner_.push_back(attempt.stretch);
+      for_owner_.push_back(attempt.split);
       why_here_ = std::move(routed.failure.text);
     }
     hand_out();
@@ -97,23 +97,23 @@ void Router::hand_out() {
   for (const NodeHandle& node : nodes_) {
     const auto busy = [&](const auto& entry) { return entry.second.node == node; };
     if (waiting_.empty() || std::any_of(at_work_.begin(), at_work_.end(), busy)) continue;
-    const std::uint32_t stretch = waiting_.front();
+    const std::uint32_t split = waiting_.front();
     waiting_.pop_front();
-    send(node, RouteStretch{options_.run_folder, stretch, begin(stretch, node), options_.shares,
-                            caf::actor_cast<caf::actor>(this)});
+    send(node, RouteSplit{options_.run_folder, split, begin(split, node), options_.shares,
+                          caf::actor_cast<caf::actor>(this)});
   }
   const bool owner_busy =
       std::any_of(at_work_.begin(), at_work_.end(), [](const auto& entry) { return !entry.second.node; });
   if (owner_busy) return;
   auto& from = for_owner_.empty() && nodes_.empty() ? waiting_ : for_owner_;
   if (from.empty()) return;
-  const std::uint32_t stretch = from.front();
+  const std::uint32_t split = from.front();
   from.pop_front();
-  owner_->route_here(stretch, begin(stretch, {}), std::exchange(why_here_, {}));
+  owner_->route_here(split, begin(split, {}), std::exchange(why_here_, {}));
 }
 
-std::uint32_t Router::begin(std::uint32_t stretch, NodeHandle node) {
-  at_work_[++attempts_] = {stretch, std::move(node), 0};
+std::uint32_t Router::begin(std::uint32_t split, NodeHandle node) {
+  at_work_[++attempts_] = {split, std::move(node), 0};
   return attempts_;
 }
 

@@ -1,7 +1,7 @@
 // Hands the stretches of an input to nodes, each one at a time, until all are routed.
 //
 // message       | effect
-// StretchRouted | progress; or the node's next stretch; or, when it could not, the stretch goes to the owner, who can
+// SplitRouted | progress; or the node's next stretch; or, when it could not, the stretch goes to the owner, who can
 // read
 //               | everything, and the node gets no more: it may not see the files
 // NodeJoined    | a stretch for it
@@ -28,9 +28,9 @@ class RoutingOwner {
  public:
   virtual ~RoutingOwner() = default;
   virtual void progressed(std::uint64_t so_far) = 0;  // of what all stretches have
-  // Route it yourself, and say StretchRouted. `why`: of a node that could not; empty: there is none, or none but this
+  // Route it yourself, and say SplitRouted. `why`: of a node that could not; empty: there is none, or none but this
   // process can.
-  virtual void route_here(std::uint32_t stretch, std::uint32_t attempt, std::string why) = 0;
+  virtual void route_here(std::uint32_t split, std::uint32_t attempt, std::string why) = 0;
   // Always called in the end, once: by stretch, the attempt that counts; or why there is none. The router does not know
   // its owner any more then.
   virtual void ended(std::vector<std::uint32_t> attempts, Failure failure) noexcept = 0;
@@ -50,7 +50,7 @@ class Router : public SteadyActor<RouterHandle, Pool::deciding> {
 
  private:
   struct Attempt {
-    std::uint32_t stretch = 0;
+    std::uint32_t split = 0;
     NodeHandle node;  // null: the owner
     std::uint64_t routed = 0;
   };
@@ -58,9 +58,9 @@ class Router : public SteadyActor<RouterHandle, Pool::deciding> {
   void failed(const std::exception_ptr& exception) noexcept override;
   void join(const NodeHandle& node);
   void lose(const caf::actor_addr& node);
-  void take(StretchRouted& routed);
+  void take(SplitRouted& routed);
   void hand_out();
-  std::uint32_t begin(std::uint32_t stretch, NodeHandle node);
+  std::uint32_t begin(std::uint32_t split, NodeHandle node);
   void end(Failure failure) noexcept;
 
   RouterOptions options_;

@@ -16,7 +16,7 @@ enum class RunStep : std::uint8_t { beginning, exchanging, ending };
 struct RunProgress {
   std::uint32_t stage = 0;  // how many have ended since this coordinator took office
   RunStep step = RunStep::beginning;
-  PartProgress sum;
+  ShareProgress sum;
   std::vector<NodeProgress> nodes;  // that have had a part, in order of coming
   std::uint32_t nodes_lost = 0;
 };
@@ -32,7 +32,7 @@ struct RunEnded {
   std::uint64_t waves = 0;
   std::uint64_t nodes = 0, nodes_lost = 0, tiles_again = 0;  // begun again after losses
   std::uint64_t memory_bytes = 0;                            // that they all gave the job
-  PartEnded sum;
+  ShareEnded sum;
   std::vector<StageTimes> stages;  // that the coordinator saw
 };
 

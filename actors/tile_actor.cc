@@ -27,7 +27,7 @@ std::string name_of(TileId tile) { return "tile " + std::to_string(tile.value); 
 // job. So the message is made before the tile is handed over.
 class StoredNotice {
  public:
-  StoredNotice(PartHandle part, TileId tile)
+  StoredNotice(ShareHandle part, TileId tile)
       : part_(std::move(part)), prepared_(std::make_shared<Prepared<TileStored>>()) {
     prepared_->message().tile = tile;
   }
@@ -42,14 +42,14 @@ class StoredNotice {
   }
 
  private:
-  PartHandle part_;
+  ShareHandle part_;
   std::shared_ptr<Prepared<TileStored>> prepared_;  // shared, for a function is copied
 };
 
 }  // namespace
 
-TileActor::TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-                     std::shared_ptr<const Office> office, const std::shared_ptr<const Table>& table)
+TileActor::TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> part,
+                     std::shared_ptr<const ActorDirectory> office, const std::shared_ptr<const RoutingTable>& table)
     : SteadyActor(config),
       self_(self),
       part_(std::move(part)),
@@ -88,7 +88,7 @@ TileActor::behavior_type TileActor::make_behavior() {
       [this](Delivery& delivery) {
         Update& update = delivery.update;
         office_->hooks.tell([&] { return name_of(self_.tile) + ": receives " + to_string(update); });
-        const std::uint64_t weight = Gate::bytes_of(update);
+        const std::uint64_t weight = Outbox::bytes_of(update);
         if (Status kept = life_.receive(std::move(update)); !kept) return fail(failure_of(std::move(kept).error()));
         if (delivery.from != office_->self) send(office_->part, Taken{delivery.from, weight});
         const std::uint64_t bytes = life_.mail_memory();
@@ -98,7 +98,7 @@ TileActor::behavior_type TileActor::make_behavior() {
         hops_told_ = hops;
         send(office_->part, waiting());
       },
-      [this](const Grant& grant) { work(grant.work); },
+      [this](const Permit& permit) { work(permit.work); },
       [this](const Rejoin&) { rejoin(); },
       [this](const Leave& leave) {
         if (leave.given_up) {

@@ -18,19 +18,19 @@
 
 #include <memory>
 
-#include "actors/office.h"
+#include "actors/actor_directory.h"
 #include "actors/prepared.h"
 #include "actors/protocol.h"
 #include "actors/steady_actor.h"
-#include "src/exchange/part.h"
+#include "src/exchange/share.h"
 #include "src/exchange/tile_life.h"
 
 namespace tessera {
 
 class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
  public:
-  TileActor(caf::actor_config& config, Peer self, std::shared_ptr<const Part> part,
-            std::shared_ptr<const Office> office, const std::shared_ptr<const Table>& table);
+  TileActor(caf::actor_config& config, TileIncarnation self, std::shared_ptr<const Share> part,
+            std::shared_ptr<const ActorDirectory> office, const std::shared_ptr<const RoutingTable>& table);
   behavior_type make_behavior() override;
   void on_exit() override;
 
@@ -44,9 +44,9 @@ class TileActor : public SteadyActor<TileHandle, Pool::tiles> {
   void store();
   MailNotice waiting() const;
 
-  Peer self_;
-  std::shared_ptr<const Part> part_;
-  std::shared_ptr<const Office> office_;
+  TileIncarnation self_;
+  std::shared_ptr<const Share> part_;
+  std::shared_ptr<const ActorDirectory> office_;
   TileLife life_;
   Prepared<TileFailed> last_word_;
   std::unique_ptr<Finished> finished_;  // not yet handed to the storage

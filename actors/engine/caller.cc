@@ -27,7 +27,7 @@ Phase phase_of(Work work) {
 
 void show(const RunProgress& from, double opened_s, Progress& to) {
   to.phase = phase_of(from.step);
-  const PartProgress& sum = from.sum;
+  const ShareProgress& sum = from.sum;
   to.points_triangulated = sum.weight_begun;
   to.tiles_triangulated = static_cast<std::uint32_t>(sum.tiles_begun);
   to.tiles_stored = static_cast<std::uint32_t>(sum.tiles_stored);
@@ -36,8 +36,8 @@ void show(const RunProgress& from, double opened_s, Progress& to) {
   to.updates_processed = sum.updates_processed;
   to.points_sent = sum.items_sent;
   to.memory_bytes = sum.memory_bytes;
-  to.bytes_between = sum.gates.bytes;
-  to.credit_waits = sum.gates.waits;
+  to.bytes_between = sum.outboxes.bytes;
+  to.credit_waits = sum.outboxes.waits;
   to.nodes_lost = from.nodes_lost;
   to.set_nodes(from.nodes);
   to.mail.add(sum.mail);
@@ -84,8 +84,8 @@ RunSummary RunCaller::summary(const RunEnded& ended) {
   summary.exchange.nodes = ended.nodes;
   summary.exchange.nodes_lost = ended.nodes_lost;
   summary.exchange.tiles_again = ended.tiles_again;
-  summary.exchange.bytes_between = ended.sum.gates.bytes;
-  summary.exchange.credit_waits = ended.sum.gates.waits;
+  summary.exchange.bytes_between = ended.sum.outboxes.bytes;
+  summary.exchange.credit_waits = ended.sum.outboxes.waits;
   summary.exchange.sleeps = ended.sum.sleeps;
   summary.exchange.work = {seconds(ended.sum.begin_us), seconds(ended.sum.exchange_us), seconds(ended.sum.collect_us)};
   summary.exchange.waves = ended.waves;

@@ -16,10 +16,10 @@ namespace tessera {
 namespace {
 
 // What comes from the router waits here for the thread that routes.
-class Desk final : public RoutingOwner {
+class LocalSplitQueue final : public RoutingOwner {
  public:
   struct Here {
-    std::uint32_t stretch = 0, attempt = 0;
+    std::uint32_t split = 0, attempt = 0;
     std::string why;
   };
   struct End {
@@ -27,12 +27,12 @@ class Desk final : public RoutingOwner {
     Failure failure;
   };
 
-  explicit Desk(Progress& progress) : progress_(progress) {}
+  explicit LocalSplitQueue(Progress& progress) : progress_(progress) {}
 
   void progressed(std::uint64_t points) override { progress_.points_routed = points; }
-  void route_here(std::uint32_t stretch, std::uint32_t attempt, std::string why) override {
+  void route_here(std::uint32_t split, std::uint32_t attempt, std::string why) override {
     const std::lock_guard lock(mutex_);
-    here_ = {stretch, attempt, std::move(why)};
+    here_ = {split, attempt, std::move(why)};
     changed_.notify_one();
   }
   void ended(std::vector<std::uint32_t> attempts, Failure failure) noexcept override {
@@ -72,18 +72,18 @@ std::uint64_t ClusterRouter::stretch_points(std::uint64_t total) const {
   return total == 0 ? unknown : std::clamp<std::uint64_t>(total / (4 * nodes), 100'000, 8'000'000);
 }
 
-Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, const std::vector<Stretch>& stretches,
+Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, const std::vector<InputSplit>& splits,
                                                         const Partition& partition,
                                                         const std::filesystem::path& run_folder, Progress& progress,
                                                         const std::stop_token& stop) {
-  BOOST_OUTCOME_TRYV(write_routing(run_folder, cloud, stretches, partition));
+  BOOST_OUTCOME_TRYV(write_routing(run_folder, cloud, splits, partition));
   RouterOptions options;
   options.run_folder = std::filesystem::absolute(run_folder).string();
   options.shares = seat_.options().jobs_at_once;
-  for (const Stretch& stretch : stretches) options.here.push_back(stretch.here);
+  for (const InputSplit& split : splits) options.here.push_back(split.here);
   const auto nodes = seat_.nodes(false, stop);
   if (nodes.empty()) return error(Errc::interrupted, "interrupted while points were routed");
-  Desk desk(progress);
+  LocalSplitQueue desk(progress);
   Prepared<Cancel> cancel, cancel_by_user;
   const auto router = system_.spawn<Router>(std::move(options), desk, nodes);
   // It knows the desk until it has ended.
@@ -92,7 +92,7 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
       cancel.say(router);
       desk.end();
     }
-    Desk& desk;
+    LocalSplitQueue& desk;
     Prepared<Cancel>& cancel;
     const RouterHandle& router;
   } const ending{desk, cancel, router};
@@ -102,17 +102,17 @@ Result<std::vector<std::uint32_t>> ClusterRouter::route(const Cloud& cloud, cons
     while (const auto here = desk.next()) {
       if (!here->why.empty())
         seat_.options().log("a node cannot route a part of the input, which is routed here: " + here->why);
-      StretchRouted routed;
+      SplitRouted routed;
       routed.attempt = here->attempt;
       routed.done = true;
       const auto tell = [&](std::uint64_t more) { routed.routed += more; };
-      const StretchWork work{run_folder, here->attempt, memory_bytes_, tell};
-      if (Status done = route_stretch(cloud, stretches[here->stretch], partition, work, stop); !done)
+      const SplitWork work{run_folder, here->attempt, memory_bytes_, tell};
+      if (Status done = route_split(cloud, splits[here->split], partition, work, stop); !done)
         routed.failure = failure_of(std::move(done).error());
       caf::anon_send(router, std::move(routed));
     }
   }
-  Desk::End end = desk.end();
+  LocalSplitQueue::End end = desk.end();
   if (end.failure) return error_of(std::move(end.failure));
   return std::move(end.attempts);
 }

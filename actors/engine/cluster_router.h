@@ -5,17 +5,17 @@
 #include <string>
 
 #include "actors/engine/membership.h"
-#include "src/tiling/stretch.h"
+#include "src/tiling/split_router.h"
 
 namespace tessera {
 
-class ClusterRouter final : public StretchRouter {
+class ClusterRouter final : public SplitRouter {
  public:
   // Both outlive it. `memory_bytes`: for what is routed here.
   ClusterRouter(caf::actor_system& system, const Membership& seat, std::uint64_t memory_bytes)
       : system_(system), seat_(seat), memory_bytes_(memory_bytes) {}
   std::uint64_t stretch_points(std::uint64_t total) const override;
-  Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<Stretch>& stretches,
+  Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<InputSplit>& splits,
                                            const Partition& partition, const std::filesystem::path& run_folder,
                                            Progress& progress, const std::stop_token& stop) override;
 

@@ -15,8 +15,8 @@
 #include "actors/node_actor.h"
 #include "actors/prepared.h"
 #include "actors/scheduler.h"
-#include "src/delaunay/run/disk_parts.h"
-#include "src/delaunay/run/result_parts.h"
+#include "src/delaunay/run/result_shares.h"
+#include "src/delaunay/run/routed_shares.h"
 #include "src/delaunay/run/settled_stages.h"
 #include "src/exchange/terms.h"
 #include "src/result/store/tile_store.h"
@@ -44,15 +44,15 @@ Result<std::uint32_t> first_stage(const std::filesystem::path& run, std::uint32_
 }
 
 // Opens parts of each job by its kind.
-class AllParts final : public PartSource {
+class AllShares final : public ShareSource {
  public:
-  AllParts(std::filesystem::path scratch, KindsOfStages kinds)
+  AllShares(std::filesystem::path scratch, KindsOfStages kinds)
       : clouds(scratch), results(std::move(scratch), std::move(kinds)) {}
-  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
+  Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) override {
     return spec.stages.empty() ? clouds.open(spec, self) : results.open(spec, self);
   }
-  DiskParts clouds;
-  ResultParts results;
+  RoutedShares clouds;
+  ResultShares results;
 };
 
 }  // namespace
@@ -63,7 +63,7 @@ struct Engine::Impl {
       : threads(own_threads),
         seat(std::move(membership)),
         config(threads, seat.get()),
-        source(std::make_shared<AllParts>(seat ? seat->options().scratch : std::filesystem::path(), std::move(kinds))),
+        source(std::make_shared<AllShares>(seat ? seat->options().scratch : std::filesystem::path(), std::move(kinds))),
         system(config) {
     if (seat && !seat->options().node) return;
     NodeOptions own;
@@ -84,7 +84,7 @@ struct Engine::Impl {
   }
 
   // `again`: see RunEnded.
-  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+  Result<RunSummary> run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, const std::stop_token& stop, bool& again);
   Status run(const ResultJob& result_job, const std::function<void(double)>& part, Progress& progress,
              const std::stop_token& stop, bool& again);
@@ -97,7 +97,7 @@ struct Engine::Impl {
   const std::uint32_t threads;
   const std::unique_ptr<Membership> seat;  // null: alone
   EngineConfig config;
-  std::shared_ptr<AllParts> source;
+  std::shared_ptr<AllShares> source;
   std::shared_ptr<std::atomic<std::uint64_t>> used = std::make_shared<std::atomic<std::uint64_t>>();
   const std::shared_ptr<NodeMeter> meter = std::make_shared<NodeMeter>();
   Prepared<Leave> leave;
@@ -185,8 +185,9 @@ class AtEnd {
 
 }  // namespace
 
-Result<RunSummary> Engine::Impl::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
-                                     Progress& progress, const std::stop_token& stop, bool& again) {
+Result<RunSummary> Engine::Impl::run(const RoutedCloud& run, const std::filesystem::path& out,
+                                     const RunOptions& options, Progress& progress, const std::stop_token& stop,
+                                     bool& again) {
   progress.tiles_total = static_cast<std::uint32_t>(
       std::count_if(run.tile_points.begin(), run.tile_points.end(), [](auto n) { return n > 0; }));
   progress.phase = phase_of(ProgramKind::delaunay, ProgramStep::begin);
@@ -235,7 +236,7 @@ Status Engine::Impl::run(const ResultJob& wanted, const std::function<void(doubl
   BOOST_OUTCOME_TRY(stages, source->results.kind(wanted.kind));
   BOOST_OUTCOME_TRY(result, TileSource::open(wanted.result));
   CoordinatorOptions job;
-  static_cast<PartOptions&>(job.spec) = wanted.options;
+  static_cast<ShareOptions&>(job.spec) = wanted.options;
   job.spec.run_folder = wanted.run.string();
   job.spec.out_folder = wanted.result.string();
   job.spec.stages = wanted.kind;
@@ -285,7 +286,7 @@ Result<std::unique_ptr<Engine>> Engine::join(std::uint32_t threads, std::uint64_
 
 Engine::~Engine() = default;
 
-Result<RunSummary> Engine::run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+Result<RunSummary> Engine::run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                                Progress& progress, std::stop_token stop) {
   bool again = false;
   auto summary = impl_->run(run, out, options, progress, stop, again);
@@ -303,7 +304,7 @@ Status Engine::run(const ResultJob& job, const std::function<void(double)>& part
   return ended;
 }
 
-std::unique_ptr<StretchRouter> Engine::router(std::uint64_t memory_bytes) const {
+std::unique_ptr<SplitRouter> Engine::router(std::uint64_t memory_bytes) const {
   if (!impl_->seat) return nullptr;
   return std::make_unique<ClusterRouter>(impl_->system, *impl_->seat, memory_bytes);
 }

@@ -19,7 +19,7 @@
 #include "src/delaunay/run/run_options.h"
 #include "src/delaunay/run/run_summary.h"
 #include "src/tiling/budget/budget.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 
@@ -43,7 +43,7 @@ class Engine {
   // Several threads may call this at once, for different runs. In a cluster, of its coordinator only: all nodes work on
   // it, each with a share of what it has in place of the threads and memory of the options, and folders are those that
   // all see; waits until there is a node.
-  Result<RunSummary> run(const RoutedRun& run, const std::filesystem::path& out, const RunOptions& options,
+  Result<RunSummary> run(const RoutedCloud& run, const std::filesystem::path& out, const RunOptions& options,
                          Progress& progress, std::stop_token stop);
 
   // The same for a job over the tiles of a result: its stages run to their end. `part`: told how much of it is done,
@@ -52,7 +52,7 @@ class Engine {
              std::stop_token stop);
 
   // Who routes a large input beside this process; null: nobody. The engine outlives it.
-  std::unique_ptr<StretchRouter> router(std::uint64_t memory_bytes) const;
+  std::unique_ptr<SplitRouter> router(std::uint64_t memory_bytes) const;
 
   // That work on jobs, of all nodes there are now.
   std::uint32_t threads() const;

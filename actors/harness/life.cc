@@ -106,7 +106,7 @@ void Life::add_node(NodeId home, std::uint64_t memory_bytes) {
   node.progress_interval = std::chrono::hours(24);
   node.hooks = {options_.trace, network_, home};
   nodes_[home] = system_.spawn<NodeActor>(std::move(node),
-                                          std::make_shared<MemoryParts>(setting_, storage_, watches(), home, later_));
+                                          std::make_shared<MemoryShares>(setting_, storage_, watches(), home, later_));
 }
 
 CoordinatorOptions Life::coordinator_options() {
@@ -135,7 +135,7 @@ CoordinatorOptions Life::coordinator_options() {
   job.stored = [this](std::uint32_t stage) -> Result<std::vector<TileReceipt>> {
     return stage == 0 ? storage_.stored() : later_->stored(stage - 1);
   };
-  job.on_quiet = [this, number](const Table& table) {
+  job.on_quiet = [this, number](const RoutingTable& table) {
     if (number + 1 == owners_.size()) believed_quiet(table);
   };
   return job;
@@ -157,7 +157,7 @@ void Life::add_coordinator() {
   for (const NodeId home : leaving_) tell_that_leaves(home);
 }
 
-void Life::believed_quiet(const Table& table) {
+void Life::believed_quiet(const RoutingTable& table) {
   const Turn ours(options_.memory_faults, false);
   tell("coordinator: quiet");
   outcome_.epochs = std::uint64_t{table.epoch.term.value} + table.epoch.number;  // terms, and those of the last one

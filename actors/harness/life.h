@@ -86,7 +86,7 @@ class Life final : private Misfortune {
   void let(const NodeLet& let);
   void add_coordinator();
   CoordinatorOptions coordinator_options();
-  void believed_quiet(const Table& table);
+  void believed_quiet(const RoutingTable& table);
   bool step();
   bool nobody_is_left() const;  // that works, or could
   void end_all();

@@ -35,7 +35,7 @@ class Network : public NetworkHandle::base {
   Trace trace_;
   std::mt19937_64 rng_;
   std::uint32_t patience_;
-  std::vector<std::pair<caf::actor, Parcel>> held_;  // and whom it is for
+  std::vector<std::pair<caf::actor, Packet>> held_;  // and whom it is for
 };
 
 }  // namespace tessera

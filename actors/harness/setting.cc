@@ -84,7 +84,7 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
   s.stage.boxes = final_boxes(cells);
   auto neighbours = touching_tiles(partition, tile_bounds);
   if (rng() % 3 == 0) neighbours.assign(partition.tiles(), {});  // no directed exchange: everything hangs on the rule
-  s.stage.around = std::make_shared<const Surroundings>(std::move(tile_bounds), neighbours, std::move(known));
+  s.stage.around = std::make_shared<const KnownFromStart>(std::move(tile_bounds), neighbours, std::move(known));
   constexpr std::uint64_t mail_bounds[] = {0, 120, 800, ~std::uint64_t{0}};
   s.context.mail_bytes_max = options.mail_bytes_max.value_or(mail_bounds[rng() % 4]);
   s.schedule.threads = 1 + static_cast<std::uint32_t>(rng() % 4);
@@ -100,18 +100,18 @@ Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt1
     s.spec.table.incarnations.push_back({{}, static_cast<std::uint32_t>(rng() % 2)});
   }
   s.tile_points = points_of(s.tiles);
-  s.table = std::make_shared<const Table>(s.spec.table);
+  s.table = std::make_shared<const RoutingTable>(s.spec.table);
   s.context.many_nodes = s.schedule.settle_asleep = s.nodes > 1 || options.faults.nodes();
   // Some networks are so slow that whole waves pass while an update is on its way.
   s.patience = static_cast<std::uint32_t>(rng() % 7 == 0 ? 400 : rng() % 7);
   s.late_stores = rng() % 2 == 0;
   // Nodes that must wait for each other's credit after every few points.
-  if (rng() % 2 == 0) s.gates = {.window_bytes = 800, .parcel_bytes = 300};
+  if (rng() % 2 == 0) s.outboxes = {.window_bytes = 800, .parcel_bytes = 300};
   s.stage.kind = rng() % 3 == 0 ? TileKind::points : TileKind::cells;
   return s;
 }
 
-std::shared_ptr<const TilePrograms> MemoryParts::programs(Part& part, std::uint32_t stage) const {
+std::shared_ptr<const TilePrograms> MemoryShares::programs(Share& part, std::uint32_t stage) const {
   if (stage > 0) return later_->programs(stage - 1, storage_.meshes());
   auto delaunay = std::make_shared<DelaunayStage>(setting_.stage);
   delaunay->storage = &storage_.at(home_);
@@ -120,23 +120,23 @@ std::shared_ptr<const TilePrograms> MemoryParts::programs(Part& part, std::uint3
   return delaunay;
 }
 
-std::vector<TileReceipt> MemoryParts::stored(std::uint32_t stage) const {
+std::vector<TileReceipt> MemoryShares::stored(std::uint32_t stage) const {
   return stage == 0 ? storage_.stored() : later_->stored(stage - 1);
 }
 
-Result<std::unique_ptr<Part>> MemoryParts::open(const PartSpec& spec, NodeId self) {
+Result<std::unique_ptr<Share>> MemoryShares::open(const ShareSpec& spec, NodeId self) {
   const Turn ours(storage_.memory_faults, false);
-  auto part = std::make_unique<Part>();
+  auto part = std::make_unique<Share>();
   for (std::uint32_t stage = 0; stage < (later_ ? 1 + later_->count() : 1); ++stage) {
-    PartStage& one = part->stages.emplace_back(PartStage{setting_.context, setting_.schedule, {}});
+    ShareStage& one = part->stages.emplace_back(ShareStage{setting_.context, setting_.schedule, {}});
     one.context.storage = &storage_.at(home_, stage);
     one.context.programs = programs(*part, stage);
     one.context.watch = watches_.at(stage);
     // As from disk: it was for tiles that are no more.
     BOOST_OUTCOME_TRYV(one.context.storage->clear(ScratchKind::mail));
   }
-  part->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const Table>(spec.table);
-  part->gates = setting_.gates;
+  part->table = spec.table == *setting_.table ? setting_.table : std::make_shared<const RoutingTable>(spec.table);
+  part->outboxes = setting_.outboxes;
   part->weights = setting_.tile_points;
   part->settled = storage_.settled > spec.table.stage;
   const std::vector<TileReceipt> stored_there = stored(spec.table.stage);

@@ -10,7 +10,7 @@
 #include "actors/harness/harness.h"
 #include "actors/harness/memory_storage.h"
 #include "src/delaunay/delaunay_program.h"
-#include "src/exchange/part.h"
+#include "src/exchange/share.h"
 #include "src/tiling/partition.h"
 
 namespace tessera {
@@ -19,14 +19,14 @@ struct Setting {
   std::vector<LocalPoint> cloud;
   std::vector<std::vector<LocalPoint>> tiles;
   std::shared_ptr<const std::vector<std::uint64_t>> tile_points;  // how many these are
-  PartSpec spec;
-  std::shared_ptr<const Table> table;  // of the spec
+  ShareSpec spec;
+  std::shared_ptr<const RoutingTable> table;  // of the spec
   std::uint32_t nodes = 1;
   DelaunayStage stage;  // without storage, store and stop
   TileContext context;  // without programs, storage and watch
   ScheduleOptions schedule;
   std::uint32_t patience = 0;  // of the network
-  GateOptions gates;
+  OutboxOptions outboxes;
   bool late_stores = false;
 };
 
@@ -43,17 +43,17 @@ std::shared_ptr<const std::vector<std::uint64_t>> points_of(const std::vector<st
 Setting make_setting(const HarnessOptions& options, std::uint64_t seed, std::mt19937_64& rng);
 
 // Parts whose points and scratch are in memory.
-class MemoryParts final : public PartSource {
+class MemoryShares final : public ShareSource {
  public:
   // `home`: whose scratch it is, whatever number the node has in the job. `watches`: by stage; they may be null.
   // `later`: null, there is none. All outlive this.
-  MemoryParts(const Setting& setting, MemoryStorage& storage, std::vector<ExchangeWatch*> watches, NodeId home,
-              LaterStages* later = nullptr)
+  MemoryShares(const Setting& setting, MemoryStorage& storage, std::vector<ExchangeWatch*> watches, NodeId home,
+               LaterStages* later = nullptr)
       : setting_(setting), storage_(storage), watches_(std::move(watches)), home_(home), later_(later) {}
-  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override;
+  Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) override;
 
  private:
-  std::shared_ptr<const TilePrograms> programs(Part& part, std::uint32_t stage) const;
+  std::shared_ptr<const TilePrograms> programs(Share& part, std::uint32_t stage) const;
   std::vector<TileReceipt> stored(std::uint32_t stage) const;
 
   const Setting& setting_;

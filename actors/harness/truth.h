@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "actors/harness/memory_faults.h"
-#include "src/exchange/table.h"
+#include "src/exchange/routing_table.h"
 #include "src/exchange/tile_life.h"
 
 namespace tessera {
@@ -16,27 +16,27 @@ class Truth final : public ExchangeWatch {
  public:
   explicit Truth(MemoryFaults* memory_faults) : memory_faults_(memory_faults) {}
 
-  void sent(Peer from, Peer to, Totals now) override {
+  void sent(TileIncarnation from, TileIncarnation to, Totals now) override {
     const Turn ours(memory_faults_, false);
     ++sent_;
     ++under_way_;
     ++by_pair_[{from, to}];
     note(from, now);
   }
-  void processed(Peer from, Peer to, Totals now) override {
+  void processed(TileIncarnation from, TileIncarnation to, Totals now) override {
     const Turn ours(memory_faults_, false);
     --under_way_;
     --by_pair_[{from, to}];
     note(to, now);
   }
-  void rejoined(Peer self, Totals now) override {
+  void rejoined(TileIncarnation self, Totals now) override {
     const Turn ours(memory_faults_, false);
     forgotten_ |= totals_[self] != now;
     note(self, now);
   }
 
   // Updates that have been sent and not processed, between tiles that live by this table.
-  std::int64_t under_way(const Table& table) const {
+  std::int64_t under_way(const RoutingTable& table) const {
     std::int64_t sum = 0;
     for (const auto& [pair, updates] : by_pair_) {
       if (table.alive(pair.first) && table.alive(pair.second)) sum += std::abs(updates);
@@ -49,7 +49,7 @@ class Truth final : public ExchangeWatch {
   bool agrees() const { return forgotten_ || counted_ == under_way_; }
 
  private:
-  void note(Peer self, Totals now) {
+  void note(TileIncarnation self, Totals now) {
     Totals& before = totals_[self];
     counted_ +=
         static_cast<std::int64_t>(now.sent - before.sent) - static_cast<std::int64_t>(now.processed - before.processed);
@@ -57,8 +57,8 @@ class Truth final : public ExchangeWatch {
   }
 
   MemoryFaults* memory_faults_;
-  std::map<Peer, Totals> totals_;
-  std::map<std::pair<Peer, Peer>, std::int64_t> by_pair_;
+  std::map<TileIncarnation, Totals> totals_;
+  std::map<std::pair<TileIncarnation, TileIncarnation>, std::int64_t> by_pair_;
   bool forgotten_ = false;
   std::int64_t under_way_ = 0, counted_ = 0;
   std::uint64_t sent_ = 0;

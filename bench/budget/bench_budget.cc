@@ -24,7 +24,7 @@
 #include "src/result/store/points_tile.h"
 #include "src/result/store/tile_store.h"
 #include "src/tiling/budget/budget.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile/tile_triangulation.h"
 
 namespace tessera {
@@ -66,9 +66,9 @@ Growth growth(const Work& work) {
   return {above(peak), above(resident())};
 }
 
-class Table {
+class RoutingTable {
  public:
-  explicit Table(const Options& o) : o_(o) {
+  explicit RoutingTable(const Options& o) : o_(o) {
     std::printf("%s, %llu points, seed %llu, %dD, %s kernel\n", o.kind.c_str(),
                 static_cast<unsigned long long>(o.points), static_cast<unsigned long long>(o.seed), o.dimension,
                 o.cgal ? "CGAL's" : "flat");
@@ -158,7 +158,7 @@ class Bench {
     std::sort(points.begin(), points.end(), [](const LocalPoint& a, const LocalPoint& b) { return a.id < b.id; });
     put(folder_ / "points.bin", points);
     box_ = {bounds.lo, bounds.hi};
-    around_ = Surroundings({bounds, beside_}, {{TileId{1}}, {TileId{0}}}, {});
+    around_ = KnownFromStart({bounds, beside_}, {{TileId{1}}, {TileId{0}}}, {});
     // What is made or loaded when it is first used: fixed costs, not this tile's.
     std::vector<LocalPoint> few(points.begin(), points.begin() + 100);
     const LoadedTile tile = order_points(few, o.dimension);
@@ -191,9 +191,9 @@ class Bench {
     t.announce(tile.points, box_);
   }
 
-  KeptFinals finals() const {
+  PendingFinals finals() const {
     const auto bytes = take(folder_ / "finals.bin");
-    KeptFinals finals;
+    PendingFinals finals;
     finals.cells.rows.resize(bytes.size() / sizeof(CellRow));
     std::memcpy(finals.cells.rows.data(), bytes.data(), bytes.size());
     return finals;
@@ -243,7 +243,7 @@ class Bench {
   void collect(TileTriangulation& t, LoadedTile tile, bool reduced) {
     CollectedTile collected;
     const Growth made =
-        growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : KeptFinals{}); });
+        growth([&] { collected = t.collect(tile.points, tile.ids, reduced ? finals() : PendingFinals{}); });
     const double loaded = reduced ? static_cast<double>(o_.points) * 32 : 0;
     table_.row(reduced ? "collect, reduced" : "collect, whole", made.peak + loaded, o_.points,
                static_cast<double>(reduced ? model_.collect : model_.collect_whole));
@@ -305,10 +305,10 @@ class Bench {
   }
 
   const Options& o_;
-  Table table_;
+  RoutingTable table_;
   const budget::Needs model_, model_of_points_;
   std::filesystem::path folder_;
-  Surroundings around_;
+  KnownFromStart around_;
   TileOptions options_;
   Box box_;
   Bounds beside_;

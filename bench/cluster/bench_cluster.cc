@@ -81,8 +81,8 @@ class TimedScheduler final : public caf::scheduler::test_coordinator {
     caf::mailbox_element* const next = coordinator.mailbox().peek();
     if (!next || next->content().match_elements<TileDone>()) return;
     const caf::type_erased_tuple& message = next->content();
-    const bool wave = message.match_elements<PartIdle>() || message.match_elements<PartTally>();
-    ++(wave ? of_waves : message.match_elements<PartProgress>() ? progress : others);
+    const bool wave = message.match_elements<ShareIdle>() || message.match_elements<ShareTally>();
+    ++(wave ? of_waves : message.match_elements<ShareProgress>() ? progress : others);
   }
 
   class Worker final : public caf::execution_unit {
@@ -135,7 +135,7 @@ Setting uniform_setting(std::uint32_t tiles, std::size_t points, unsigned seed, 
   s.stage.dimension = 2;
   s.stage.boxes = final_boxes(partition);
   const auto neighbours = touching_tiles(*partition, own.bounds);
-  s.stage.around = std::make_shared<const Surroundings>(std::move(own.bounds), neighbours, std::move(own.seeds));
+  s.stage.around = std::make_shared<const KnownFromStart>(std::move(own.bounds), neighbours, std::move(own.seeds));
   s.context.many_nodes = s.schedule.settle_asleep = true;
   s.schedule.memory_bytes = std::uint64_t{1} << 40;
   std::vector<std::uint64_t> place(s.tiles.size());
@@ -170,7 +170,7 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
       {}, 0, std::vector<NodeId>(setting.tiles.size()), std::vector<Incarnation>(setting.tiles.size())};
   const auto homes = share_out(job.order, job.weights, hosts);
   for (std::size_t i = 0; i < homes.size(); ++i) setting.spec.table.nodes[job.order[i].value] = homes[i];
-  setting.table = std::make_shared<const Table>(setting.spec.table);
+  setting.table = std::make_shared<const RoutingTable>(setting.spec.table);
   job.spec = setting.spec;
   job.mark_settled = [](std::uint32_t, bool) { return success(); };
   MemoryStorage storage(2, setting.tiles);
@@ -185,7 +185,7 @@ int run(std::uint32_t nodes, std::uint32_t tiles, std::size_t points, unsigned s
     node.progress_interval = progress;
     handles.push_back(system.spawn<NodeActor>(
         std::move(node),
-        std::make_shared<MemoryParts>(setting, storage, std::vector<ExchangeWatch*>{nullptr}, NodeId{n})));
+        std::make_shared<MemoryShares>(setting, storage, std::vector<ExchangeWatch*>{nullptr}, NodeId{n})));
   }
   scheduler.run_all();
   scheduler.forget();

@@ -89,17 +89,17 @@ class Exchange {
     if (!o.announce) neighbours.assign(partition.tiles(), {});
     stage_.dimension = o.dimension;
     stage_.boxes = final_boxes(cells);
-    stage_.around = std::make_shared<const Surroundings>(bounds_, neighbours, std::move(seeds));
+    stage_.around = std::make_shared<const KnownFromStart>(bounds_, neighbours, std::move(seeds));
   }
 
   Status run() {
     MemoryStorage storage(o_.dimension, std::move(points_));
     stage_.storage = context_.storage = &storage.at(NodeId{0});
     stage_.store = &storage.store_at(NodeId{0});
-    const auto table = std::make_shared<const Table>();
+    const auto table = std::make_shared<const RoutingTable>();
     context_.programs = std::make_shared<DelaunayStage>(stage_);
     for (std::uint32_t t = 0; t < bounds_.size(); ++t) {
-      tiles_.push_back(std::make_unique<TileLife>(Peer{TileId{t}, {}}, context_, table));
+      tiles_.push_back(std::make_unique<TileLife>(TileIncarnation{TileId{t}, {}}, context_, table));
     }
     const double begin = cpu_now();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "src/input/generate/generate.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile/tile_triangulation.h"
 
 int main(int argc, char** argv) {
@@ -59,13 +59,13 @@ int main(int argc, char** argv) {
   lap("order", tile.points.size() * 32);
   const Bounds beside{{bounds.hi.x, bounds.lo.y, bounds.lo.z},
                       {2 * bounds.hi.x - bounds.lo.x, bounds.hi.y, bounds.hi.z}};
-  const Surroundings around({bounds, beside}, {{TileId{1}}, {TileId{0}}}, {});
+  const KnownFromStart around({bounds, beside}, {{TileId{1}}, {TileId{0}}}, {});
   TileTriangulation t(
       {TileId{0}, dimension, cgal ? KernelKind::cgal : KernelKind::flat, ExchangeRule::introduce, &around});
   t.triangulate(tile.points, tile.ids);
   lap("triangulate", t.memory());
   const Box box{bounds.lo, bounds.hi};
-  KeptFinals finals;
+  PendingFinals finals;
   if (!whole) {
     finals.cells = t.reduce(tile.points, box);
     lap("reduce", t.memory());

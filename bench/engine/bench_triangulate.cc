@@ -50,7 +50,9 @@ Result<double> run_engine(const Options& o, const std::filesystem::path& file) {
   options.tiles = static_cast<std::uint32_t>(o.tiles);
   options.threads = o.threads;
   options.memory_bytes = o.memory_mb << 20;
-  options.keep = o.keep == "whole" ? Keep::whole : o.keep == "reduced" ? Keep::reduced : Keep::by_budget;
+  options.keep = o.keep == "whole"     ? TileRetention::whole
+                 : o.keep == "reduced" ? TileRetention::reduced
+                                       : TileRetention::by_budget;
   options.kernel = o.kernel == "cgal" ? KernelKind::cgal : KernelKind::flat;
   BOOST_OUTCOME_TRY(folder, ResultFolder::inspect(out, false, false));
   Progress progress;

@@ -20,7 +20,7 @@
 #include "src/geometry/kernel/kernel.h"
 #include "src/input/cloud/cloud.h"
 #include "src/input/generate/generate.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace {
 

@@ -24,7 +24,7 @@
 #include "src/result/store/integer_block.h"
 #include "src/result/store/points_file.h"
 #include "src/tiling/partition.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 namespace {

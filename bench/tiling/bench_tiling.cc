@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {
@@ -64,7 +64,7 @@ int run(std::size_t n, std::uint32_t tiles, unsigned seed, const std::filesystem
               written = writer.add(partition, part, {}).has_value();
             }
             written = written && writer.flush(partition).has_value();
-            for (const Bundle& bundle : writer.routed().bundles) routed += bundle.points;
+            for (const ShuffleFile& bundle : writer.routed().bundles) routed += bundle.points;
           }));
     std::filesystem::remove_all(run_folder);
     if (!written || routed != n || sum == 0) {

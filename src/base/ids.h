@@ -26,9 +26,9 @@ using TileId = Id<struct TileTag, std::uint32_t>;
 // A process that hosts tiles, as its coordinator numbers it.
 using NodeId = Id<struct NodeTag, std::uint32_t>;
 // A file of routed points: of those that one attempt at routing a stretch of the input has made, the number.
-struct BundleId {
+struct ShuffleFileId {
   std::uint32_t attempt = 0, number = 0;
-  friend bool operator==(const BundleId&, const BundleId&) = default;
+  friend bool operator==(const ShuffleFileId&, const ShuffleFileId&) = default;
 };
 // A job, unique among those that a process has ever known.
 using JobId = Id<struct JobTag, std::uint64_t>;

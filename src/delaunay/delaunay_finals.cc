@@ -10,7 +10,7 @@ namespace tessera {
 
 // `at_once`: the tile is collected now, and what it has kept need not be read.
 Status DelaunayProgram::keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once) {
-  finals_ = std::make_unique<KeptFinals>();
+  finals_ = std::make_unique<PendingFinals>();
   stored_early_ = {};
   if (early()) {
     auto sorted = std::make_shared<const EarlyFinals>(stage_.dimension, loaded.ids, std::move(finals),
@@ -36,7 +36,7 @@ Status DelaunayProgram::await_stored() {
 }
 
 // Not of what the storage has said of the early ones: that is the same cells, whoever has them now.
-std::uint64_t DelaunayProgram::sum_of(const KeptFinals& finals) {
+std::uint64_t DelaunayProgram::sum_of(const PendingFinals& finals) {
   std::uint64_t sum = finals.early + std::uint64_t{1};
   for (const auto bytes : {std::as_bytes(std::span(finals.place)), std::as_bytes(std::span(finals.frozen)),
                            std::as_bytes(std::span(finals.cells.rows.data(), finals.cells.rows.size()))}) {
@@ -61,7 +61,7 @@ Status DelaunayProgram::put_finals() {
 }
 
 bool DelaunayProgram::decode_finals(std::span<const std::byte> bytes) {
-  auto finals = std::make_unique<KeptFinals>();
+  auto finals = std::make_unique<PendingFinals>();
   FlatReader in(bytes);
   const bool read = in.value(finals->early) && in.list(finals->place) && in.list(finals->frozen) &&
                     in.list(finals->cells.rows) && in.list(stored_early_) && in.at_end();
@@ -84,12 +84,12 @@ Result<bool> DelaunayProgram::restore_finals(std::span<const std::byte> bytes, b
   return true;
 }
 
-Result<KeptFinals> DelaunayProgram::take_finals() {
+Result<PendingFinals> DelaunayProgram::take_finals() {
   if (!finals_) {
     BOOST_OUTCOME_TRY(pieces, stage_.storage->read(self_, ScratchKind::finals));
     if (pieces.size() != 1 || !decode_finals(pieces[0])) return damaged(self_, "list of final cells");
   }
-  KeptFinals taken = std::move(*finals_);
+  PendingFinals taken = std::move(*finals_);
   finals_.reset();
   return taken;
 }

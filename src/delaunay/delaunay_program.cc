@@ -148,7 +148,7 @@ Result<std::unique_ptr<Finished>> DelaunayProgram::finish() {
   if (!points_) {
     BOOST_OUTCOME_TRYV(load_own_points());
   }
-  KeptFinals finals;
+  PendingFinals finals;
   if (triangulation_->handed_out()) {
     auto taken = take_finals();
     if (!taken && taken.error().code == Errc::corrupt) {  // nothing begins from its image again, which needs them

@@ -30,7 +30,7 @@ struct DelaunayStage final : TilePrograms {
   std::uint64_t early_points = 0, early_unit = 1;
   // By tile; a tile with the empty box has no final cells, and announces nothing.
   std::shared_ptr<const std::vector<Box>> boxes;
-  std::shared_ptr<const Surroundings> around;
+  std::shared_ptr<const KnownFromStart> around;
   TileStorage* storage = nullptr;  // for what stands beside the images
   DelaunayStore* store = nullptr;
   std::stop_token stop = {};  // once requested, long work soon throws Stopped
@@ -70,7 +70,7 @@ class DelaunayProgram final : public TileProgram {
     TileId from;
     SharedPoint point;
   };
-  static std::uint64_t sum_of(const KeptFinals& finals);
+  static std::uint64_t sum_of(const PendingFinals& finals);
 
   Status build(bool announce);
   Status insert();
@@ -80,7 +80,7 @@ class DelaunayProgram final : public TileProgram {
   Result<bool> restore(Image image, const Image* finals, bool at_once);
   Status keep_finals(FinalCells finals, const LoadedTile& loaded, bool at_once);
   Status put_finals();
-  Result<KeptFinals> take_finals();
+  Result<PendingFinals> take_finals();
   Status await_stored();
   bool decode_finals(std::span<const std::byte> bytes);
   Result<bool> restore_finals(std::span<const std::byte> bytes, bool at_once);
@@ -98,8 +98,9 @@ class DelaunayProgram final : public TileProgram {
   std::unique_ptr<TileTriangulation> triangulation_;
   std::vector<Heard> heard_;            // taken, and not worked on yet
   std::unique_ptr<LoadedTile> points_;  // kept while the tile is whole in memory
-  std::unique_ptr<KeptFinals> finals_;  // taken out of the triangulation; when they are not here, they are on scratch
-  BigVector<std::byte> stored_early_;   // what the storage has said of those that it has already; with finals_
+  std::unique_ptr<PendingFinals>
+      finals_;                         // taken out of the triangulation; when they are not here, they are on scratch
+  BigVector<std::byte> stored_early_;  // what the storage has said of those that it has already; with finals_
   std::future<DelaunayStore::StoredEarly> storing_;  // what it will say
   bool earlier_ = false;                             // the image on scratch is another life's
   std::uint64_t own_points_ = 0;

@@ -12,7 +12,7 @@
 #include "src/base/result.h"
 #include "src/exchange/tile_program.h"
 #include "src/result/store/tile_store.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile/collected_tile.h"
 #include "src/tiling/tile/early_finals.h"
 

@@ -19,7 +19,7 @@ namespace {
 
 class PointsOfRun final : public TilePoints {
  public:
-  explicit PointsOfRun(std::shared_ptr<const RoutedRun> run) : run_(std::move(run)) {}
+  explicit PointsOfRun(std::shared_ptr<const RoutedCloud> run) : run_(std::move(run)) {}
   int dimension() const override { return run_->dimension; }
   const std::vector<Attribute>& schema() const override { return run_->schema; }
   Result<LoadedTile> load(TileId tile) const override { return load_tile(*run_, tile); }
@@ -32,7 +32,7 @@ class PointsOfRun final : public TilePoints {
     if (width == 0) return rows;
     std::map<TileId, std::vector<std::size_t>> by_owner;
     for (std::size_t i = 0; i < owners.size(); ++i) by_owner[owners[i]].push_back(i);
-    BundleMaps maps(*run_);
+    ShuffleFileMaps maps(*run_);
     for (const auto& [owner, places] : by_owner) {
       std::vector<PointId> ids;
       ids.reserve(places.size());
@@ -46,17 +46,17 @@ class PointsOfRun final : public TilePoints {
   }
 
  private:
-  std::shared_ptr<const RoutedRun> run_;
+  std::shared_ptr<const RoutedCloud> run_;
 };
 
 }  // namespace
 
-std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedRun> run) {
+std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedCloud> run) {
   return std::make_shared<const PointsOfRun>(std::move(run));
 }
 
 DiskStore::DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
-                     std::uint32_t writers, TileStorage& scratch, TileTaker* taker)
+                     std::uint32_t writers, TileStorage& scratch, TileConsumer* taker)
     : points_(std::move(points)),
       out_(std::move(out)),
       options_(std::move(options)),

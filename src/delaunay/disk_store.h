@@ -27,7 +27,7 @@ class TilePoints {
   virtual Result<std::vector<std::byte>> rows(TileId tile, std::span<const PointId> ids,
                                               std::span<const TileId> owners) const = 0;
 };
-std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedRun> run);
+std::shared_ptr<const TilePoints> routed_points(std::shared_ptr<const RoutedCloud> run);
 
 class DiskStore final : public DelaunayStore {
  public:
@@ -36,7 +36,7 @@ class DiskStore final : public DelaunayStore {
   // when this goes is waited for. `scratch`: of the stage; it outlives this, as `taker` does. If there is one, it gets
   // the tiles' cells, and no results are written.
   DiskStore(std::shared_ptr<const TilePoints> points, std::filesystem::path out, StoreOptions options,
-            std::uint32_t writers, TileStorage& scratch, TileTaker* taker);
+            std::uint32_t writers, TileStorage& scratch, TileConsumer* taker);
   Result<LoadedTile> load_points(TileId tile) override;
   // Written to the tile's file in `out`, under a temporary name.
   std::future<StoredEarly> store_early(TileId tile, std::shared_ptr<const EarlyFinals> cells) override;
@@ -59,7 +59,7 @@ class DiskStore final : public DelaunayStore {
   std::filesystem::path out_;
   StoreOptions options_;
   TileStorage& scratch_;
-  TileTaker* taker_;
+  TileConsumer* taker_;
   std::counting_semaphore<> early_;  // how many more may be stored early now
   Writers writers_;                  // last: they use all of the above
 };

@@ -14,7 +14,7 @@ struct Found {
   std::uint64_t other_heights = 0;
 };
 
-Result<Found> duplicates_of(const RoutedRun& run, TileId tile, std::uint64_t count) {
+Result<Found> duplicates_of(const RoutedCloud& run, TileId tile, std::uint64_t count) {
   const auto bytes = read_frame(scratch_file(run.folder, ScratchKind::duplicates, tile), ScratchKind::duplicates,
                                 {run.seal, tile.value});
   Found found;
@@ -39,7 +39,8 @@ std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded) {
   return std::as_bytes(std::span(loaded.duplicates));
 }
 
-Result<std::uint64_t> gather_duplicates(const RoutedRun& run, const std::vector<TileEntry>& tiles, DuplicateSort& out) {
+Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,
+                                        DuplicateSort& out) {
   std::uint64_t other_heights = 0;
   for (const TileEntry& entry : tiles) {
     const std::uint64_t points = run.tile_points[entry.tile.value];

@@ -8,7 +8,7 @@
 
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 
@@ -19,6 +19,7 @@ std::span<const std::byte> duplicates_to_bytes(LoadedTile& loaded);
 // Adds the pairs of all tiles to `out`, and tells how many are at other heights than the kept points. `tiles`: the
 // entries of all that hold points; their numbers of vertices tell how many pairs there are. What is missing or damaged
 // is found again from the points.
-Result<std::uint64_t> gather_duplicates(const RoutedRun& run, const std::vector<TileEntry>& tiles, DuplicateSort& out);
+Result<std::uint64_t> gather_duplicates(const RoutedCloud& run, const std::vector<TileEntry>& tiles,
+                                        DuplicateSort& out);
 
 }  // namespace tessera

@@ -59,7 +59,7 @@ bool any_has_room(std::span<const Host> hosts, std::uint64_t weight) {
   return std::any_of(hosts.begin(), hosts.end(), [&](const Host& host) { return weight <= host.weight_max; });
 }
 
-std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
+std::vector<Placement> place_again(const RoutingTable& table, std::span<const TileId> tiles,
                                    std::span<const std::uint64_t> weights, std::span<const Host> hosts, Term term) {
   const std::vector<NodeId> nodes = share_out(tiles, weights, hosts);
   std::vector<Placement> placements;
@@ -70,8 +70,8 @@ std::vector<Placement> place_again(const Table& table, std::span<const TileId> t
   return placements;
 }
 
-Table next_table(const Table& table, Epoch epoch, std::span<const Placement> changes) {
-  Table next = table;
+RoutingTable next_table(const RoutingTable& table, Epoch epoch, std::span<const Placement> changes) {
+  RoutingTable next = table;
   next.epoch = epoch;
   for (const Placement& change : changes) {
     next.nodes.at(change.tile.value) = change.node;

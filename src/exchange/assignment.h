@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "src/base/ids.h"
-#include "src/exchange/table.h"
+#include "src/exchange/routing_table.h"
 
 namespace tessera {
 
@@ -38,10 +38,10 @@ bool any_has_room(std::span<const Host> hosts, std::uint64_t weight);
 
 // `tiles` begin again as other incarnations, each somewhere on `hosts`. `weights`: by tile, of all. `term`: of the
 // coordinator: those of one that does not know yet that it has been replaced are others.
-std::vector<Placement> place_again(const Table& table, std::span<const TileId> tiles,
+std::vector<Placement> place_again(const RoutingTable& table, std::span<const TileId> tiles,
                                    std::span<const std::uint64_t> weights, std::span<const Host> hosts, Term term = {});
 
 // REQUIRES: the table has these tiles.
-Table next_table(const Table& table, Epoch epoch, std::span<const Placement> changes);
+RoutingTable next_table(const RoutingTable& table, Epoch epoch, std::span<const Placement> changes);
 
 }  // namespace tessera

@@ -11,7 +11,7 @@ std::uint32_t PeerCounters::life_of(Incarnation incarnation) {
   return static_cast<std::uint32_t>(found - lives_.begin());
 }
 
-PeerCounters::Count& PeerCounters::at(Peer peer) {
+PeerCounters::Count& PeerCounters::at(TileIncarnation peer) {
   const std::pair wanted(peer.tile, life_of(peer.incarnation));
   const auto key = [](const Count& c) { return std::pair(c.tile, c.life); };
   auto found = std::lower_bound(count_.begin(), count_.end(), wanted,

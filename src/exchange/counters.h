@@ -12,10 +12,10 @@
 
 namespace tessera {
 
-struct Peer {
+struct TileIncarnation {
   TileId tile;
   Incarnation incarnation;
-  friend constexpr auto operator<=>(const Peer&, const Peer&) = default;
+  friend constexpr auto operator<=>(const TileIncarnation&, const TileIncarnation&) = default;
 };
 
 struct Totals {
@@ -31,12 +31,12 @@ struct Totals {
 // Sorted and flat: a tile in space has some sixty peers, and there are many tiles.
 class PeerCounters {
  public:
-  void add_sent(Peer peer) { ++at(peer).sent; }
-  void add_processed(Peer peer) { ++at(peer).processed; }
+  void add_sent(TileIncarnation peer) { ++at(peer).sent; }
+  void add_processed(TileIncarnation peer) { ++at(peer).processed; }
   // What was exchanged with dead incarnations vanishes from both sides of the sum.
   template <class Dead>
   void forget_if(const Dead& dead) {
-    std::erase_if(count_, [&](const Count& c) { return dead(Peer{c.tile, lives_[c.life]}); });
+    std::erase_if(count_, [&](const Count& c) { return dead(TileIncarnation{c.tile, lives_[c.life]}); });
   }
   // Gives back what was taken for peers to come.
   void trim() {
@@ -53,7 +53,7 @@ class PeerCounters {
     std::uint32_t sent = 0, processed = 0;  // an update tells of something new: there are fewer than vertices
   };
   std::uint32_t life_of(Incarnation incarnation);
-  Count& at(Peer peer);
+  Count& at(TileIncarnation peer);
 
   std::vector<Count> count_;        // by tile and life
   std::vector<Incarnation> lives_;  // of peers: hardly ever more than one

@@ -6,7 +6,7 @@
 
 namespace tessera {
 
-Placements::Placements(PlacementOptions options, Table table)
+Placements::Placements(PlacementOptions options, RoutingTable table)
     : options_(std::move(options)), table_(std::move(table)), stored_(options_.weights.size()) {}
 
 std::vector<std::uint64_t> Placements::held(std::size_t nodes) const {
@@ -116,7 +116,7 @@ Placements::Placed Placements::place(const std::vector<Host>& hosts, const Lives
   return placed;
 }
 
-const Table& Placements::change(std::span<const Placement> changes) {
+const RoutingTable& Placements::change(std::span<const Placement> changes) {
   table_ = next_table(table_, table_.epoch.next(options_.term), changes);
   return table_;
 }

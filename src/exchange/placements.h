@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "src/exchange/assignment.h"
-#include "src/exchange/table.h"
+#include "src/exchange/routing_table.h"
 
 namespace tessera {
 
@@ -25,9 +25,9 @@ class Placements {
  public:
   using Lives = std::function<bool(NodeId)>;
 
-  Placements(PlacementOptions options, Table table);
+  Placements(PlacementOptions options, RoutingTable table);
 
-  const Table& table() const { return table_; }
+  const RoutingTable& table() const { return table_; }
   const std::vector<TileId>& order() const { return options_.order; }
   std::uint64_t weight(TileId tile) const { return options_.weights[tile.value]; }
   // By node, of so many: the weight of its tiles. How many they are.
@@ -35,7 +35,7 @@ class Placements {
   std::vector<std::uint32_t> tiles(std::size_t nodes) const;
 
   // The table that the parts of an earlier coordinator go by.
-  void adopt(Table table) { table_ = std::move(table); }
+  void adopt(RoutingTable table) { table_ = std::move(table); }
   // All tiles are fresh, and shared out to these, from `stage` on. REQUIRES: there is room for each.
   void begin(std::uint32_t stage, std::span<const Host> hosts);
   // The next stage: all tiles are fresh, and shared out to these anew. Changes as place().
@@ -76,14 +76,14 @@ class Placements {
   };
   Placed place(const std::vector<Host>& hosts, const Lives& lives);
   // A table of the next epoch.
-  const Table& change(std::span<const Placement> changes);
+  const RoutingTable& change(std::span<const Placement> changes);
 
  private:
   std::vector<Placement> again(std::vector<TileId>& tiles, std::vector<Host> hosts, const Lives& lives,
                                bool all = true) const;
 
   PlacementOptions options_;
-  Table table_;
+  RoutingTable table_;
   std::vector<bool> stored_;      // by tile
   std::vector<TileId> lost_;      // of lost nodes
   std::vector<TileId> released_;  // given up, or handed over

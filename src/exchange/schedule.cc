@@ -208,7 +208,7 @@ bool Schedule::idle() const {
   return true;
 }
 
-std::optional<Schedule::Grant> Schedule::next() {
+std::optional<Schedule::Permit> Schedule::next() {
   if (working_ >= options_.threads + options_.threads || phase_ == Phase::stopping) return std::nullopt;
   if (phase_ == Phase::suspending) {
     if (ahead()) return std::nullopt;
@@ -228,7 +228,7 @@ std::optional<Schedule::Grant> Schedule::next() {
     if (pending_.empty()) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
-    if (tile.place == Place::awake) return grant(t, Work::settle, tile.memory);
+    if (tile.place == Place::awake) return permit(t, Work::settle, tile.memory);
     return grant_in_room(t, Work::settle, tile.memory + waking_bytes(tile));
   }
   if (phase_ == Phase::collecting) {
@@ -237,7 +237,7 @@ std::optional<Schedule::Grant> Schedule::next() {
     if (pending_.empty() || many) return std::nullopt;
     const TileId t = pending_.begin()->second;
     const Tile& tile = tiles_.at(t);
-    if (tile.is_stored) return grant(t, Work::drop, tile.memory);
+    if (tile.is_stored) return permit(t, Work::drop, tile.memory);
     const std::uint64_t before = tile.place == Place::fresh    ? options_.begin_bytes * tile.weight
                                  : tile.place == Place::asleep ? tile.held
                                                                : 0;
@@ -257,17 +257,17 @@ std::optional<Schedule::Grant> Schedule::next() {
 }
 
 // Of those asleep the image passes through memory.
-std::optional<Schedule::Grant> Schedule::hand_next() {
+std::optional<Schedule::Permit> Schedule::hand_next() {
   if (ahead() || pending_.empty()) return std::nullopt;
   const TileId t = pending_.begin()->second;
   const Tile& tile = tiles_.at(t);
   const std::uint64_t needed = tile.memory + sleeping_bytes(tile);
   if (tile.place == Place::asleep && working_ > 0 && !fits(t, needed)) return std::nullopt;
-  return grant(t, Work::hand_over, needed);
+  return permit(t, Work::hand_over, needed);
 }
 
 // REQUIRES: there is one with mail.
-std::optional<Schedule::Grant> Schedule::step_awake() {
+std::optional<Schedule::Permit> Schedule::step_awake() {
   const TileId t = std::get<2>(*ready_.begin());
   const Tile& tile = tiles_.at(t);
   return grant_in_room(t, Work::step, tile.memory + growth(tile.mail));
@@ -277,7 +277,7 @@ std::uint64_t Schedule::growth(const Waiting& mail) const {
   return static_cast<std::uint64_t>(options_.mail_growth * static_cast<double>(mail.bytes));
 }
 
-std::optional<Schedule::Grant> Schedule::wake_next() {
+std::optional<Schedule::Permit> Schedule::wake_next() {
   const auto t = next_of_sweep();
   if (!t) return std::nullopt;
   sweep_ = *t;
@@ -319,28 +319,28 @@ bool Schedule::fits(TileId t, std::uint64_t needed, std::uint64_t freed) const {
 // Grants, or makes room by putting another tile to sleep, or waits until something ends. Something is always under way:
 // with nothing else in memory a tile may exceed the budget. Ahead of a free thread only what is small is granted, for
 // it holds its memory while it waits.
-std::optional<Schedule::Grant> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
+std::optional<Schedule::Permit> Schedule::grant_in_room(TileId t, Work work, std::uint64_t needed) {
   if (ahead() && (!fits(t, needed) || needed > options_.memory_bytes / ahead_part)) return std::nullopt;
-  if (fits(t, needed)) return grant(t, work, needed);
+  if (fits(t, needed)) return permit(t, work, needed);
   if (fits(t, needed, freeing_)) return std::nullopt;  // there will be room in a moment
   if (const auto other = to_sleep(t)) return put_to_sleep(*other);
   if (working_ + storing_ > 0) return std::nullopt;
-  return grant(t, work, needed);
+  return permit(t, work, needed);
 }
 
-std::optional<Schedule::Grant> Schedule::put_to_sleep(TileId t) {
+std::optional<Schedule::Permit> Schedule::put_to_sleep(TileId t) {
   const Tile& tile = tiles_.at(t);
-  return grant(t, Work::sleep, tile.memory + sleeping_bytes(tile));
+  return permit(t, Work::sleep, tile.memory + sleeping_bytes(tile));
 }
 
-std::optional<Schedule::Grant> Schedule::grant(TileId t, Work work, std::uint64_t needed) {
+std::optional<Schedule::Permit> Schedule::permit(TileId t, Work work, std::uint64_t needed) {
   unlink(t);
   Tile& tile = tiles_.at(t);
   set_memory(tile, needed);
   tile.working = true;
   ++working_;
   if (work == Work::sleep) freeing_ += tile.memory;
-  return Grant{t, work};
+  return Permit{t, work};
 }
 
 }  // namespace tessera

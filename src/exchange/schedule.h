@@ -47,7 +47,7 @@ struct ScheduleOptions {
 class Schedule {
  public:
   enum class Phase : std::uint8_t { exchanging, settling, collecting, handing, suspending, stopping };
-  struct Grant {
+  struct Permit {
     TileId tile;
     Work work;
   };
@@ -81,7 +81,7 @@ class Schedule {
   void abandon(TileId tile);
 
   // What to grant now, if anything: the tile counts as working until done().
-  std::optional<Grant> next();
+  std::optional<Permit> next();
 
   bool all_begun() const { return fresh_ == 0; }
   // Nothing is under way and nothing waits that this phase would grant.
@@ -119,9 +119,9 @@ class Schedule {
   bool pending(const Tile& tile) const;
   // Whether it can have so much once others have given some back.
   bool fits(TileId tile, std::uint64_t needed, std::uint64_t freed = 0) const;
-  std::optional<Grant> step_awake();
-  std::optional<Grant> hand_next();
-  std::optional<Grant> wake_next();
+  std::optional<Permit> step_awake();
+  std::optional<Permit> hand_next();
+  std::optional<Permit> wake_next();
   std::optional<TileId> next_of_sweep();
   std::optional<TileId> to_sleep(TileId but) const;
   std::uint64_t growth(const Waiting& mail) const;
@@ -129,9 +129,9 @@ class Schedule {
   std::uint64_t waking_bytes(const Tile& tile) const { return tile.held * options_.wake_percent / 100; }
   bool ahead() const { return working_ >= options_.threads; }
   void set_memory(Tile& tile, std::uint64_t bytes);
-  std::optional<Grant> grant(TileId tile, Work work, std::uint64_t needed);
-  std::optional<Grant> put_to_sleep(TileId tile);
-  std::optional<Grant> grant_in_room(TileId tile, Work work, std::uint64_t needed);
+  std::optional<Permit> permit(TileId tile, Work work, std::uint64_t needed);
+  std::optional<Permit> put_to_sleep(TileId tile);
+  std::optional<Permit> grant_in_room(TileId tile, Work work, std::uint64_t needed);
 
   ScheduleOptions options_;
   std::map<TileId, Tile> tiles_;  // here: there may be very many elsewhere

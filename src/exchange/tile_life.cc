@@ -9,7 +9,7 @@
 
 namespace tessera {
 
-TileLife::TileLife(Peer self, const TileContext& context, std::shared_ptr<const Table> table)
+TileLife::TileLife(TileIncarnation self, const TileContext& context, std::shared_ptr<const RoutingTable> table)
     : self_(self),
       context_(context),
       table_(std::move(table)),
@@ -78,11 +78,11 @@ Status TileLife::receive(Update update) {
   return mail_.add(std::move(update), *context_.storage);
 }
 
-void TileLife::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirths) {
+void TileLife::rejoin(std::shared_ptr<const RoutingTable> table, const IncarnationChanges* rebirths) {
   if (table->epoch <= table_->epoch || phase_ == Phase::gone) return;
   if (phase_ != Phase::fresh) {
     Epoch reached = table->epoch;
-    for (const Rebirths* r = rebirths; r && r->epoch > table_->epoch; r = r->before.get()) {
+    for (const IncarnationChanges* r = rebirths; r && r->epoch > table_->epoch; r = r->before.get()) {
       check(r->epoch == reached, "tables follow one another");
       reached = r->after;
       std::copy_if(r->tiles.begin(), r->tiles.end(), std::back_inserter(reborn_),
@@ -92,7 +92,7 @@ void TileLife::rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirt
     call_ |= !reborn_.empty();
   }
   table_ = std::move(table);
-  counters_.forget_if([&](Peer peer) { return table_->dead(peer); });
+  counters_.forget_if([&](TileIncarnation peer) { return table_->dead(peer); });
   if (context_.watch) context_.watch->rejoined(self_, counters_.totals());
 }
 
@@ -131,7 +131,7 @@ std::vector<Update> TileLife::take_outgoing() {
   return out;
 }
 
-Update TileLife::outgoing(Peer to, Message message) {
+Update TileLife::outgoing(TileIncarnation to, Message message) {
   counters_.add_sent(to);
   ++updates_sent_;
   if (context_.watch) context_.watch->sent(self_, to, counters_.totals());

@@ -17,7 +17,7 @@
 #include "src/base/result.h"
 #include "src/exchange/counters.h"
 #include "src/exchange/mail.h"
-#include "src/exchange/table.h"
+#include "src/exchange/routing_table.h"
 #include "src/exchange/tile_program.h"
 #include "src/exchange/tile_storage.h"
 #include "src/exchange/update.h"
@@ -29,9 +29,9 @@ class ExchangeWatch {
  public:
   virtual ~ExchangeWatch() = default;
   // `now`: of the tile that has sent, has processed, or has a new table.
-  virtual void sent(Peer from, Peer to, Totals now) = 0;
-  virtual void processed(Peer from, Peer to, Totals now) = 0;
-  virtual void rejoined(Peer self, Totals now) = 0;
+  virtual void sent(TileIncarnation from, TileIncarnation to, Totals now) = 0;
+  virtual void processed(TileIncarnation from, TileIncarnation to, Totals now) = 0;
+  virtual void rejoined(TileIncarnation self, Totals now) = 0;
 };
 
 // What all tiles of a job on one node have in common in a stage, read-only.
@@ -46,7 +46,7 @@ struct TileContext {
 class TileLife {
  public:
   // `table`: by which it begins.
-  TileLife(Peer self, const TileContext& context, std::shared_ptr<const Table> table);
+  TileLife(TileIncarnation self, const TileContext& context, std::shared_ptr<const RoutingTable> table);
 
   // From the image that an earlier process has left, or another node has handed over, if there is a sound one, else
   // from what the stage before has left.
@@ -57,7 +57,7 @@ class TileLife {
   // itself to a step (take_outgoing()), in which it first tells again what may have been lost. In any phase, and at
   // once: neither the program nor scratch is touched. A table that is no newer than the tile's changes nothing.
   // `rebirths`: up to this table, since the tile's, or earlier; null: it has not begun.
-  void rejoin(std::shared_ptr<const Table> table, const Rebirths* rebirths);
+  void rejoin(std::shared_ptr<const RoutingTable> table, const IncarnationChanges* rebirths);
   // Processes all mail that waits. No update is counted as processed before the program has worked on it.
   Status step();
   // Leaves an image on scratch, from which the tile also begins in a resumed run.
@@ -102,11 +102,11 @@ class TileLife {
   Status wake();
   Status write_handed();
   bool dead(const Update& update) const { return update.to != self_ || table_->dead(update.from); }
-  Update outgoing(Peer to, Message message);
+  Update outgoing(TileIncarnation to, Message message);
 
-  Peer self_;
+  TileIncarnation self_;
   const TileContext& context_;
-  std::shared_ptr<const Table> table_;
+  std::shared_ptr<const RoutingTable> table_;
   std::unique_ptr<TileProgram> program_;
   std::vector<TileId> reborn_;  // since its last step, some perhaps twice
   Phase phase_ = Phase::fresh;

@@ -11,7 +11,7 @@
 namespace tessera {
 
 struct Update {
-  Peer from, to;
+  TileIncarnation from, to;
   Epoch epoch;             // of the table by which it was sent
   std::uint32_t hops = 0;  // of the chain of updates that caused one another and ends with this one
   BigVector<std::byte> message;

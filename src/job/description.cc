@@ -254,9 +254,9 @@ void add_work(Lines& lines, const Json& result) {
 // A daemon of an older release does not tell heights.
 std::string duplicates_text_of(const Json& result) {
   const auto others = result.find("duplicates_at_other_heights");
-  const auto keep = kept_point_of(result.value("keep", std::string(name_of(KeptPoint::first))));
+  const auto keep = kept_point_of(result.value("keep", std::string(name_of(DuplicatePolicy::first))));
   return duplicates_text(others == result.end() || others->is_null() ? 0 : others->get<std::uint64_t>(),
-                         keep.value_or(KeptPoint::first));
+                         keep.value_or(DuplicatePolicy::first));
 }
 
 std::string result_text(const Json& result, bool counters) {

@@ -15,7 +15,7 @@ KindsOfStages kinds_of_stages();
 class EngineSteps final : public surface::StepsRunner {
  public:
   // `engine` and `progress` outlive it. `options`: without a lock file.
-  EngineSteps(Engine& engine, PartOptions options, Progress& progress)
+  EngineSteps(Engine& engine, ShareOptions options, Progress& progress)
       : engine_(engine), options_(std::move(options)), progress_(progress) {}
   Status run(const std::filesystem::path& result, const std::filesystem::path& run,
              const std::filesystem::path& lock_file, const std::function<void(double)>& part,
@@ -24,7 +24,7 @@ class EngineSteps final : public surface::StepsRunner {
 
  private:
   Engine& engine_;
-  PartOptions options_;
+  ShareOptions options_;
   Progress& progress_;
 };
 

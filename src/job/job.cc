@@ -38,7 +38,7 @@ std::string difference(const Inputs& inputs, const Cloud& cloud) {
 }
 
 // A resumed run must be the same job on the same files, or its tiles would not fit together.
-Status check_same_job(const RoutedRun& run, const Cloud& cloud, const std::string& key, const ResultFolder& folder) {
+Status check_same_job(const RoutedCloud& run, const Cloud& cloud, const std::string& key, const ResultFolder& folder) {
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, folder.path().string() + ": cannot be resumed: " + reason);
   };
@@ -58,8 +58,8 @@ Status check_finished(const Cloud& cloud, const ResultFolder& folder) {
 }
 
 // The routed points: those of the run that is resumed, or of a new one.
-Result<RoutedRun> routed_run(const Engine& engine, const JobOptions& options, const Cloud& cloud, ResultFolder& folder,
-                             Progress& progress, const std::stop_token& stop) {
+Result<RoutedCloud> routed_run(const Engine& engine, const JobOptions& options, const Cloud& cloud,
+                               ResultFolder& folder, Progress& progress, const std::stop_token& stop) {
   const auto key = options_key(options);
   if (folder.resuming()) {
     BOOST_OUTCOME_TRY(run, open_run(folder.run()));

@@ -27,7 +27,7 @@ Result<std::optional<JobSummary>> run_job(Engine& engine, JobOptions options, co
                                           ResultFolder& folder, Progress& progress, const std::stop_token& stop);
 
 // What takes the cells of tiles, made when it is known of which points: the manifest has no tiles yet.
-using MakeTaker = std::function<Result<TileTaker*>(const Manifest& manifest)>;
+using MakeTaker = std::function<Result<TileConsumer*>(const Manifest& manifest)>;
 
 // Makes no result: the cells of each tile go to what `make` makes, and `folder` holds only what waits on disk
 // meanwhile; whatever comes of it, the caller abandons the folder. REQUIRES: the engine is of no cluster. Errors: as

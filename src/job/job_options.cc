@@ -19,7 +19,7 @@ std::string options_key(const JobOptions& options) {
                              {"neighbors", options.neighbors}};
   if (options.store != StoreAs::by_size) key["store"] = name_of(options.store);
   if (!options.cloud.crs.empty()) key["crs"] = options.cloud.crs;
-  if (options.cloud.keep != KeptPoint::first) key["keep"] = name_of(options.cloud.keep);
+  if (options.cloud.keep != DuplicatePolicy::first) key["keep"] = name_of(options.cloud.keep);
   if (options.cloud.returns != Returns::all) key["returns"] = static_cast<int>(options.cloud.returns);
   if (!options.cloud.without.empty()) key["without"] = options.cloud.without;
   if (!options.cloud.columns.empty()) key["columns"] = options.cloud.columns;
@@ -66,7 +66,7 @@ Result<Returns> parse_returns(std::string_view text) {
   return error(Errc::usage, "'" + std::string(text) + "' is none of all, first, last and single");
 }
 
-Result<KeptPoint> parse_kept_point(std::string_view text) {
+Result<DuplicatePolicy> parse_kept_point(std::string_view text) {
   if (const auto keep = kept_point_of(text)) return *keep;
   return error(Errc::usage, "'" + std::string(text) + "' is none of first, last, lowest and highest");
 }

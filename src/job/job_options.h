@@ -34,7 +34,7 @@ Result<Box> crop_box(std::span<const double> numbers, int dimension);
 // "all", "first", "last", "single". Error usage, with the end of a sentence, here and below.
 Result<Returns> parse_returns(std::string_view text);
 // "first", "last", "lowest", "highest".
-Result<KeptPoint> parse_kept_point(std::string_view text);
+Result<DuplicatePolicy> parse_kept_point(std::string_view text);
 // "auto", "cells", "points".
 Result<StoreAs> parse_store_as(std::string_view text);
 // Whether these are flags that LAS has.

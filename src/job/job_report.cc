@@ -12,7 +12,7 @@
 
 namespace tessera {
 
-Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles) {
+Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const RunSummary& tiles) {
   Manifest manifest;
   manifest.software_version = version();
   manifest.command = options.command;

@@ -10,12 +10,12 @@
 #include "src/job/report/html_report.h"
 #include "src/job/report/summary.h"
 #include "src/result/store/tile_store.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 
 // Without duplicates, seconds and figures, which are known later.
-Manifest manifest_of(const JobOptions& options, const RoutedRun& run, const RunSummary& tiles);
+Manifest manifest_of(const JobOptions& options, const RoutedCloud& run, const RunSummary& tiles);
 void add_duplicates(JobSummary& summary, const Manifest& manifest);
 // Without duplicates, seconds and peak memory.
 JobSummary summary_of(const JobOptions& options, const std::filesystem::path& out, const Manifest& manifest,

@@ -20,7 +20,7 @@ namespace {
 // "crop: is an empty box", with the option marked.
 Error refuse(const char* key, const std::string& reason) { return error(Errc::usage, option(key) + ": " + reason); }
 
-Status read_tiles(const proto::TriangulateInputs& inputs, const Share& share, JobOptions& options) {
+Status read_tiles(const proto::TriangulateInputs& inputs, const JobShare& share, JobOptions& options) {
   if (inputs.has_tiles() && inputs.has_tile_points()) {
     return error(Errc::usage, option("tiles") + " and " + option("max-points-per-tile") +
                                   " contradict each other: give one of them");
@@ -126,20 +126,20 @@ Result<double> length_of(const char* key, double value) {
   return value;
 }
 
-Result<std::uint32_t> threads_of(std::uint32_t asked, const Share& share) {
+Result<std::uint32_t> threads_of(std::uint32_t asked, const JobShare& share) {
   if (asked < 1 || asked > threads_max)
     return refuse("threads", "is not a number from 1 to " + std::to_string(threads_max));
   return std::min(share.threads, asked);
 }
 
-Result<std::uint64_t> memory_of(const std::string& text, const Share& share) {
+Result<std::uint64_t> memory_of(const std::string& text, const JobShare& share) {
   const auto asked = parse_memory(text);
   if (!asked) return refuse("memory", asked.error().where);
   if (asked.value() == 0) return refuse("memory", "is 0");
   return std::min(asked.value(), share.memory_bytes);
 }
 
-std::string beyond_share(const proto::Inputs& inputs, const Share& share) {
+std::string beyond_share(const proto::Inputs& inputs, const JobShare& share) {
   std::string told;
   const auto tell = [&](const char* key, const std::string& asked, const std::string& has) {
     told += (told.empty() ? "" : "; ") + option(key) + ": " + asked + " asked for, a job has " + has + " here";
@@ -167,7 +167,7 @@ std::vector<std::string> list_of(const google::protobuf::RepeatedPtrField<std::s
   return {texts.begin(), texts.end()};
 }
 
-Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const Share& share) {
+Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const JobShare& share) {
   JobOptions options;
   BOOST_OUTCOME_TRYV(read_tiles(inputs, share, options));
   BOOST_OUTCOME_TRYV(read_cloud(inputs, options.cloud));
@@ -195,7 +195,7 @@ Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs) {
   return renamed(shared);
 }
 
-Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share) {
+Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const JobShare& share) {
   VerifyOptions options;
   options.memory_bytes = share.memory_bytes;
   if (inputs.has_memory()) {

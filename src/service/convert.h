@@ -15,7 +15,7 @@
 namespace tessera {
 
 // What one job of the service has.
-struct Share {
+struct JobShare {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = 0;
 };
@@ -24,28 +24,28 @@ struct Share {
 // lines can be sent); standard input; resume, a request of its own; config, quiet, json and verbose, which say how a
 // command reads and prints. A file as crs is refused, its content is taken. Threads and memory are at most the share.
 // Inputs and output are left to the caller. Error usage, here and below, with options marked.
-Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const Share& share);
+Result<JobOptions> job_options(const proto::TriangulateInputs& inputs, const JobShare& share);
 // Those that info has, too; and region.
 Result<proto::TriangulateInputs> cloud_of(const proto::InfoInputs& inputs);
 Result<proto::TriangulateInputs> cloud_of(const proto::RegionInputs& inputs);
 // All but `command`.
-Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const Share& share);
+Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const JobShare& share);
 // `scratch` is not asked for: it is the service's.
-Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const Share& share);
+Result<VerifyOptions> verify_options(const proto::VerifyInputs& inputs, const JobShare& share);
 Result<ExportOptions> export_options(const proto::ExportInputs& inputs);
 
 // "memory: 4.00 GiB asked for, a job has 1.00 GiB here; ...", options marked; empty when nothing beyond the share is
 // asked for. What is asked for are bounds: less than that is no other result, so that the job is taken, and told.
-std::string beyond_share(const proto::Inputs& inputs, const Share& share);
+std::string beyond_share(const proto::Inputs& inputs, const JobShare& share);
 
 // A length, finite and above 0, that the option of this key gives.
 Result<double> length_of(const char* key, double value);
 // Of inputs with threads and memory: what is asked for, at most the share.
-Result<std::uint32_t> threads_of(std::uint32_t asked, const Share& share);
-Result<std::uint64_t> memory_of(const std::string& text, const Share& share);
+Result<std::uint32_t> threads_of(std::uint32_t asked, const JobShare& share);
+Result<std::uint64_t> memory_of(const std::string& text, const JobShare& share);
 template <class Inputs>
-Result<Share> share_of_job(const Inputs& inputs, const Share& share) {
-  Share own = share;
+Result<JobShare> share_of_job(const Inputs& inputs, const JobShare& share) {
+  JobShare own = share;
   if (inputs.has_threads()) {
     BOOST_OUTCOME_TRY(threads, threads_of(inputs.threads(), share));
     own.threads = threads;

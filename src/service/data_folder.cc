@@ -58,9 +58,9 @@ Result<std::unique_ptr<DataFolder>> DataFolder::hold(const ServiceOptions& optio
   BOOST_OUTCOME_TRY(term, claim_term(options.data));
   BOOST_OUTCOME_TRYV(forget_terms(options.data, Term{term.value < terms_kept ? 0 : term.value - terms_kept}));
   BOOST_OUTCOME_TRYV(make_directories(jobs_folder(options.data)));
-  const auto lay = [&](const std::filesystem::path& area, std::unique_ptr<Desk>& desk) -> Status {
+  const auto lay = [&](const std::filesystem::path& area, std::unique_ptr<StagingFolder>& desk) -> Status {
     BOOST_OUTCOME_TRYV(make_directories(area));
-    BOOST_OUTCOME_TRY(laid, Desk::lay(area, term.value, [held = held.get()] { return held->still_ours(); }));
+    BOOST_OUTCOME_TRY(laid, StagingFolder::lay(area, term.value, [held = held.get()] { return held->still_ours(); }));
     desk = std::move(laid);
     return success();
   };

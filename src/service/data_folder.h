@@ -9,7 +9,7 @@
 
 #include "src/base/files/folder_lock.h"
 #include "src/base/result.h"
-#include "src/service/desk.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
@@ -29,15 +29,15 @@ class DataFolder {
   // The same by the clock alone, most of the time: for who asks often.
   Status heard() const { return lock_.heard(); }
   // For jobs, events and all else; for results, which may be on another disk; for uploads likewise.
-  Desk& desk() { return *jobs_; }
-  Desk& desk_of_results() { return *results_; }
-  Desk& desk_of_uploads() { return *uploads_; }
+  StagingFolder& desk() { return *jobs_; }
+  StagingFolder& desk_of_results() { return *results_; }
+  StagingFolder& desk_of_uploads() { return *uploads_; }
 
  private:
   explicit DataFolder(FolderLock lock) : lock_(std::move(lock)) {}
 
   FolderLock lock_;  // first: the desks ask it
-  std::unique_ptr<Desk> jobs_, results_, uploads_;
+  std::unique_ptr<StagingFolder> jobs_, results_, uploads_;
 };
 
 }  // namespace tessera

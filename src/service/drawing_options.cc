@@ -19,7 +19,7 @@ Error refuse(const char* key, const std::string& reason) { return error(Errc::us
 
 // What both have, into either's options.
 template <class Inputs, class Options>
-Status read_common(const Inputs& inputs, const Share& share, Options& options) {
+Status read_common(const Inputs& inputs, const JobShare& share, Options& options) {
   if (inputs.bbox_size() > 0) {
     const std::vector<double> numbers(inputs.bbox().begin(), inputs.bbox().end());
     for (const double number : numbers)
@@ -41,7 +41,7 @@ Status read_common(const Inputs& inputs, const Share& share, Options& options) {
 
 }  // namespace
 
-Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& share) {
+Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& share) {
   DemOptions options;
   BOOST_OUTCOME_TRYV(read_common(inputs, share, options));
   BOOST_OUTCOME_TRY(res, length_of("res", inputs.res()));
@@ -63,7 +63,7 @@ Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& shar
   return options;
 }
 
-Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const Share& share) {
+Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const JobShare& share) {
   ContourOptions options;
   BOOST_OUTCOME_TRYV(read_common(inputs, share, options));
   BOOST_OUTCOME_TRY(interval, length_of("interval", inputs.interval()));
@@ -100,7 +100,7 @@ Status read(const char* key, Result<Value> parsed, Value& to) {
 
 }  // namespace
 
-Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const Share& share) {
+Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const JobShare& share) {
   SurfaceOptions options;
   // A track would be a file of this machine, which is not the caller's to read.
   if (inputs.has_sensor()) {

@@ -11,8 +11,8 @@
 namespace tessera {
 
 // Errors usage, with options marked. `overwrite` is left to the caller.
-Result<DemOptions> dem_options(const proto::DemInputs& inputs, const Share& share);
-Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const Share& share);
-Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const Share& share);
+Result<DemOptions> dem_options(const proto::DemInputs& inputs, const JobShare& share);
+Result<ContourOptions> contour_options(const proto::ContoursInputs& inputs, const JobShare& share);
+Result<SurfaceOptions> surface_options(const proto::SurfaceInputs& inputs, const JobShare& share);
 
 }  // namespace tessera

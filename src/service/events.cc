@@ -46,7 +46,7 @@ class Events::Listener {
   const OnEvent on_event;
 };
 
-Result<std::unique_ptr<Events>> Events::open(fs::path numbers, Desk& desk,
+Result<std::unique_ptr<Events>> Events::open(fs::path numbers, StagingFolder& desk,
                                              const std::function<void(const std::string&)>& log) {
   std::unique_ptr<Events> events(new Events(std::move(numbers), desk));
   const auto tell = [&](const std::string& line) {

@@ -14,7 +14,7 @@
 
 #include "service.pb.h"
 #include "src/base/result.h"
-#include "src/service/desk.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
@@ -28,7 +28,7 @@ class Events {
   // Numbers go on where those of earlier processes ended: `numbers` is the file in which they are set aside, many at
   // once, written over `desk`. What is wrong with that file is told to `log`, and numbers go on from the time of day,
   // which is beyond all that were given. Error io.
-  static Result<std::unique_ptr<Events>> open(std::filesystem::path numbers, Desk& desk,
+  static Result<std::unique_ptr<Events>> open(std::filesystem::path numbers, StagingFolder& desk,
                                               const std::function<void(const std::string&)>& log);
   ~Events();
   Events(const Events&) = delete;
@@ -46,12 +46,12 @@ class Events {
   std::size_t listeners() const;
 
  private:
-  Events(std::filesystem::path numbers, Desk& desk) : numbers_(std::move(numbers)), desk_(desk) {}
+  Events(std::filesystem::path numbers, StagingFolder& desk) : numbers_(std::move(numbers)), desk_(desk) {}
   Status reserve(std::uint64_t from);
   void deliver();
 
   std::filesystem::path numbers_;
-  Desk& desk_;
+  StagingFolder& desk_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Shared> kept_;

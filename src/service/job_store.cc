@@ -31,7 +31,8 @@ Status append_line(const fs::path& file, const std::string& line, bool sync) {
 
 }  // namespace
 
-JobStore::JobStore(fs::path data, Desk& desk) : data_(std::move(data)), desk_(desk), new_folders_(jobs_folder(data_)) {}
+JobStore::JobStore(fs::path data, StagingFolder& desk)
+    : data_(std::move(data)), desk_(desk), new_folders_(jobs_folder(data_)) {}
 
 fs::path JobStore::folder(const std::string& id) const { return job_folder(data_, id); }
 

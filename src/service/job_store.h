@@ -12,14 +12,14 @@
 #include "job_record.pb.h"
 #include "src/base/files/shared_sync.h"
 #include "src/base/result.h"
-#include "src/service/desk.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
 class JobStore {
  public:
   // `desk`: of the data folder; every change passes over it.
-  JobStore(std::filesystem::path data, Desk& desk);
+  JobStore(std::filesystem::path data, StagingFolder& desk);
 
   struct Loaded {
     std::vector<proto::JobRecord> jobs;  // by id
@@ -56,7 +56,7 @@ class JobStore {
   Result<std::set<std::string>> read_forgotten() const;
 
   std::filesystem::path data_;
-  Desk& desk_;
+  StagingFolder& desk_;
   SharedSync new_folders_;
 };
 

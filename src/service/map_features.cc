@@ -97,7 +97,6 @@ Result<bool> FeaturePage::add(std::uint64_t id, const nlohmann::ordered_json& pr
   ++count_;
   last_ = id;
   points_ += points.size();
-  using Json = nlohmann::ordered_json;
   text_ += text_.empty() ? "" : ",";
   text_ += "{\"type\":\"Feature\",\"id\":" + std::to_string(id) + ",\"properties\":" + json_text(properties) +
            ",\"geometry\":";

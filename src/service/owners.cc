@@ -18,7 +18,7 @@ Result<std::string> owner_of(const std::filesystem::path& path) {
   return std::string(as_text(bytes));
 }
 
-Status set_owner(Desk& desk, const std::filesystem::path& path, const std::string& owner) {
+Status set_owner(StagingFolder& desk, const std::filesystem::path& path, const std::string& owner) {
   return desk.write(owner_file(path), owner);
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "src/base/result.h"
-#include "src/service/desk.h"
 #include "src/service/service.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
@@ -19,7 +19,7 @@ bool may_remove(const std::string& owner, const Caller& caller);
 // whether it is there first. Error io.
 Result<std::string> owner_of(const std::filesystem::path& path);
 // Before there is anything at `path`, so that it is never without. Error io.
-Status set_owner(Desk& desk, const std::filesystem::path& path, const std::string& owner);
+Status set_owner(StagingFolder& desk, const std::filesystem::path& path, const std::string& owner);
 Status forget_owner(const std::filesystem::path& path);
 
 }  // namespace tessera

@@ -43,7 +43,7 @@ Status read_place(const proto::RegionInputs& inputs, RegionJobOptions& options) 
 
 }  // namespace
 
-Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const Share& share) {
+Result<RegionJobOptions> region_options(const proto::RegionInputs& inputs, const JobShare& share) {
   BOOST_OUTCOME_TRY(cloud, cloud_of(inputs));
   BOOST_OUTCOME_TRY(job, job_options(cloud, share));
   RegionJobOptions options;

@@ -57,7 +57,7 @@ bool is_served(const fs::path& path) {
 
 }  // namespace
 
-Results::Results(const fs::path& data, Desk& desk) : results_(results_folder(data)), desk_(desk) {}
+Results::Results(const fs::path& data, StagingFolder& desk) : results_(results_folder(data)), desk_(desk) {}
 
 fs::path Results::folder(std::string_view name) const { return results_ / std::string(name); }
 fs::path Results::unfinished(const std::string& job) const { return unfinished_folder(results_, job); }

@@ -18,15 +18,15 @@
 #include "src/base/files/descriptor.h"
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
-#include "src/service/desk.h"
 #include "src/service/service.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
 class Results {
  public:
   // `desk`: of the results of the data folder; every change passes over it.
-  Results(const std::filesystem::path& data, Desk& desk);
+  Results(const std::filesystem::path& data, StagingFolder& desk);
   // Makes the folder, and removes what was being removed or made for jobs that are not among `jobs`. What of it is not
   // ours stays.
   Status open(const std::set<std::string>& jobs);
@@ -90,7 +90,7 @@ class Results {
   Status drop(const std::filesystem::path& folder);
 
   std::filesystem::path results_;
-  Desk& desk_;
+  StagingFolder& desk_;
   // Manifests are large where there are many tiles: those asked for last, by what identifies the file.
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const Manifest>> manifests_;

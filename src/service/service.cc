@@ -29,7 +29,7 @@ constexpr std::chrono::milliseconds tick_time{500};
 constexpr std::chrono::seconds retention_time{60};
 constexpr std::chrono::hours part_time{24};  // of uploads: nobody goes on sending what has lain so long
 
-Share share_of(const ServiceOptions& options) {
+JobShare share_of(const ServiceOptions& options) {
   const auto running = std::max(1U, options.limits.running);
   return {(options.threads + running - 1) / running, options.memory_bytes / running};
 }

@@ -121,7 +121,7 @@ struct Service::Impl {
   Result<std::string> owner_of_result(const std::string& name);
 
   const ServiceOptions options;
-  const Share share;
+  const JobShare share;
   const std::unique_ptr<DataFolder> data_folder;
   JobStore store;
   Results results;

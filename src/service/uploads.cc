@@ -106,7 +106,7 @@ class Uploads::Sending final : public Service::Upload {
   const FileHandle file_;
 };
 
-Uploads::Uploads(fs::path data, const UploadLimits& limits, Desk& desk)
+Uploads::Uploads(fs::path data, const UploadLimits& limits, StagingFolder& desk)
     : data_(std::move(data)), limits_(limits), desk_(desk) {}
 
 fs::path Uploads::folder() const { return uploads_folder(data_); }

@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "src/service/desk.h"
 #include "src/service/service.h"
+#include "src/service/staging_folder.h"
 
 namespace tessera {
 
@@ -26,7 +26,7 @@ struct UploadLimits {
 class Uploads {
  public:
   // `desk`: of uploads, over which a whole file gets its name, and goes.
-  Uploads(std::filesystem::path data, const UploadLimits& limits, Desk& desk);
+  Uploads(std::filesystem::path data, const UploadLimits& limits, StagingFolder& desk);
   // Makes the folder. Error io.
   Status open();
   std::filesystem::path folder() const;
@@ -62,7 +62,7 @@ class Uploads {
 
   std::filesystem::path data_;
   UploadLimits limits_;
-  Desk& desk_;
+  StagingFolder& desk_;
   std::mutex mutex_;
   std::set<std::filesystem::path> active_;
   Used used_;

@@ -30,7 +30,7 @@ struct Workshop {
   Results& results;
   std::filesystem::path data;
   ServiceLimits limits;
-  Share share;
+  JobShare share;
   RegionClouds& clouds;
   std::chrono::milliseconds data_lease{60'000};
 };

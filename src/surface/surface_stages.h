@@ -14,7 +14,7 @@ namespace tessera::surface {
 // Of a tile that is worked on, beside what reading it takes: stars and weights, its graph, a copy of that, trees.
 inline constexpr std::uint64_t bytes_a_cell = 170;
 
-inline constexpr const char* kind_of_surface = "surface";  // PartSpec::stages
+inline constexpr const char* kind_of_surface = "surface";  // ShareSpec::stages
 
 // All that steps do depends on it, and on the result.
 struct SurfacePlan {

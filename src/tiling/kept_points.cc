@@ -22,7 +22,7 @@ using Pair = Pairs::value_type;
 // The pairs of some vertices, all of each, by vertex; the vertices that others take the place of go to `replaced`.
 class Chooser {
  public:
-  Chooser(KeptPoint keep, const HeightsOf& heights_of) : keep_(keep), heights_of_(heights_of) {}
+  Chooser(DuplicatePolicy keep, const HeightsOf& heights_of) : keep_(keep), heights_of_(heights_of) {}
 
   Status choose(std::span<Pair> pairs) {
     ids_.clear();
@@ -63,7 +63,7 @@ class Chooser {
     for (const Pair& pair : pairs) other_heights_ += !is_same_height(candidate(pair.first).height, kept.height);
   }
 
-  KeptPoint keep_;
+  DuplicatePolicy keep_;
   const HeightsOf& heights_of_;
   std::vector<PointId> ids_;
   std::vector<double> heights_;
@@ -82,9 +82,9 @@ std::optional<std::size_t> height_offset(int dimension, const std::vector<Attrib
   return std::nullopt;
 }
 
-Status choose_kept(KeptPoint keep, const HeightsOf& heights_of, LoadedTile& tile) {
+Status choose_kept(DuplicatePolicy keep, const HeightsOf& heights_of, LoadedTile& tile) {
   Pairs& pairs = tile.duplicates;
-  if (pairs.empty() || (!heights_of && keep == KeptPoint::first)) return success();
+  if (pairs.empty() || (!heights_of && keep == DuplicatePolicy::first)) return success();
   const auto by_kept = [](const Pair& a, const Pair& b) {
     return std::pair(a.second, a.first) < std::pair(b.second, b.first);
   };
@@ -105,10 +105,10 @@ Status choose_kept(KeptPoint keep, const HeightsOf& heights_of, LoadedTile& tile
   return success();
 }
 
-Status choose_kept(const RoutedRun& run, TileId tile, LoadedTile& loaded) {
+Status choose_kept(const RoutedCloud& run, TileId tile, LoadedTile& loaded) {
   const auto z = height_offset(run.dimension, run.schema);
   if (!z) return choose_kept(run.keep, {}, loaded);
-  BundleMaps maps(run);
+  ShuffleFileMaps maps(run);
   const std::size_t row = row_bytes(run.schema);
   return choose_kept(
       run.keep,
@@ -121,8 +121,8 @@ Status choose_kept(const RoutedRun& run, TileId tile, LoadedTile& loaded) {
       loaded);
 }
 
-Status choose_kept_seeds(RoutedRun& run, const std::stop_token& stop) {
-  if (run.keep == KeptPoint::first) return success();
+Status choose_kept_seeds(RoutedCloud& run, const std::stop_token& stop) {
+  if (run.keep == DuplicatePolicy::first) return success();
   const auto z = height_offset(run.dimension, run.schema);
   const std::size_t row = row_bytes(run.schema);
   for (std::size_t begin = 0, end = 0; begin < run.seeds.size(); begin = end) {

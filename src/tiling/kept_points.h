@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "src/base/attribute.h"
-#include "src/base/kept_point.h"
-#include "src/tiling/routed_run.h"
+#include "src/base/duplicate_policy.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 
@@ -22,13 +22,13 @@ using HeightsOf = std::function<Result<std::vector<double>>(std::span<const Poin
 
 // Puts the kept point in the place of each that order_points() has kept, the first, and sets the duplicates and how
 // many of them are at other heights than what is kept. Without `heights_of`, which may be null, no height is known.
-Status choose_kept(KeptPoint keep, const HeightsOf& heights_of, LoadedTile& tile);
+Status choose_kept(DuplicatePolicy keep, const HeightsOf& heights_of, LoadedTile& tile);
 
 // The same of what was loaded of a run.
-Status choose_kept(const RoutedRun& run, TileId tile, LoadedTile& loaded);
+Status choose_kept(const RoutedCloud& run, TileId tile, LoadedTile& loaded);
 
 // The same of the seeds, which every tile must know by the source index of the vertex. Reads the tiles' records once,
 // unless the first points are kept.
-Status choose_kept_seeds(RoutedRun& run, const std::stop_token& stop);
+Status choose_kept_seeds(RoutedCloud& run, const std::stop_token& stop);
 
 }  // namespace tessera

@@ -8,7 +8,7 @@
 
 #include "src/base/big_vector.h"
 #include "src/tiling/hilbert.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 namespace {

@@ -71,7 +71,7 @@ class PlanReader {
  public:
   PlanReader(std::filesystem::path path, const json& root) : path_(std::move(path)), root_(root) {}
 
-  Result<RoutedRun> read(const std::filesystem::path& folder) {
+  Result<RoutedCloud> read(const std::filesystem::path& folder) {
     BOOST_OUTCOME_TRYV(read_header());
     run_.folder = folder;
     BOOST_OUTCOME_TRYV(read_tiles());
@@ -146,7 +146,7 @@ class PlanReader {
       return bad("does not tell where the tiles' points are");
     for (const json& from : bundles) {
       std::uint64_t attempt = 0, number = 0;
-      Bundle bundle;
+      ShuffleFile bundle;
       if (!read_unsigned(at(from, "attempt"), attempt) || attempt > UINT32_MAX ||
           !read_unsigned(at(from, "number"), number) || number > UINT32_MAX ||
           !read_unsigned(at(from, "first_id"), bundle.first_id) || bundle.first_id > run_.counts.read ||
@@ -223,12 +223,12 @@ class PlanReader {
 
   std::filesystem::path path_;
   const json& root_;
-  RoutedRun run_;
+  RoutedCloud run_;
   std::uint64_t segments_sum_ = 0;
 };
 
 // The segments, and that they are of these tiles and bundles.
-Status read_segments(RoutedRun& run, std::uint64_t written) {
+Status read_segments(RoutedCloud& run, std::uint64_t written) {
   const auto path = segments_file(run.folder);
   BOOST_OUTCOME_TRY(file, DiskFile::open(path, DiskFile::Mode::read));
   BOOST_OUTCOME_TRY(bytes, file.size());
@@ -276,13 +276,13 @@ std::string sealed_plan(std::string_view json) {
   return text;
 }
 
-Result<std::uint64_t> write_plan(const RoutedRun& run) {
+Result<std::uint64_t> write_plan(const RoutedCloud& run) {
   json tiles = json::array();
   for (std::size_t t = 0; t < run.tile_points.size(); ++t) {
     tiles.push_back({{"points", run.tile_points[t]}, {"bounds", to_json(run.tile_bounds[t])}});
   }
   json bundles = json::array();
-  for (const Bundle& b : run.bundles) {
+  for (const ShuffleFile& b : run.bundles) {
     bundles.push_back(
         {{"attempt", b.id.attempt}, {"number", b.id.number}, {"first_id", b.first_id}, {"points", b.points}});
   }
@@ -312,14 +312,14 @@ Result<std::uint64_t> write_plan(const RoutedRun& run) {
             {"inputs", std::move(inputs)},
             {"crs", run.crs},
             {"options_key", run.options_key}};
-  if (run.keep != KeptPoint::first) plan["keep"] = name_of(run.keep);
+  if (run.keep != DuplicatePolicy::first) plan["keep"] = name_of(run.keep);
   // File names and coordinate systems need not be UTF-8, which JSON is.
   const std::string text = sealed_plan(json_text(plan));
   BOOST_OUTCOME_TRYV(write_whole(plan_file(run.folder), text));
   return seal_of(text);
 }
 
-Result<RoutedRun> open_run(const std::filesystem::path& folder) {
+Result<RoutedCloud> open_run(const std::filesystem::path& folder) {
   const auto path = plan_file(folder);
   std::string text;
   {
@@ -338,7 +338,7 @@ Result<RoutedRun> open_run(const std::filesystem::path& folder) {
   run.seal = seal;
   BOOST_OUTCOME_TRYV(read_segments(run, reader.segments_sum()));
   const std::size_t row = row_bytes(run.schema);
-  for (const Bundle& bundle : run.bundles) {
+  for (const ShuffleFile& bundle : run.bundles) {
     BOOST_OUTCOME_TRYV(check_size(points_file(folder, bundle.id), bundle.points, sizeof(LocalPoint)));
     if (row > 0) {
       BOOST_OUTCOME_TRYV(check_size(attributes_file(folder, bundle.id), bundle.points, row));

@@ -56,7 +56,7 @@ Status split_large_tiles(Partition& partition, TileWriter& writer, const std::fi
     std::vector<Point> sample;
     sample.reserve(count / stride + 1);
     std::uint64_t seen = 0;
-    const BundleFiles points_alone{folder, routed.bundles, 0};
+    const ShuffleFiles points_alone{folder, routed.bundles, 0};
     BOOST_OUTCOME_TRYV(
         for_each_record(points_alone, routed.segments[tile.value], stop, [&](auto points, auto) -> Status {
           for (const LocalPoint& p : points) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <stop_token>
 
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {

@@ -16,7 +16,7 @@
 #include "src/tiling/kept_points.h"
 #include "src/tiling/plan.h"
 #include "src/tiling/refine.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "src/tiling/tile_writer.h"
 
 namespace tessera {
@@ -140,7 +140,7 @@ Status check_span(const Cloud& cloud, int dimension, const CloudCounts& counts, 
 }
 
 // What the plan tells of the points, once all are where they stay.
-void settle(RoutedRun& run, RoutedPoints& routed) {
+void settle(RoutedCloud& run, RoutedPoints& routed) {
   run.bundles = std::move(routed.bundles);
   for (std::uint32_t t = 0; t < run.partition.tiles(); ++t) {
     run.tile_points.push_back(routed.points_of(TileId{t}));
@@ -157,13 +157,13 @@ void settle(RoutedRun& run, RoutedPoints& routed) {
 
 }  // namespace
 
-Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
-                        Progress& progress, std::stop_token stop, StretchRouter* router) {
+Result<RoutedCloud> route(const Cloud& cloud, const std::filesystem::path& folder, const RouteOptions& options,
+                          Progress& progress, std::stop_token stop, SplitRouter* router) {
   if (options.tiles > Partition::tiles_max) {
     return error(Errc::usage, std::to_string(options.tiles) + " tiles are more than the " +
                                   std::to_string(Partition::tiles_max) + " that can be made");
   }
-  RoutedRun run;
+  RoutedCloud run;
   run.folder = folder;
   run.dimension = cloud.options().dimension;
   run.keep = cloud.options().keep;
@@ -189,21 +189,21 @@ Result<RoutedRun> route(const Cloud& cloud, const std::filesystem::path& folder,
       std::min(budget::route_buffer_bytes(options.memory_bytes), (points_max + 1) * TileWriter::bytes_per_point(row));
   TileWriter writer(folder, 0, run.dimension, row, buffer);
   RoutedPoints& routed = writer.routed();
-  std::vector<Stretch> stretches{cloud.whole()};
+  std::vector<InputSplit> splits{cloud.whole()};
   if (router) {
-    BOOST_OUTCOME_TRY(cut, cloud.stretches(router->stretch_points(progress.points_total)));
-    stretches = std::move(cut);
+    BOOST_OUTCOME_TRY(cut, cloud.splits(router->stretch_points(progress.points_total)));
+    splits = std::move(cut);
   }
-  if (stretches.size() > 1) {
+  if (splits.size() > 1) {
     BOOST_OUTCOME_TRYV(make_directories(stretches_folder(folder)));
-    BOOST_OUTCOME_TRY(attempts, router->route(cloud, stretches, run.partition, folder, progress, stop));
+    BOOST_OUTCOME_TRY(attempts, router->route(cloud, splits, run.partition, folder, progress, stop));
     for (const std::uint32_t attempt : attempts) {
       BOOST_OUTCOME_TRY(next, read_stretch(folder, attempt, run.partition));
       routed.append(next);
     }
     BOOST_OUTCOME_TRYV(remove_whole(stretches_folder(folder)));
   } else {
-    BOOST_OUTCOME_TRYV(write_stretch(cloud, stretches.front(), run.partition, writer, stop,
+    BOOST_OUTCOME_TRYV(write_stretch(cloud, splits.front(), run.partition, writer, stop,
                                      [&](std::uint64_t points) { progress.points_routed += points; }));
   }
   run.counts = routed.counts;

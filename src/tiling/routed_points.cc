@@ -20,7 +20,7 @@ std::uint64_t RoutedPoints::points_of(TileId tile) const {
 void RoutedPoints::append(const RoutedPoints& next) {
   const std::uint64_t first_id = counts.read;
   const auto first_bundle = static_cast<std::uint32_t>(bundles.size());
-  for (Bundle bundle : next.bundles) {
+  for (ShuffleFile bundle : next.bundles) {
     bundle.first_id += first_id;
     bundles.push_back(bundle);
   }

@@ -8,8 +8,8 @@
 
 #include "src/base/point.h"
 #include "src/input/cloud/cloud.h"
-#include "src/tiling/bundle.h"
 #include "src/tiling/seed_finder.h"
+#include "src/tiling/shuffle_file.h"
 #include "src/tiling/span_finder.h"
 
 namespace tessera {
@@ -17,7 +17,7 @@ namespace tessera {
 struct RoutedPoints {
   explicit RoutedPoints(int dimension) : seeds(dimension), span(dimension) {}
 
-  std::vector<Bundle> bundles;
+  std::vector<ShuffleFile> bundles;
   std::vector<std::vector<Segment>> segments;  // by tile
   std::vector<Bounds> bounds;                  // by tile, of its points
   SeedFinder seeds;

@@ -9,7 +9,7 @@
 #include "src/base/big_vector.h"
 #include "src/base/files/names.h"
 #include "src/tiling/kept_points.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera {
 
@@ -17,17 +17,17 @@ static_assert(std::endian::native == std::endian::little, "tile files are little
 
 namespace {
 
-Status check_tile(const RoutedRun& run, TileId tile) {
+Status check_tile(const RoutedCloud& run, TileId tile) {
   if (tile.value < run.tile_points.size()) return success();
   return error(Errc::internal, "tile " + std::to_string(tile.value) + " of " + std::to_string(run.tile_points.size()));
 }
 
 // Once for each tile in this process: rows are looked up here and there in mapped files, which never reads all of them.
 // Two threads may both check a tile; that costs time, not truth.
-Status check_records(const RoutedRun& run, TileId tile) {
+Status check_records(const RoutedCloud& run, TileId tile) {
   TileChecked not_remembered;
   TileChecked& checked = run.checked ? (*run.checked)[tile.value] : not_remembered;
-  const BundleFiles points_alone{run.folder, run.bundles, 0};
+  const ShuffleFiles points_alone{run.folder, run.bundles, 0};
   if (!checked.points) {
     BOOST_OUTCOME_TRYV(
         for_each_record(points_alone, run.segments_of(tile), {}, [](auto...) -> Status { return success(); }));
@@ -49,7 +49,7 @@ LocalPoint record(std::span<const std::byte> records, std::size_t i) {
 
 }  // namespace
 
-Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
+Result<LoadedTile> load_tile(const RoutedCloud& run, TileId tile) {
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
   BigVector<LocalPoint> points(run.tile_points[tile.value]);
   const Box& box = run.partition.boxes()[tile.value];
@@ -75,9 +75,9 @@ Result<LoadedTile> load_tile(const RoutedRun& run, TileId tile) {
   return loaded;
 }
 
-Result<const BundleMaps::Maps*> BundleMaps::of(std::uint32_t number) {
+Result<const ShuffleFileMaps::Maps*> ShuffleFileMaps::of(std::uint32_t number) {
   if (const auto found = maps_.find(number); found != maps_.end()) return &found->second;
-  const Bundle& bundle = run_.bundles[number];
+  const ShuffleFile& bundle = run_.bundles[number];
   const std::size_t row = row_bytes(run_.schema);
   BOOST_OUTCOME_TRY(points, MappedFile::open(points_file(run_.folder, bundle.id)));
   BOOST_OUTCOME_TRY(rows, MappedFile::open(attributes_file(run_.folder, bundle.id)));
@@ -86,8 +86,8 @@ Result<const BundleMaps::Maps*> BundleMaps::of(std::uint32_t number) {
   return &maps_.emplace(number, Maps{std::move(points), std::move(rows)}).first->second;
 }
 
-Result<std::vector<std::byte>> load_rows(BundleMaps& maps, TileId tile, const std::vector<PointId>& ids) {
-  const RoutedRun& run = maps.run();
+Result<std::vector<std::byte>> load_rows(ShuffleFileMaps& maps, TileId tile, const std::vector<PointId>& ids) {
+  const RoutedCloud& run = maps.run();
   BOOST_OUTCOME_TRYV(check_tile(run, tile));
   const std::size_t row = row_bytes(run.schema);
   std::vector<std::byte> rows(ids.size() * row);
@@ -109,7 +109,7 @@ Result<std::vector<std::byte>> load_rows(BundleMaps& maps, TileId tile, const st
                                         [&](PointId id, const Segment& s) { return id < first_id(s); });
     if (after == segments.begin()) return no_point(wanted);
     const Segment& segment = *std::prev(after);
-    const Bundle& bundle = run.bundles[segment.bundle];
+    const ShuffleFile& bundle = run.bundles[segment.bundle];
     BOOST_OUTCOME_TRY(mapped, maps.of(segment.bundle));
     const auto points = mapped->points.bytes().subspan(segment.begin * sizeof(LocalPoint));
     const auto from = mapped->rows.bytes().subspan(segment.begin * row);

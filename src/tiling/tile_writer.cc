@@ -112,7 +112,7 @@ Status TileWriter::flush(const Partition& partition) {
     segment.first_id = points_[by_tile_[begin]].id.value;
     routed_.segments[t].push_back(segment);
   }
-  const BundleId id = routed_.bundles.back().id;
+  const ShuffleFileId id = routed_.bundles.back().id;
   BOOST_OUTCOME_TRYV(write(points_file(folder_, id), std::as_bytes(std::span(points_)), filled, &Segment::points_sum,
                            [&](TileId tile, std::size_t i) {
                              routed_.bounds[tile.value].add(points_[i].at);

@@ -9,9 +9,9 @@
 
 #include "src/base/point.h"
 #include "src/base/result.h"
-#include "src/tiling/bundle.h"
 #include "src/tiling/partition.h"
 #include "src/tiling/routed_points.h"
+#include "src/tiling/shuffle_file.h"
 
 namespace tessera {
 

@@ -11,8 +11,8 @@ namespace {
 using Time = Account::Time;
 using std::chrono::seconds;
 
-PartProgress said(std::uint64_t begun, std::uint64_t stored) {
-  PartProgress p;
+ShareProgress said(std::uint64_t begun, std::uint64_t stored) {
+  ShareProgress p;
   p.tiles_begun = begun;
   p.weight_begun = 10 * begun;
   p.tiles_stored = stored;
@@ -124,7 +124,7 @@ TEST(Account, EachStageHasTimesOfItsOwn) {
 
 TEST(Account, AddsUpAtTheEnd) {
   Account account(Time{});
-  PartEnded a, b;
+  ShareEnded a, b;
   a.items.sent = 3, a.hops = 4, a.sleeps = 1, a.begin_us = 10, a.most_received = 9;
   b.items.sent = 5, b.hops = 2, b.sleeps = 2, b.begin_us = 20, b.most_received = 8;
   account.ended(a);

@@ -21,7 +21,7 @@ TEST_F(Nodes, GetNoTileThatTheyHaveNoRoomFor) {
   tell_none(c_, 0, "c");
   const auto spec = listen(a_).open;
   ASSERT_TRUE(spec);
-  const Table table = spec_from_bytes(spec->spec.get()).value().table;
+  const RoutingTable table = spec_from_bytes(spec->spec.get()).value().table;
   EXPECT_EQ(table.node_of(TileId{2}), NodeId{1});
   for (std::uint32_t t = 0; t < tiles; ++t) EXPECT_NE(table.node_of(TileId{t}), NodeId{2}) << t;
 }
@@ -66,14 +66,14 @@ TEST_F(Nodes, WithoutRoomDoNotEndAJob) {
   const auto table = listen(a_).table;
   ASSERT_TRUE(table);
   for (std::uint32_t t = 0; t < tiles; ++t) EXPECT_EQ(table->node_of(TileId{t}), NodeId{t == 2 ? 1U : 0U}) << t;
-  tell(a_, PartIdle{NodeId{0}});
-  tell(a_, PartTally{NodeId{0}, table->epoch, 1, true, 0, 0});
-  tell(a_, PartTally{NodeId{0}, table->epoch, 2, true, 0, 0});
+  tell(a_, ShareIdle{NodeId{0}});
+  tell(a_, ShareTally{NodeId{0}, table->epoch, 1, true, 0, 0});
+  tell(a_, ShareTally{NodeId{0}, table->epoch, 2, true, 0, 0});
   EXPECT_LE(listen(a_).probes, 1);
   tell(a_, NodeJoined{handle_of(c_)});
   tell_opened(c_, 10, "c");
   EXPECT_EQ(listen(a_).releases, 1);
-  tell(a_, PartReleased{NodeId{0}, {}});
+  tell(a_, ShareReleased{NodeId{0}, {}});
   const auto next = listen(c_).table;
   ASSERT_TRUE(next);
   EXPECT_EQ(next->node_of(TileId{2}), NodeId{2});
@@ -94,7 +94,7 @@ TEST_F(Nodes, WhoseScratchCannotBeUsedAreDoneWithout) {
   start(begun_with(table_of({0, 0, 0, 1, 1, 1})), {&a_, &b_});
   tell_opened(a_, 0, "a");
   tell_opened(b_, 0, "b");
-  PartEnded ended;
+  ShareEnded ended;
   ended.node = NodeId{1};
   ended.of_node = true;
   ended.failure = failure_of(error(Errc::io, "/scratch/x: cannot write: No space left on device"));
@@ -108,7 +108,7 @@ TEST_F(Nodes, WhoseScratchCannotBeUsedAreDoneWithout) {
       std::string::npos)
       << owner_.lines;
   // The last one's failure is the job's.
-  PartEnded last;
+  ShareEnded last;
   last.node = NodeId{0};
   last.of_node = true;
   last.failure = failure_of(error(Errc::io, "/scratch/y: cannot write: No space left on device"));

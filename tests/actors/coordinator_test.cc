@@ -17,10 +17,10 @@ TEST_F(Nodes, ThatAreAskedTwiceForTilesAnswerTwice) {
   }
   EXPECT_EQ(listen(a_).releases, 2);
   EXPECT_EQ(listen(b_).releases, 1);
-  tell(a_, PartReleased{NodeId{0}, {}});
-  tell(b_, PartReleased{NodeId{1}, {}});
+  tell(a_, ShareReleased{NodeId{0}, {}});
+  tell(b_, ShareReleased{NodeId{1}, {}});
   EXPECT_FALSE(listen(a_).table) << "one answer is still to come";
-  tell(a_, PartReleased{NodeId{0}, {TileId{5}}});
+  tell(a_, ShareReleased{NodeId{0}, {TileId{5}}});
   const auto table = listen(a_).table;
   ASSERT_TRUE(table);
   EXPECT_NE(table->node_of(TileId{5}), NodeId{0});
@@ -29,7 +29,7 @@ TEST_F(Nodes, ThatAreAskedTwiceForTilesAnswerTwice) {
 }
 
 TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredHaveNoTilesAnyMore) {
-  const Table table = table_of({0, 0, 0, 1, 1, 1});
+  const RoutingTable table = table_of({0, 0, 0, 1, 1, 1});
   start(taken_over(), {&a_, &b_});
   tell_found(b_, 1, table);
   tell(a_, NodeLost{handle_of(b_)});
@@ -44,7 +44,7 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredHaveNoTilesAnyMore) {
 
 // Their parts may still speak: to whom they have no tiles, too.
 TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredKeepTheirNumber) {
-  const Table table = table_of({0, 0, 0, 0, 0, 0});
+  const RoutingTable table = table_of({0, 0, 0, 0, 0, 0});
   start(taken_over(), {&a_, &b_});
   tell_found(b_, 1, table);
   tell(a_, NodeLost{handle_of(b_)});
@@ -58,22 +58,22 @@ TEST_F(Nodes, ThatAreLostAfterTheyHaveAnsweredKeepTheirNumber) {
 class Stages : public Nodes {
  protected:
   void all_is_quiet(std::uint32_t epoch) {
-    tell(a_, PartIdle{NodeId{0}});
-    tell(b_, PartIdle{NodeId{1}});
+    tell(a_, ShareIdle{NodeId{0}});
+    tell(b_, ShareIdle{NodeId{1}});
     for (int i = 0; i < 2; ++i) {
       ++wave_;
-      tell(a_, PartTally{NodeId{0}, {{}, epoch}, Wave{wave_}, true, 4, 4});
-      tell(b_, PartTally{NodeId{1}, {{}, epoch}, Wave{wave_}, true, 5, 5});
-      tell(a_, PartIdle{NodeId{0}});
-      tell(b_, PartIdle{NodeId{1}});
+      tell(a_, ShareTally{NodeId{0}, {{}, epoch}, Wave{wave_}, true, 4, 4});
+      tell(b_, ShareTally{NodeId{1}, {{}, epoch}, Wave{wave_}, true, 5, 5});
+      tell(a_, ShareIdle{NodeId{0}});
+      tell(b_, ShareIdle{NodeId{1}});
     }
-    tell(a_, PartSettled{NodeId{0}, {{}, epoch}});
-    tell(b_, PartSettled{NodeId{1}, {{}, epoch}});
+    tell(a_, ShareSettled{NodeId{0}, {{}, epoch}});
+    tell(b_, ShareSettled{NodeId{1}, {{}, epoch}});
   }
   void all_come_to_the_end(std::uint32_t epoch, std::uint32_t stage) {
     for (std::uint32_t t = 0; t < tiles; ++t) tell(t < 3 ? a_ : b_, TileDone{stage, {TileId{t}, {}}, 0});
-    tell(a_, PartCollected{NodeId{0}, {{}, epoch}});
-    tell(b_, PartCollected{NodeId{1}, {{}, epoch}});
+    tell(a_, ShareCollected{NodeId{0}, {{}, epoch}});
+    tell(b_, ShareCollected{NodeId{1}, {{}, epoch}});
   }
   // What the job is settled in, as it is written down.
   std::vector<std::pair<std::uint32_t, bool>> marks_;
@@ -106,7 +106,7 @@ TEST_F(Stages, FollowEachOther) {
   EXPECT_FALSE(owner_.end);
   all_is_quiet(1);
   all_come_to_the_end(1, 1);
-  PartEnded end;
+  ShareEnded end;
   tell(a_, end);
   end.node = NodeId{1};
   tell(b_, end);

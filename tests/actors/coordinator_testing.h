@@ -41,7 +41,7 @@ inline CoordinatorOptions job() {
   return made;
 }
 
-inline CoordinatorOptions begun_with(Table table) {
+inline CoordinatorOptions begun_with(RoutingTable table) {
   CoordinatorOptions first = job();
   first.spec.table = std::move(table);
   return first;
@@ -54,8 +54,8 @@ inline CoordinatorOptions taken_over() {
   return second;
 }
 
-inline Table table_of(const std::vector<std::uint32_t>& nodes) {
-  Table table{{}, 0, {}, std::vector<Incarnation>(nodes.size())};
+inline RoutingTable table_of(const std::vector<std::uint32_t>& nodes) {
+  RoutingTable table{{}, 0, {}, std::vector<Incarnation>(nodes.size())};
   for (const std::uint32_t node : nodes) table.nodes.push_back(NodeId{node});
   return table;
 }
@@ -64,8 +64,8 @@ class Nodes : public ::testing::Test {
  protected:
   // What a node, or its part, has heard since it listened last.
   struct Heard {
-    std::optional<OpenPart> open;
-    std::optional<Table> table, begun;
+    std::optional<OpenShare> open;
+    std::optional<RoutingTable> table, begun;
     int releases = 0, probes = 0;
     bool aborted = false;
   };
@@ -92,7 +92,7 @@ class Nodes : public ::testing::Test {
   void tell_opened(const caf::scoped_actor& node, std::uint64_t memory_bytes = 0, const std::string& name = {}) {
     const auto open = listen(node).open;
     ASSERT_TRUE(open);
-    PartOpened opened;
+    ShareOpened opened;
     opened.node = open->node;
     opened.part = handle_of(node);
     opened.memory_bytes = memory_bytes;
@@ -101,15 +101,15 @@ class Nodes : public ::testing::Test {
   }
   // It has no part.
   void tell_none(const caf::scoped_actor& node, std::uint64_t memory_bytes, const std::string& name) {
-    PartFound none;
+    ShareFound none;
     none.term = Term{1};
     none.node = handle_of(node);
     none.memory_bytes = memory_bytes;
     none.name = name;
     tell(node, std::move(none));
   }
-  void tell_found(const caf::scoped_actor& node, std::uint32_t number, const Table& table) {
-    PartFound found;
+  void tell_found(const caf::scoped_actor& node, std::uint32_t number, const RoutingTable& table) {
+    ShareFound found;
     found.term = Term{1};
     found.node = found.part = handle_of(node);
     found.self = NodeId{number};
@@ -121,12 +121,12 @@ class Nodes : public ::testing::Test {
   Heard listen(const caf::scoped_actor& ear) {
     Heard heard;
     bool more = true;
-    ear->receive_while([&] {
-      return more;
-    })([&](const OpenPart& open) { heard.open = open; }, [&](const ChangeTable& change) { heard.table = change.table; },
-       [&](const Release&) { ++heard.releases; }, [&](const BeginPart& begin) { heard.begun = begin.table; },
-       [](const FindPart&) {}, [&](const Probe&) { ++heard.probes; }, [&](const Abort&) { heard.aborted = true; },
-       caf::after(std::chrono::seconds(0)) >> [&] { more = false; });
+    ear->receive_while([&] { return more; })(
+        [&](const OpenShare& open) { heard.open = open; },
+        [&](const ChangeTable& change) { heard.table = change.table; }, [&](const Release&) { ++heard.releases; },
+        [&](const BeginShare& begin) { heard.begun = begin.table; }, [](const FindShare&) {},
+        [&](const Probe&) { ++heard.probes; }, [&](const Abort&) { heard.aborted = true; },
+        caf::after(std::chrono::seconds(0)) >> [&] { more = false; });
     return heard;
   }
 

@@ -23,7 +23,7 @@ namespace {
 class Runs : public ::testing::Test {
  protected:
   // A routed cloud in 5 tiles whose result goes to the folder `name`.
-  RoutedRun routed(const std::string& name, std::size_t points = 300) {
+  RoutedCloud routed(const std::string& name, std::size_t points = 300) {
     const auto coordinates = coordinates_of(make_cloud("uniform", 3, points, 1), 3);
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
@@ -33,7 +33,7 @@ class Runs : public ::testing::Test {
   }
 
   // The number of cells, or the sentence of a failure.
-  static std::string run(Engine& engine, const RoutedRun& run, const RunOptions& options) {
+  static std::string run(Engine& engine, const RoutedCloud& run, const RunOptions& options) {
     Progress progress;
     const auto summary = engine.run(run, run.folder.parent_path(), options, progress, {});
     return summary ? std::to_string(summary.value().cells) : summary.error().where;
@@ -52,7 +52,7 @@ class Runs : public ::testing::Test {
 
 TEST_F(Runs, InARowEachHaveTheWholeMemory) {
   const std::string cells = cells_of_one();
-  const RoutedRun again = routed("again");
+  const RoutedCloud again = routed("again");
   Engine engine(2, memory);
   // All but the first find every tile stored: they end as soon as they have begun.
   for (int i = 0; i < 1000; ++i) ASSERT_EQ(run(engine, again, {.threads = 2, .memory_bytes = memory}), cells) << i;
@@ -62,7 +62,7 @@ TEST_F(Runs, InARowEachHaveTheWholeMemory) {
 TEST_F(Runs, AtOnceShareMemoryAndThreads) {
   const std::string cells = cells_of_one();
   constexpr int runs = 4;
-  std::vector<RoutedRun> clouds;
+  std::vector<RoutedCloud> clouds;
   for (int i = 0; i < runs; ++i) clouds.push_back(routed(std::to_string(i)));
   Engine engine(2, memory);
   std::vector<std::string> got(runs);
@@ -79,7 +79,7 @@ TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
   const std::string cells = cells_of_one();
   for (const std::string damage : {"none", "cut", "flipped"}) {
     const bool damaged = damage != "none";
-    const RoutedRun cloud = routed(damage);
+    const RoutedCloud cloud = routed(damage);
     const auto tiles = tiles_folder(cloud.folder.parent_path());
     for (std::uint32_t t = 0; t < cloud.tile_points.size(); ++t)  // in the way of each
       std::filesystem::create_directories(tile_file(cloud.folder.parent_path(), TileId{t}) / "somebody's");
@@ -106,7 +106,7 @@ TEST_F(Runs, ThatWereSettledGoOnWithoutAnExchangeOrMendWhatIsDamaged) {
 // it began from before.
 TEST_F(Runs, ThatAreStoppedInEveryPhaseGoOnToTheSameResult) {
   Engine engine(2, memory);
-  const RoutedRun whole = routed("whole", 40'000);
+  const RoutedCloud whole = routed("whole", 40'000);
   Progress unwatched;
   const auto expected =
       engine.run(whole, whole.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, unwatched, {});
@@ -118,7 +118,7 @@ TEST_F(Runs, ThatAreStoppedInEveryPhaseGoOnToTheSameResult) {
   };
   int interrupted = 0;
   for (const std::uint64_t bytes : {memory, std::uint64_t{1}}) {  // all in memory; every tile sleeps when it may
-    const RoutedRun cloud = routed("stopped " + std::to_string(bytes), 40'000);
+    const RoutedCloud cloud = routed("stopped " + std::to_string(bytes), 40'000);
     const RunOptions how{.threads = 2, .memory_bytes = bytes};
     for (const Phase phase : {Phase::planning, Phase::triangulating, Phase::splaying, Phase::collecting, Phase::done}) {
       Progress progress;

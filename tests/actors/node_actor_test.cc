@@ -18,13 +18,13 @@ class Config : public caf::actor_system_config {
 };
 
 // Parts whose tiles find no points, once they may look.
-class NoPoints final : public PartSource, public TileStorage, public DelaunayStore {
+class NoPoints final : public ShareSource, public TileStorage, public DelaunayStore {
  public:
   explicit NoPoints(std::size_t tiles) : tiles_(tiles) {}
-  Result<std::unique_ptr<Part>> open(const PartSpec&, NodeId) override {
-    auto part = std::make_unique<Part>();
+  Result<std::unique_ptr<Share>> open(const ShareSpec&, NodeId) override {
+    auto part = std::make_unique<Share>();
     part->weights = std::make_shared<const std::vector<std::uint64_t>>(tiles_, 1);
-    PartStage& only = part->stages.emplace_back();
+    ShareStage& only = part->stages.emplace_back();
     only.schedule.threads = static_cast<std::uint32_t>(tiles_);
     auto stage = std::make_shared<DelaunayStage>();
     stage->storage = only.context.storage = this;
@@ -58,33 +58,33 @@ class NoPoints final : public PartSource, public TileStorage, public DelaunaySto
 class Node : public ::testing::Test {
  protected:
   // What the node answers when it is asked for a part that may use so much.
-  PartOpened open(std::uint64_t mebibytes) {
-    PartSpec spec;
+  ShareOpened open(std::uint64_t mebibytes) {
+    ShareSpec spec;
     spec.memory_bytes = mebibytes << 20;
     self_->send(node_,
-                OpenPart{JobId{++jobs_}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self_.ptr()), {}});
-    PartOpened answer;
-    self_->receive([&](PartOpened& opened) { answer = std::move(opened); });
+                OpenShare{JobId{++jobs_}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self_.ptr()), {}});
+    ShareOpened answer;
+    self_->receive([&](ShareOpened& opened) { answer = std::move(opened); });
     return answer;
   }
 
   template <class... Messages>
-  void tell(const PartOpened& opened, Messages... messages) {
-    (self_->send(caf::actor_cast<PartHandle>(opened.part), std::move(messages)), ...);
+  void tell(const ShareOpened& opened, Messages... messages) {
+    (self_->send(caf::actor_cast<ShareHandle>(opened.part), std::move(messages)), ...);
   }
 
   // What a part says at last, once it is gone.
-  PartEnded end_of(const PartOpened& opened) {
+  ShareEnded end_of(const ShareOpened& opened) {
     self_->monitor(opened.part);
-    PartEnded last;
+    ShareEnded last;
     bool gone = false;
-    self_->receive_while([&] { return !gone; })([](const PartProgress&) {},
-                                                [&](PartEnded& ended) { last = std::move(ended); },
+    self_->receive_while([&] { return !gone; })([](const ShareProgress&) {},
+                                                [&](ShareEnded& ended) { last = std::move(ended); },
                                                 [&](const caf::down_msg&) { gone = true; });
     return last;
   }
 
-  void give_up(const PartOpened& opened) {
+  void give_up(const ShareOpened& opened) {
     tell(opened, Abort{});
     end_of(opened);
   }
@@ -101,26 +101,27 @@ class Node : public ::testing::Test {
 };
 
 TEST_F(Node, HasRoomForJobsUntilItsMemoryIsGivenAwayAndAgainWhenOneHasEnded) {
-  const PartOpened first = open(60), second = open(40);
+  const ShareOpened first = open(60), second = open(40);
   ASSERT_FALSE(first.failure || second.failure);
-  const PartOpened third = open(50);
+  const ShareOpened third = open(50);
   EXPECT_EQ(third.failure.text, "job 3 wants 50 MiB of memory, but the node has 0 MiB left");
   EXPECT_EQ(third.failure.code, static_cast<std::uint8_t>(Errc::memory));
   give_up(second);
   EXPECT_EQ(open(50).failure.text, "job 4 wants 50 MiB of memory, but the node has 40 MiB left");
   give_up(first);
-  const PartOpened whole = open(100);
+  const ShareOpened whole = open(100);
   EXPECT_EQ(whole.failure.text, "");
   give_up(whole);
 }
 
 // Its mail could not be kept while it worked; then its report comes, or its mesh is stored.
 TEST_F(Node, HearsOfATileThatWasGivenUpWhileOthersWork) {
-  const PartOpened part = open(1);
+  const ShareOpened part = open(1);
   TileReport report;
   report.span.tile = TileId{0};
-  tell(part, BeginPart{{part.part}, {}, false}, TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}},
-       std::move(report), TileStored{TileId{0}, {}, {}});
+  tell(part, BeginShare{{part.part}, {}, false},
+       TileFailed{TileId{0}, {static_cast<std::uint8_t>(Errc::io), "no room"}}, std::move(report),
+       TileStored{TileId{0}, {}, {}});
   source_->may_look.set_value();
   EXPECT_EQ(end_of(part).failure.text, "no room");
 }

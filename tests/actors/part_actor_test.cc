@@ -1,6 +1,6 @@
 // One part among messages in orders that a network can make, and the harness hardly or never: its coordinator tells all
 // parts at once. The test is the coordinator, and the other node.
-#include "actors/part_actor.h"
+#include "actors/share_actor.h"
 
 #include <gtest/gtest.h>
 
@@ -24,13 +24,13 @@ namespace {
 
 class Processed final : public ExchangeWatch {
  public:
-  void sent(Peer, Peer, Totals) override {}
-  void processed(Peer from, Peer, Totals) override { ++from_[from]; }
-  void rejoined(Peer, Totals) override {}
-  std::uint64_t from(Peer peer) { return from_[peer]; }
+  void sent(TileIncarnation, TileIncarnation, Totals) override {}
+  void processed(TileIncarnation from, TileIncarnation, Totals) override { ++from_[from]; }
+  void rejoined(TileIncarnation, Totals) override {}
+  std::uint64_t from(TileIncarnation peer) { return from_[peer]; }
 
  private:
-  std::map<Peer, std::uint64_t> from_;
+  std::map<TileIncarnation, std::uint64_t> from_;
 };
 
 constexpr NodeId here{0}, there{1};
@@ -47,12 +47,12 @@ Setting setting() {
   std::mt19937_64 random(7);
   Setting made = make_setting(how, 7, random);
   made.late_stores = false;
-  made.gates = {};
+  made.outboxes = {};
   made.schedule.threads = 1;
   made.schedule.memory_bytes = std::uint64_t{1} << 40;
-  Table table{{}, 0, std::vector<NodeId>(tiles, here), std::vector<Incarnation>(tiles)};
+  RoutingTable table{{}, 0, std::vector<NodeId>(tiles, here), std::vector<Incarnation>(tiles)};
   table.nodes[foreign.value] = there;
-  made.table = std::make_shared<const Table>(table);
+  made.table = std::make_shared<const RoutingTable>(table);
   made.spec.table = std::move(table);
   return made;
 }
@@ -61,9 +61,9 @@ class OnePart : public ::testing::Test {
  protected:
   // What the test has heard since it listened last.
   struct Heard {
-    std::vector<PartTally> tallies;
-    std::vector<PartReleased> released;
-    std::vector<PartFound> found;
+    std::vector<ShareTally> tallies;
+    std::vector<ShareReleased> released;
+    std::vector<ShareFound> found;
     std::vector<std::string> ended;  // why
     int idle = 0;
   };
@@ -72,10 +72,11 @@ class OnePart : public ::testing::Test {
     NodeOptions node;
     node.memory_bytes = ~std::uint64_t{0};
     node_ = system_.spawn<NodeActor>(
-        std::move(node), std::make_shared<MemoryParts>(setting_, storage_, std::vector<ExchangeWatch*>{&watch_}, here));
-    self_->send(node_, OpenPart{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_), {}});
+        std::move(node),
+        std::make_shared<MemoryShares>(setting_, storage_, std::vector<ExchangeWatch*>{&watch_}, here));
+    self_->send(node_, OpenShare{JobId{1}, here, to_bytes(setting_.spec), handle_of(self_), {}});
     run();
-    self_->receive([&](const PartOpened& opened) { part_ = caf::actor_cast<PartHandle>(opened.part); });
+    self_->receive([&](const ShareOpened& opened) { part_ = caf::actor_cast<ShareHandle>(opened.part); });
   }
   ~OnePart() override {
     caf::anon_send_exit(part_, caf::exit_reason::kill);
@@ -90,16 +91,16 @@ class OnePart : public ::testing::Test {
   void tell(Message message) {
     self_->send(part_, std::move(message));
   }
-  void begin() { tell(BeginPart{parts(), {}, false}); }
+  void begin() { tell(BeginShare{parts(), {}, false}); }
   // The other node's tile was reborn, so often.
   void change_table(std::uint32_t incarnation) {
-    Table table = *setting_.table;
+    RoutingTable table = *setting_.table;
     table.epoch = {{}, incarnation};
     table.incarnations[foreign.value] = {{}, incarnation};
     tell(ChangeTable{std::move(table), parts(), false});
   }
-  void mail(Peer from, std::uint32_t epoch) {
-    tell(Parcel{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, {}}, {{}, epoch}, 1, {}}}});
+  void mail(TileIncarnation from, std::uint32_t epoch) {
+    tell(Packet{there, std::uint64_t{1} << 20, {Update{from, {TileId{0}, {}}, {{}, epoch}, 1, {}}}});
   }
 
   // Each actor in its turn, a message at a time, until all is done.
@@ -120,12 +121,12 @@ class OnePart : public ::testing::Test {
   Heard listen(const caf::scoped_actor& ear) {
     Heard heard;
     bool more = true;
-    ear->receive_while([&] { return more; })([&](const PartTally& tally) { heard.tallies.push_back(tally); },
-                                             [&](const PartReleased& released) { heard.released.push_back(released); },
-                                             [&](const PartFound& found) { heard.found.push_back(found); },
-                                             [&](const PartIdle&) { ++heard.idle; }, [](const PartBegun&) {},
-                                             [&](const PartEnded& end) { heard.ended.push_back(end.failure.text); },
-                                             [](const PartProgress&) {}, [](const Parcel&) {}, [](const Credit&) {},
+    ear->receive_while([&] { return more; })([&](const ShareTally& tally) { heard.tallies.push_back(tally); },
+                                             [&](const ShareReleased& released) { heard.released.push_back(released); },
+                                             [&](const ShareFound& found) { heard.found.push_back(found); },
+                                             [&](const ShareIdle&) { ++heard.idle; }, [](const ShareBegun&) {},
+                                             [&](const ShareEnded& end) { heard.ended.push_back(end.failure.text); },
+                                             [](const ShareProgress&) {}, [](const Packet&) {}, [](const Credit&) {},
                                              caf::after(std::chrono::seconds(0)) >> [&] { more = false; });
     return heard;
   }
@@ -139,7 +140,7 @@ class OnePart : public ::testing::Test {
   caf::scheduler::test_coordinator& scheduler_ = dynamic_cast<caf::scheduler::test_coordinator&>(system_.scheduler());
   caf::scoped_actor self_{system_};
   NodeHandle node_;
-  PartHandle part_;
+  ShareHandle part_;
 };
 
 TEST_F(OnePart, KeepsMailThatComesBeforeItIsToldToBegin) {
@@ -207,7 +208,7 @@ TEST_F(OnePart, EndsWhenATileEndsThatWasToGoByTheTable) {
   begin();
   run();
   storage_.fault = StorageFault{StorageFault::Call::append, StorageFault::How::exception, 0};
-  tell(Parcel{
+  tell(Packet{
       there, std::uint64_t{1} << 20, {Update{{foreign, {}}, {TileId{0}, {}}, {{}, 0}, 1, BigVector<std::byte>(120)}}});
   change_table(1);
   run_part();  // so that the tile finds both in its mailbox
@@ -226,7 +227,7 @@ TEST_F(OnePart, TellsWhoeverTakesOverWhichTilesItHasGivenUp) {
   run();
   ASSERT_EQ(listen().released.size(), 1u);
   const caf::scoped_actor next(system_);
-  next->send(node_, FindPart{JobId{1}, 1, caf::actor_cast<caf::actor>(node_), handle_of(next)});
+  next->send(node_, FindShare{JobId{1}, 1, caf::actor_cast<caf::actor>(node_), handle_of(next)});
   run();
   const Heard heard = listen(next);
   ASSERT_EQ(heard.found.size(), 1u);
@@ -248,9 +249,9 @@ TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
   run();
   const Update update{{foreign, {{}, 1}}, {TileId{0}, {}}, {{}, 1}, 1, BigVector<std::byte>(message_bytes_max)};
   const std::uint64_t most = 16 * in_flight_max;
-  for (std::uint64_t sent = 0; sent <= most; sent += Gate::bytes_of(update)) {
-    EXPECT_TRUE(sent + Gate::bytes_of(update) > most || listen().ended.empty());
-    tell(Parcel{there, std::uint64_t{1} << 20, {update}});
+  for (std::uint64_t sent = 0; sent <= most; sent += Outbox::bytes_of(update)) {
+    EXPECT_TRUE(sent + Outbox::bytes_of(update) > most || listen().ended.empty());
+    tell(Packet{there, std::uint64_t{1} << 20, {update}});
     run();
   }
   const auto ended = listen().ended;
@@ -260,7 +261,7 @@ TEST_F(OnePart, EndsWhenMailOfTablesThatNeverComeIsMoreThanNodesSend) {
 
 TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
   begin();
-  tell(Parcel{NodeId{1 << 16}, std::uint64_t{1} << 20, {}});
+  tell(Packet{NodeId{1 << 16}, std::uint64_t{1} << 20, {}});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);
@@ -268,7 +269,7 @@ TEST_F(OnePart, EndsWhenMailIsOfANodeThatNoJobHas) {
 }
 
 TEST_F(OnePart, EndsWhenItsTableIsOfAnotherJob) {
-  tell(BeginPart{parts(), Table{{}, 0, {NodeId{0}}, {Incarnation()}}, false});
+  tell(BeginShare{parts(), RoutingTable{{}, 0, {NodeId{0}}, {Incarnation()}}, false});
   run();
   const auto ended = listen().ended;
   ASSERT_EQ(ended.size(), 1u);

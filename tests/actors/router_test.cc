@@ -23,12 +23,12 @@ class Config : public caf::actor_system_config {
 class Owner final : public RoutingOwner {
  public:
   struct Here {
-    std::uint32_t stretch = 0, attempt = 0;
+    std::uint32_t split = 0, attempt = 0;
     std::string why;
   };
   void progressed(std::uint64_t points) override { points_ = points; }
-  void route_here(std::uint32_t stretch, std::uint32_t attempt, std::string why) override {
-    here_.set_value({stretch, attempt, std::move(why)});
+  void route_here(std::uint32_t split, std::uint32_t attempt, std::string why) override {
+    here_.set_value({split, attempt, std::move(why)});
   }
   void ended(std::vector<std::uint32_t> attempts, Failure failure) noexcept override {
     end_.set_value({std::move(attempts), std::move(failure)});
@@ -50,21 +50,21 @@ class RouterTest : public ::testing::Test {
  protected:
   using Node = caf::scoped_actor;
   static NodeHandle handle(Node& node) { return caf::actor_cast<NodeHandle>(node.ptr()); }
-  void start(std::size_t stretches, std::vector<Node*> nodes, std::vector<bool> here = {}) {
-    here.resize(stretches);
+  void start(std::size_t splits, std::vector<Node*> nodes, std::vector<bool> here = {}) {
+    here.resize(splits);
     std::vector<NodeHandle> handles;
     for (Node* node : nodes) handles.push_back(handle(*node));
     router_ = system_.spawn<Router>(RouterOptions{"run", 2, std::move(here)}, owner_, handles);
   }
-  static RouteStretch order(Node& node) {
-    RouteStretch wanted;
-    node->receive([&](RouteStretch& got) { wanted = std::move(got); });
+  static RouteSplit order(Node& node) {
+    RouteSplit wanted;
+    node->receive([&](RouteSplit& got) { wanted = std::move(got); });
     EXPECT_EQ(wanted.run_folder, "run");
     EXPECT_EQ(wanted.shares, 2u);
     return wanted;
   }
   void say(std::uint32_t attempt, std::uint64_t points, bool done = true, Failure failure = {}) {
-    caf::anon_send(router_, StretchRouted{attempt, points, done, std::move(failure)});
+    caf::anon_send(router_, SplitRouted{attempt, points, done, std::move(failure)});
   }
 
   Config config_;
@@ -77,11 +77,11 @@ TEST_F(RouterTest, GivesEachNodeOneAtATime) {
   Node a{system_}, b{system_};
   start(3, {&a, &b});
   const auto first = order(a), second = order(b);
-  EXPECT_EQ(first.stretch, 0u);
-  EXPECT_EQ(second.stretch, 1u);
+  EXPECT_EQ(first.split, 0u);
+  EXPECT_EQ(second.split, 1u);
   say(second.attempt, 5);
   const auto third = order(b);
-  EXPECT_EQ(third.stretch, 2u);
+  EXPECT_EQ(third.split, 2u);
   say(third.attempt, 7);
   say(first.attempt, 1, false);
   say(first.attempt, 11);
@@ -92,7 +92,7 @@ TEST_F(RouterTest, GivesEachNodeOneAtATime) {
 
 TEST_F(RouterTest, GivesTheStretchOfALostNodeToAnotherAndForgetsWhatItSays) {
   Node a{system_};
-  RouteStretch lost, also_lost;
+  RouteSplit lost, also_lost;
   {
     Node b{system_};
     start(3, {&a, &b});
@@ -109,15 +109,15 @@ TEST_F(RouterTest, GivesTheStretchOfALostNodeToAnotherAndForgetsWhatItSays) {
   Node c{system_};
   caf::anon_send(router_, NodeJoined{caf::actor_cast<caf::actor>(c.ptr())});
   const auto last = order(c);
-  EXPECT_EQ((std::set<std::uint32_t>{here.stretch, last.stretch}), (std::set<std::uint32_t>{1, 2}));
+  EXPECT_EQ((std::set<std::uint32_t>{here.split, last.split}), (std::set<std::uint32_t>{1, 2}));
   say(lost.attempt, 100);
   say(also_lost.attempt, 100);
   say(here.attempt, 1);
   say(last.attempt, 1);
   const auto [attempts, failure] = owner_.end();
   EXPECT_FALSE(failure);
-  EXPECT_EQ(attempts[here.stretch], here.attempt);
-  EXPECT_EQ(attempts[last.stretch], last.attempt);
+  EXPECT_EQ(attempts[here.split], here.attempt);
+  EXPECT_EQ(attempts[last.split], last.attempt);
   EXPECT_LE(owner_.points_, 3u);
 }
 
@@ -126,17 +126,17 @@ TEST_F(RouterTest, HasTheOwnerRouteWhatANodeCannotAndWhatOnlyItCan) {
   start(3, {&a}, {false, true, false});
   const auto own = owner_.next();
   owner_.again();
-  EXPECT_EQ(own.stretch, 1u);
+  EXPECT_EQ(own.split, 1u);
   const auto cannot = order(a);
   say(cannot.attempt, 0, true, failure_of(error(Errc::io, "x.laz: no such file")));
   say(own.attempt, 1);
   auto here = owner_.next();
   owner_.again();
-  EXPECT_EQ(here.stretch, 0u);
+  EXPECT_EQ(here.split, 0u);
   EXPECT_EQ(here.why, "x.laz: no such file");
   say(here.attempt, 1);
   here = owner_.next();  // the node gets no more
-  EXPECT_EQ(here.stretch, 2u);
+  EXPECT_EQ(here.split, 2u);
   say(here.attempt, 0, true, failure_of(error(Errc::bad_input, "y.laz: is damaged")));
   const auto [attempts, failure] = owner_.end();
   EXPECT_EQ(failure.text, "y.laz: is damaged");

@@ -14,7 +14,7 @@
 #include "actors/run_owner.h"
 #include "src/base/files/names.h"
 #include "src/base/files/temporary.h"
-#include "src/delaunay/run/disk_parts.h"
+#include "src/delaunay/run/routed_shares.h"
 #include "src/delaunay/run/run_options.h"
 #include "src/geometry/reference/clouds.h"
 #include "src/input/npy/array_source.h"
@@ -28,19 +28,19 @@ class Config : public caf::actor_system_config {
 };
 
 // Parts with room for one tile in memory.
-class NarrowParts final : public PartSource {
+class NarrowParts final : public ShareSource {
  public:
-  explicit NarrowParts(const RoutedRun& run) {
-    disk_.offer(std::shared_ptr<const RoutedRun>(&run, [](const RoutedRun*) {}), nullptr);
+  explicit NarrowParts(const RoutedCloud& run) {
+    disk_.offer(std::shared_ptr<const RoutedCloud>(&run, [](const RoutedCloud*) {}), nullptr);
   }
-  Result<std::unique_ptr<Part>> open(const PartSpec& spec, NodeId self) override {
+  Result<std::unique_ptr<Share>> open(const ShareSpec& spec, NodeId self) override {
     BOOST_OUTCOME_TRY(part, disk_.open(spec, self));
     part->stages[0].schedule.memory_bytes = 1;
     return std::move(part);
   }
 
  private:
-  DiskParts disk_;
+  RoutedShares disk_;
 };
 
 // Waits for the end.
@@ -64,7 +64,7 @@ std::size_t heap_bytes() {
   return now.uordblks + now.hblkhd;
 }
 
-RoutedRun routed(int dimension, std::uint32_t tiles, const std::filesystem::path& folder) {
+RoutedCloud routed(int dimension, std::uint32_t tiles, const std::filesystem::path& folder) {
   const auto coordinates = coordinates_of(make_cloud("uniform", dimension, 20 * tiles, 1), dimension);
   Progress progress;
   const Cloud cloud =
@@ -75,13 +75,13 @@ RoutedRun routed(int dimension, std::uint32_t tiles, const std::filesystem::path
 // What the process has taken for a job of so many small tiles, when all are quiet and asleep, but for one.
 std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
   const TemporaryFolder folder = TemporaryFolder::make().value();
-  const RoutedRun run = routed(dimension, tiles, folder.path());
+  const RoutedCloud run = routed(dimension, tiles, folder.path());
   CoordinatorOptions job;
   job.spec = spec_of({}, run.folder.string(), folder.path().string());
   job.mark_settled = [](std::uint32_t, bool) -> Status { return success(); };
   std::size_t quiet = 0;
   job.weights = run.tile_points;
-  job.on_quiet = [&](const Table&) { quiet = heap_bytes(); };
+  job.on_quiet = [&](const RoutingTable&) { quiet = heap_bytes(); };
   Config config;
   caf::actor_system system(config);
   const std::size_t before = heap_bytes();
@@ -99,8 +99,8 @@ std::size_t bytes_when_quiet(int dimension, std::uint32_t tiles) {
 std::size_t bytes_of_part(std::uint32_t tiles) {
   constexpr int dimension = 3;
   const TemporaryFolder folder = TemporaryFolder::make().value();
-  const RoutedRun run = routed(dimension, tiles, folder.path());
-  PartSpec spec = spec_of({}, run.folder.string(), folder.path().string());
+  const RoutedCloud run = routed(dimension, tiles, folder.path());
+  ShareSpec spec = spec_of({}, run.folder.string(), folder.path().string());
   spec.table = {
       {}, 0, std::vector<NodeId>(run.tile_points.size(), NodeId{1}), std::vector<Incarnation>(run.tile_points.size())};
   std::fill_n(spec.table.nodes.begin(), 10, NodeId{0});
@@ -110,22 +110,22 @@ std::size_t bytes_of_part(std::uint32_t tiles) {
   const std::size_t before = heap_bytes();
   const NodeHandle node = system.spawn<NodeActor>(NodeOptions{.memory_bytes = spec.memory_bytes, .hooks = {}},
                                                   std::make_shared<NarrowParts>(run));
-  self->send(node, OpenPart{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr()), {}});
-  PartHandle part;
-  self->receive([&](const PartOpened& opened) {
+  self->send(node, OpenShare{JobId{1}, NodeId{0}, to_bytes(spec), caf::actor_cast<caf::actor>(self.ptr()), {}});
+  ShareHandle part;
+  self->receive([&](const ShareOpened& opened) {
     EXPECT_EQ(opened.failure.text, "");
-    part = caf::actor_cast<PartHandle>(opened.part);
-    self->send(part, BeginPart{{opened.part, {}}, std::move(spec.table), false});
+    part = caf::actor_cast<ShareHandle>(opened.part);
+    self->send(part, BeginShare{{opened.part, {}}, std::move(spec.table), false});
   });
   bool idle = false;
-  self->receive_while([&] { return !idle; })([](const PartBegun&) {}, [](const PartProgress&) {},
-                                             [&](const PartIdle&) { idle = true; });
+  self->receive_while([&] { return !idle; })([](const ShareBegun&) {}, [](const ShareProgress&) {},
+                                             [&](const ShareIdle&) { idle = true; });
   const std::size_t after = heap_bytes();
   EXPECT_GT(after, before);
   self->monitor(part);
   self->send(part, Abort{});
   bool gone = false;
-  self->receive_while([&] { return !gone; })([](const PartProgress&) {}, [](const PartEnded&) {},
+  self->receive_while([&] { return !gone; })([](const ShareProgress&) {}, [](const ShareEnded&) {},
                                              [&](const caf::down_msg&) { gone = true; });
   caf::anon_send(node, Leave{});
   return after - before;

@@ -69,7 +69,7 @@ TEST_F(ClusterTest, ReadsColumnsAndKeepsEqualPointsAsOneNodeDoes) {
       out.write(reinterpret_cast<const char*>(row), sizeof row);
     }
   }
-  for (const auto keep : {KeptPoint::lowest, KeptPoint::last}) {
+  for (const auto keep : {DuplicatePolicy::lowest, DuplicatePolicy::last}) {
     const CloudOptions wanted{.dimension = 2, .keep = keep, .columns = {"_", "y", "x", "z"}};
     const std::string name(name_of(keep));
     Progress progress, other;
@@ -91,7 +91,7 @@ TEST_F(ClusterTest, ReadsColumnsAndKeepsEqualPointsAsOneNodeDoes) {
       other_heights += tile.other_heights;
       for (const auto& [duplicate, kept] : tile.duplicates) {
         const std::uint64_t a = duplicate.value * 31 % 17, b = kept.value * 31 % 17;
-        ASSERT_TRUE(keep == KeptPoint::last ? kept > duplicate : b < a || (b == a && kept < duplicate));
+        ASSERT_TRUE(keep == DuplicatePolicy::last ? kept > duplicate : b < a || (b == a && kept < duplicate));
       }
     }
     EXPECT_EQ(vertices, rows / 10);
@@ -112,7 +112,7 @@ TEST_F(ClusterTest, RoutesWhileNodesComeAndGo) {
     const std::string name = "guest-" + std::to_string(i);
     auto guest = start(options(name));
     wait_for("node " + name, "has joined");
-    std::optional<Result<RoutedRun>> many;
+    std::optional<Result<RoutedCloud>> many;
     Progress with_guests;
     std::jthread routing([&] { many = routed_by(*first, input, name, with_guests); });
     while (with_guests.points_routed == 0 && with_guests.tiles_total == 0) std::this_thread::yield();
@@ -147,7 +147,7 @@ TEST_F(ClusterTest, StopsRoutingAndTellsWhatIsWrongWithTheInput) {
 
 TEST_F(ClusterTest, WaitsForANodeAndIsInterruptedMeanwhile) {
   const auto first = coordinator(false);
-  const RoutedRun cloud = routed("waiting");
+  const RoutedCloud cloud = routed("waiting");
   std::stop_source stop;
   Progress progress;
   stop.request_stop();

@@ -95,7 +95,7 @@ class ClusterTest : public ::testing::Test {
     });
   }
 
-  RoutedRun routed(const std::string& name, std::size_t points = 20'000) {
+  RoutedCloud routed(const std::string& name, std::size_t points = 20'000) {
     const auto coordinates = coordinates_of(make_cloud("uniform", 3, points, 1), 3);
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
@@ -110,8 +110,9 @@ class ClusterTest : public ::testing::Test {
     EXPECT_TRUE(generate({.points = 600'000}, path));
     return path.string();
   }
-  Result<RoutedRun> routed_by(const Engine& engine, const std::string& file, const std::string& name,
-                              Progress& progress, const std::stop_token& stop = {}, const CloudOptions& options = {}) {
+  Result<RoutedCloud> routed_by(const Engine& engine, const std::string& file, const std::string& name,
+                                Progress& progress, const std::stop_token& stop = {},
+                                const CloudOptions& options = {}) {
     const auto out = folder_.path() / name;
     std::filesystem::create_directory(out);
     BOOST_OUTCOME_TRY(cloud, Cloud::open({file}, options));
@@ -120,7 +121,7 @@ class ClusterTest : public ::testing::Test {
   }
 
   // But for who has routed what.
-  static void expect_same(const RoutedRun& a, const RoutedRun& b) {
+  static void expect_same(const RoutedCloud& a, const RoutedCloud& b) {
     EXPECT_EQ(a.tile_bounds, b.tile_bounds);
     EXPECT_EQ(a.seeds, b.seeds);
     EXPECT_EQ(a.counts.read, b.counts.read);
@@ -132,7 +133,7 @@ class ClusterTest : public ::testing::Test {
     }
   }
 
-  static std::vector<std::uint64_t> run(Engine& engine, const RoutedRun& run) {
+  static std::vector<std::uint64_t> run(Engine& engine, const RoutedCloud& run) {
     Progress progress;
     const auto summary =
         engine.run(run, run.folder.parent_path(), {.threads = 2, .memory_bytes = memory}, progress, {});

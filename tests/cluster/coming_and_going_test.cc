@@ -19,7 +19,7 @@ namespace {
 TEST_F(ClusterTest, GoesOnWhileNodesComeAndGo) {
   const auto expected = alone();
   const auto first = coordinator();
-  const RoutedRun cloud = routed("changing");
+  const RoutedCloud cloud = routed("changing");
   std::vector<std::uint64_t> got;
   std::jthread job([&] { got = run(*first, cloud); });
   for (int i = 0; i < 3; ++i) {
@@ -35,7 +35,7 @@ TEST_F(ClusterTest, GoesOnWhileNodesComeAndGo) {
 
 // One node after the other leaves, and another process takes its place: what it had begun the others go on with.
 TEST_F(ClusterTest, NothingBeginsAgainWhenNodesAreDrainedOrDepart) {
-  const RoutedRun cloud = routed("rolling", 150'000);
+  const RoutedCloud cloud = routed("rolling", 150'000);
   Engine alone(2, memory);
   const auto expected = run(alone, routed("still", 150'000));
   const auto first = coordinator();

@@ -12,7 +12,9 @@ namespace tessera::testing {
 namespace fs = std::filesystem;
 
 std::string text_of(const EngineOptions& o) {
-  const char* keep = o.keep == Keep::whole ? " whole" : o.keep == Keep::reduced ? " reduced" : " by_budget";
+  const char* keep = o.keep == TileRetention::whole     ? " whole"
+                     : o.keep == TileRetention::reduced ? " reduced"
+                                                        : " by_budget";
   return std::to_string(o.dimension) + "D " + name_of(o.partition) + " tiles " + std::to_string(o.tiles) + " threads " +
          std::to_string(o.threads) + keep + " memory " + std::to_string(o.memory_bytes) +
          (o.skip_invalid ? " skip_invalid" : "");

@@ -8,7 +8,7 @@
 #include "actors/engine/engine.h"
 #include "src/base/result.h"
 #include "src/result/store/tile_store.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera::testing {
 
@@ -24,7 +24,7 @@ struct EngineOptions : RunOptions {
 std::string text_of(const EngineOptions& options);
 
 struct EngineRun {
-  RoutedRun routed;
+  RoutedCloud routed;
   RunSummary summary;
   Manifest manifest;
 };

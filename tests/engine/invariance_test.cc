@@ -160,7 +160,7 @@ TEST_P(Invariance, OnePartitionGivesTheSameBytesWhateverTheThreadsKeepAndMemory)
   const auto expected = run("first", original, options(7));
   int count = 0;
   for (const std::uint32_t threads : {1u, 2u, 4u}) {
-    for (const Keep keep : {Keep::whole, Keep::reduced, Keep::by_budget}) {
+    for (const TileRetention keep : {TileRetention::whole, TileRetention::reduced, TileRetention::by_budget}) {
       for (const std::uint64_t memory : {std::uint64_t{1}, std::uint64_t{4} << 30}) {
         auto other = options(7);
         other.threads = threads;

@@ -53,7 +53,7 @@ EngineOptions combination(std::size_t index, int dimension, std::size_t round, s
   options.partition = partitions[index % 4];
   options.tiles = tile_numbers[index / 4 % 4];
   options.threads = thread_numbers[index / 16];
-  options.keep = round % 2 == 0 ? Keep::whole : Keep::reduced;
+  options.keep = round % 2 == 0 ? TileRetention::whole : TileRetention::reduced;
   options.memory_bytes = round / 2 % 2 == 0 ? plenty : tight_memory(options.partition, points);
   return options;
 }

@@ -54,12 +54,12 @@ std::vector<Incarnation> lives(const std::vector<std::uint32_t>& numbers) {
 }
 
 TEST(PlaceAgain, TilesBeginAgainAsOtherIncarnations) {
-  const Table table{{{}, 4}, 0, nodes({0, 1, 1, 2}), lives({0, 3, 0, 7})};
+  const RoutingTable table{{{}, 4}, 0, nodes({0, 1, 1, 2}), lives({0, 3, 0, 7})};
   const std::vector<std::uint64_t> points{1, 1, 1, 1};
   const auto changes = place_again(table, tiles({1, 2}), points, std::vector<Host>{{NodeId{0}, 1}, {NodeId{2}, 1}});
   EXPECT_EQ(changes, (std::vector<Placement>{{TileId{1}, NodeId{0}, {{}, 4}}, {TileId{2}, NodeId{2}, {{}, 1}}}));
-  const Table next = next_table(table, {{}, 5}, changes);
-  EXPECT_EQ(next, (Table{{{}, 5}, 0, nodes({0, 0, 2, 2}), lives({0, 4, 1, 7})}));
+  const RoutingTable next = next_table(table, {{}, 5}, changes);
+  EXPECT_EQ(next, (RoutingTable{{{}, 5}, 0, nodes({0, 0, 2, 2}), lives({0, 4, 1, 7})}));
   EXPECT_TRUE(next.alive({TileId{1}, {{}, 4}}));
   EXPECT_FALSE(next.alive({TileId{1}, {{}, 3}}));
 }

@@ -186,7 +186,7 @@ TEST(PeerCounters, ForgettingAnIncarnationRemovesItFromTheSums) {
   counters.add_sent({TileId{1}, 1});
   counters.add_processed({TileId{2}, 0});
   EXPECT_EQ(counters.totals(), (Totals{2, 1}));
-  counters.forget_if([](Peer peer) { return peer == Peer{TileId{1}, 0}; });
+  counters.forget_if([](TileIncarnation peer) { return peer == TileIncarnation{TileId{1}, 0}; });
   EXPECT_EQ(counters.totals(), (Totals{1, 1}));
 }
 

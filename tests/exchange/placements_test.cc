@@ -20,7 +20,7 @@ class SixTiles : public ::testing::Test {
  protected:
   Placements make(Term term = {}) const {
     PlacementOptions options{std::vector<std::uint64_t>(6, 1), ids({0, 1, 2, 3, 4, 5}), term};
-    Table table;
+    RoutingTable table;
     for (const std::uint32_t node : {0, 0, 0, 1, 1, 1}) table.nodes.push_back(NodeId{node});
     table.incarnations.assign(6, {});
     return {std::move(options), std::move(table)};
@@ -44,7 +44,7 @@ TEST_F(SixTiles, OfALostNodeBeginAgainElsewhereButForThoseThatAreStored) {
   const auto placed = placements.place({{NodeId{0}}}, [](NodeId node) { return node == NodeId{0}; });
   EXPECT_EQ(placed.again, 2u);
   EXPECT_EQ(where(placed.changes), (std::map<std::uint32_t, std::uint32_t>{{3, 0}, {5, 0}}));
-  const Table& next = placements.change(placed.changes);
+  const RoutingTable& next = placements.change(placed.changes);
   EXPECT_EQ(next.epoch, (Epoch{{}, 1}));
   EXPECT_EQ(next.peer_of(TileId{3}).incarnation, (Incarnation{{}, 1}));
   EXPECT_EQ(next.node_of(TileId{4}), NodeId{1}) << "it is stored";
@@ -104,7 +104,7 @@ TEST_F(SixTiles, WaitWhereNobodyHasRoom) {
 TEST_F(SixTiles, OfAHigherTermHaveHigherEpochsAndIncarnations) {
   Placements placements = make(Term{3});
   placements.lose(NodeId{1});
-  const Table& next =
+  const RoutingTable& next =
       placements.change(placements.place({{NodeId{0}}}, [](NodeId n) { return n == NodeId{0}; }).changes);
   EXPECT_EQ(next.epoch, (Epoch{Term{3}, 0}));
   EXPECT_EQ(next.peer_of(TileId{5}).incarnation, (Incarnation{Term{3}, 0}));
@@ -118,7 +118,7 @@ TEST_F(SixTiles, AreSharedOutAnewInTheNextStage) {
   const auto lives = [](NodeId node) { return node != NodeId{1}; };
   const auto changes = placements.begin_next_stage({{NodeId{0}}, {NodeId{2}}}, lives);
   EXPECT_EQ(where(changes), (std::map<std::uint32_t, std::uint32_t>{{3, 2}, {4, 2}, {5, 2}}));
-  const Table& next = placements.change(changes);
+  const RoutingTable& next = placements.change(changes);
   EXPECT_EQ(next.stage, 1u);
   EXPECT_EQ(next.peer_of(TileId{0}).incarnation, (Incarnation{{}, 0})) << "it stays where it is";
   EXPECT_EQ(next.peer_of(TileId{3}).incarnation, (Incarnation{{}, 1}));
@@ -132,7 +132,7 @@ TEST_F(SixTiles, WaitInTheNextStageWhenAllNodesAreToLeave) {
 }
 
 TEST_F(SixTiles, OfOneNodeHaveATableInTheNextStage) {
-  Placements placements({std::vector<std::uint64_t>(2, 1), ids({0, 1}), {}}, Table());
+  Placements placements({std::vector<std::uint64_t>(2, 1), ids({0, 1}), {}}, RoutingTable());
   const auto changes = placements.begin_next_stage({{NodeId{0}}}, all_live);
   EXPECT_TRUE(changes.empty());
   EXPECT_EQ(placements.change(changes).nodes, std::vector<NodeId>(2, NodeId{0}));

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "src/exchange/course.h"
-#include "src/exchange/said.h"
+#include "src/exchange/told_once.h"
 
 namespace tessera {
 namespace {
@@ -55,16 +55,16 @@ TEST(Roster, LeavesNumbersToThoseThatAreNotFound) {
   EXPECT_EQ(roster.add(), NodeId{2});
 }
 
-TEST(Said, EachWordOnceUntilItIsForgotten) {
-  Said said;
-  EXPECT_TRUE(said.first(Word::idle));
-  EXPECT_FALSE(said.first(Word::idle));
-  EXPECT_TRUE(said.first(Word::begun));
-  said.forget(Word::idle);
-  EXPECT_TRUE(said.first(Word::idle));
-  EXPECT_FALSE(said.first(Word::begun));
+TEST(ToldOnce, EachWordOnceUntilItIsForgotten) {
+  ToldOnce said;
+  EXPECT_TRUE(said.first(ShareEvent::idle));
+  EXPECT_FALSE(said.first(ShareEvent::idle));
+  EXPECT_TRUE(said.first(ShareEvent::begun));
+  said.forget(ShareEvent::idle);
+  EXPECT_TRUE(said.first(ShareEvent::idle));
+  EXPECT_FALSE(said.first(ShareEvent::begun));
   said.forget_all();
-  EXPECT_TRUE(said.first(Word::begun));
+  EXPECT_TRUE(said.first(ShareEvent::begun));
 }
 
 using At = Course::At;

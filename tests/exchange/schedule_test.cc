@@ -18,8 +18,8 @@ ScheduleOptions options(std::uint32_t threads, std::uint64_t memory) {
 // "begin 0, sleep 1": everything that is granted now.
 std::string granted(Schedule& schedule) {
   std::string text;
-  while (const auto grant = schedule.next()) {
-    text += (text.empty() ? "" : ", ") + std::string(name_of(grant->work)) + " " + std::to_string(grant->tile.value);
+  while (const auto permit = schedule.next()) {
+    text += (text.empty() ? "" : ", ") + std::string(name_of(permit->work)) + " " + std::to_string(permit->tile.value);
   }
   return text;
 }
@@ -104,11 +104,11 @@ TEST(Schedule, TilesAsleepAreWokenInSweepsAlongTheirOrderAndBack) {
   Schedule schedule(options(1, 150), std::vector<std::uint64_t>(5, 10));
   std::string order;
   const auto work = [&](Work expected) {
-    const auto grant = schedule.next();
-    ASSERT_TRUE(grant);
-    ASSERT_EQ(grant->work, expected);
-    if (expected != Work::sleep) order += std::to_string(grant->tile.value);
-    schedule.done(grant->tile, expected, expected == Work::sleep ? 0 : 100, {});
+    const auto permit = schedule.next();
+    ASSERT_TRUE(permit);
+    ASSERT_EQ(permit->work, expected);
+    if (expected != Work::sleep) order += std::to_string(permit->tile.value);
+    schedule.done(permit->tile, expected, expected == Work::sleep ? 0 : 100, {});
   };
   for (int t = 0; t < 5; ++t) {
     if (t > 0) work(Work::sleep);
@@ -177,9 +177,9 @@ TEST(Schedule, NoMoreMeshesWaitForTheDiskThanThereAreThreadsUnlessTheyAreSmall) 
     Schedule schedule(options(1, 16'000), std::vector<std::uint64_t>(12, 10));
     schedule.enter(Phase::collecting);  // settled before: the tiles are built and collected at once
     std::uint32_t n = 0;
-    while (const auto grant = schedule.next()) {
-      EXPECT_EQ(grant->work, Work::finish);
-      schedule.done(grant->tile, Work::finish, 0, {}, mesh_bytes);
+    while (const auto permit = schedule.next()) {
+      EXPECT_EQ(permit->work, Work::finish);
+      schedule.done(permit->tile, Work::finish, 0, {}, mesh_bytes);
       ++n;
     }
     return n;
@@ -298,10 +298,10 @@ TEST(Schedule, ManyTilesCostLittle) {
   constexpr std::uint32_t tiles = 20'000;
   Schedule schedule(options(2, std::uint64_t{1} << 40), std::vector<std::uint64_t>(tiles, 1));
   const auto work_once = [&] {
-    const auto grant = schedule.next();
-    ASSERT_TRUE(grant);
-    const bool begins = grant->work == Work::begin;
-    schedule.done(grant->tile, grant->work, 10, begins ? Schedule::Waiting{1, 3, 120} : Schedule::Waiting{});
+    const auto permit = schedule.next();
+    ASSERT_TRUE(permit);
+    const bool begins = permit->work == Work::begin;
+    schedule.done(permit->tile, permit->work, 10, begins ? Schedule::Waiting{1, 3, 120} : Schedule::Waiting{});
   };
   for (std::uint32_t t = 0; t < tiles; ++t) work_once();
   EXPECT_TRUE(schedule.all_begun());

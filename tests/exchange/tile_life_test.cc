@@ -89,10 +89,10 @@ class Chain : public ::testing::Test {
   }
   // A table in which these tiles are others, of which all the living hear.
   void lose(const std::vector<TileId>& lost) {
-    auto next = std::make_shared<Table>(*table_);
+    auto next = std::make_shared<RoutingTable>(*table_);
     ++next->epoch.number;
     for (const TileId t : lost) ++next->incarnations[t.value].number;
-    const auto rebirths = rebirths_between(*table_, *next, nullptr);
+    const auto rebirths = incarnation_changes_between(*table_, *next, nullptr);
     table_ = next;
     for (std::uint32_t t = 0; t < tiles; ++t) {
       if (std::find(lost.begin(), lost.end(), TileId{t}) != lost.end()) {
@@ -109,8 +109,8 @@ class Chain : public ::testing::Test {
 
  private:
   std::shared_ptr<const GreatestStage> stage_;
-  std::shared_ptr<const Table> table_ =
-      std::make_shared<const Table>(Table{{}, 0, std::vector<NodeId>(tiles), std::vector<Incarnation>(tiles)});
+  std::shared_ptr<const RoutingTable> table_ = std::make_shared<const RoutingTable>(
+      RoutingTable{{}, 0, std::vector<NodeId>(tiles), std::vector<Incarnation>(tiles)});
   std::map<std::uint32_t, std::unique_ptr<TileContext>> contexts_;
   std::map<std::uint32_t, std::unique_ptr<TileLife>> lives_;
 };

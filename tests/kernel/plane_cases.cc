@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "src/geometry/kernel/kernel.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 
 namespace tessera::testing {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "src/input/reader.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "tests/kernel/differential.h"
 
 namespace tessera::testing {

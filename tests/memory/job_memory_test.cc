@@ -60,7 +60,7 @@ class MemoryInJob : public ::testing::TestWithParam<Case> {
     options_.kernel = c.kernel;
     options_.memory_bytes = memory_bytes;
     if (c.short_of_memory) {
-      options_.keep = Keep::reduced;
+      options_.keep = TileRetention::reduced;
       // The least that is accepted.
       const std::uint64_t points = cloud.size() / tiles + 1;
       for (options_.memory_bytes = 1 << 20;

@@ -70,7 +70,7 @@ TEST(HtmlReport, SaysWhenWhereAndWhatWasTriangulated) {
   data.heights = {170.25, 215};
   data.summary.duplicates = 12;
   data.summary.other_heights = 7;
-  data.summary.keep = KeptPoint::lowest;
+  data.summary.keep = DuplicatePolicy::lowest;
   const auto plane = html_report(data);
   for (const char* text : {"z 170.25 to 215", ">10</span> by <span class=\"number\">10</span>",
                            "<b>7</b><span>of them at other heights, the lowest kept"})

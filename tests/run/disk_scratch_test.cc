@@ -12,7 +12,7 @@
 #include "src/base/files/temporary.h"
 #include "src/base/stopped.h"
 #include "src/delaunay/disk_store.h"
-#include "src/delaunay/run/disk_parts.h"
+#include "src/delaunay/run/routed_shares.h"
 #include "src/delaunay/run/settled_stages.h"
 
 namespace tessera {
@@ -54,7 +54,7 @@ class LockedScratch : public ::testing::Test {
   const BigVector<std::byte> bytes_{std::byte{1}, std::byte{2}};
   TemporaryFolder folder_ = TemporaryFolder::make().value();
   FolderLock lock_ = FolderLock::take(folder_.path()).value();
-  std::shared_ptr<RoutedRun> run_ = std::make_shared<RoutedRun>();
+  std::shared_ptr<RoutedCloud> run_ = std::make_shared<RoutedCloud>();
   std::optional<DiskScratch> storage_;
   std::optional<DiskStore> store_;
 };

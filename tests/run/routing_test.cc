@@ -24,10 +24,10 @@ TEST(Routing, NodesReadColumnsByTheirNames) {
   ASSERT_TRUE(cloud) << cloud.error().where;
   Partition partition;
   ASSERT_TRUE(write_routing(folder, cloud.value(), {cloud.value().whole()}, partition));
-  const StretchWork work{folder, 1, 1 << 20};
+  const SplitWork work{folder, 1, 1 << 20};
   fs::create_directory(folder / "points");
   fs::create_directory(folder / "stretches");
-  const Status routed = route_stretch(folder, 0, 1, work, {});
+  const Status routed = route_split(folder, 0, 1, work, {});
   ASSERT_TRUE(routed) << routed.error().where;
   const auto found = read_stretch(folder, 1, partition);
   ASSERT_TRUE(found) << found.error().where;

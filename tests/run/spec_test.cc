@@ -7,8 +7,8 @@
 namespace tessera {
 namespace {
 
-TEST(PartSpec, CrossesAWireUnchanged) {
-  PartSpec spec;
+TEST(ShareSpec, CrossesAWireUnchanged) {
+  ShareSpec spec;
   spec.run_folder = "out/.run";
   spec.out_folder = "out";
   spec.threads = 3;
@@ -24,25 +24,25 @@ TEST(PartSpec, CrossesAWireUnchanged) {
   EXPECT_EQ(back.value().table.node_of(TileId{1}), NodeId{2});
 }
 
-TEST(PartSpec, WhatNoCoordinatorSendsIsRefused) {
+TEST(ShareSpec, WhatNoCoordinatorSendsIsRefused) {
   EXPECT_FALSE(spec_from_bytes("\xff\xff"));
   EXPECT_FALSE(spec_from_bytes(""));  // no threads
-  PartSpec spec;
+  ShareSpec spec;
   spec.table.nodes = {{0}, {1}};  // without incarnations
   EXPECT_FALSE(spec_from_bytes(to_bytes(spec)));
 }
 
-TEST(PartSpec, OfARunHasItsOptions) {
+TEST(ShareSpec, OfARunHasItsOptions) {
   RunOptions run;
   run.threads = 3;
   run.memory_bytes = 1ull << 40;
   run.kernel = KernelKind::cgal;
-  run.keep = Keep::reduced;
+  run.keep = TileRetention::reduced;
   run.store = StoreAs::points;
   run.neighbors = run.resumable = false;
   run.grace_s = 300;
   run.lock_file = "out/.lock/me";
-  const PartSpec spec = spec_of(run, "out/.run", "out");
+  const ShareSpec spec = spec_of(run, "out/.run", "out");
   EXPECT_EQ(spec.threads, 3u);
   EXPECT_EQ(spec.memory_bytes, 1ull << 40);
   EXPECT_FALSE(spec.resumable);
@@ -52,7 +52,7 @@ TEST(PartSpec, OfARunHasItsOptions) {
   EXPECT_EQ(spec.out_folder, "out");
   const auto programs = delaunay_options_from_bytes(spec.programs);
   ASSERT_TRUE(programs);
-  EXPECT_EQ(programs.value(), (DelaunayOptions{KernelKind::cgal, Keep::reduced, StoreAs::points, false}));
+  EXPECT_EQ(programs.value(), (DelaunayOptions{KernelKind::cgal, TileRetention::reduced, StoreAs::points, false}));
   EXPECT_FALSE(delaunay_options_from_bytes("\xff\xff"));
   EXPECT_FALSE(delaunay_options_from_bytes("\x08\x07"));  // a kernel that there is not
   EXPECT_FALSE(delaunay_options_from_bytes("\x20\x07"));  // a kind of tiles that there is not

@@ -11,8 +11,8 @@
 #include "src/base/ledger.h"
 #include "src/job/engine_steps.h"
 #include "src/result/tileset/tileset.h"
-#include "src/service/desk.h"
 #include "src/service/kinds.h"
+#include "src/service/staging_folder.h"
 #include "src/service/work.h"
 #include "tests/service/service_testing.h"
 
@@ -111,7 +111,7 @@ class Bounds : public ServiceTest {
     auto roots = Roots::open(options.roots, "");
     EXPECT_TRUE(roots);
     std::filesystem::create_directories(results_folder(data()));
-    const auto desk = Desk::lay(results_folder(data()), 1000, [] { return Status(success()); });
+    const auto desk = StagingFolder::lay(results_folder(data()), 1000, [] { return Status(success()); });
     EXPECT_TRUE(desk) << desk.error().where;
     Results results(data(), *desk.value());
     EXPECT_TRUE(results.open({}));

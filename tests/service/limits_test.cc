@@ -6,8 +6,8 @@
 
 #include "src/base/files/names.h"
 #include "src/service/deadline.h"
-#include "src/service/desk.h"
 #include "src/service/kept_inputs.h"
+#include "src/service/staging_folder.h"
 #include "src/service/uploads.h"
 #include "tests/service/service_testing.h"
 
@@ -170,7 +170,7 @@ TEST_F(Limits, UploadsHaveABoundLeaveTheReserveAndCanBeRemoved) {
 
 TEST_F(Limits, PartsOfUploadsThatNobodyGoesOnSendingAreRemovedAndFilesAreBounded) {
   std::filesystem::create_directories(uploads_folder(data()));
-  const auto desk = Desk::lay(uploads_folder(data()), 1, [] { return Status(success()); });
+  const auto desk = StagingFolder::lay(uploads_folder(data()), 1, [] { return Status(success()); });
   ASSERT_TRUE(desk) << desk.error().where;
   Uploads uploads(data(), {.files = 2}, *desk.value());
   ASSERT_TRUE(uploads.open());

@@ -5,7 +5,7 @@
 
 #include "src/base/files/lock_owner.h"
 #include "src/base/files/names.h"
-#include "src/service/desk.h"
+#include "src/service/staging_folder.h"
 #include "tests/service/service_testing.h"
 
 namespace tessera::testing {
@@ -26,7 +26,7 @@ class Takeover : public ServiceTest {
   }
   void lay_desks() {
     for (const fs::path& area : {data(), results_folder(data()), uploads_folder(data())}) {
-      auto desk = Desk::lay(area, 1'000, [] { return success(); });
+      auto desk = StagingFolder::lay(area, 1'000, [] { return success(); });
       ASSERT_TRUE(desk) << desk.error().where;
       desks.push_back(std::move(desk).value());
     }
@@ -53,7 +53,7 @@ class Takeover : public ServiceTest {
     }
   }
 
-  std::vector<std::unique_ptr<Desk>> desks;
+  std::vector<std::unique_ptr<StagingFolder>> desks;
   std::unique_ptr<Service::Upload> upload;
 };
 

@@ -204,8 +204,8 @@ TEST(Manifest, ReadsBackWhatWasWrittenToTheLastBit) {
   EXPECT_EQ(read.value().seconds, manifest.seconds);
   EXPECT_EQ(read.value().figures, manifest.figures);
   EXPECT_EQ(read.value().master_xxh3, manifest.master_xxh3);
-  EXPECT_EQ(read_duplicates(folder.path(), KeptPoint::first).value(), duplicates);
-  EXPECT_EQ(read.value().keep, KeptPoint::first);
+  EXPECT_EQ(read_duplicates(folder.path(), DuplicatePolicy::first).value(), duplicates);
+  EXPECT_EQ(read.value().keep, DuplicatePolicy::first);
   EXPECT_EQ(read.value().other_heights, 1u);
   EXPECT_EQ(heights_of(read.value()), (HeightRange{-1.25, 1e300}));
   EXPECT_EQ(store::manifest_to_text(read.value()), store::manifest_to_text(manifest));
@@ -214,7 +214,7 @@ TEST(Manifest, ReadsBackWhatWasWrittenToTheLastBit) {
 TEST(Manifest, TellsWhichOfEqualPointsIsKeptAndDuplicatesFitToIt) {
   const TemporaryFolder folder;
   Manifest manifest = store_sample(folder.path(), sample_tiles(sample_points(Shape::uniform, 2, 50), 2, 1));
-  const auto read_as = [&](KeptPoint keep, const std::vector<DuplicatePair>& duplicates) {
+  const auto read_as = [&](DuplicatePolicy keep, const std::vector<DuplicatePair>& duplicates) {
     manifest.keep = keep;
     EXPECT_TRUE(finish_store(folder.path(), manifest, duplicates));
     const auto read = read_manifest(folder.path());
@@ -222,11 +222,11 @@ TEST(Manifest, TellsWhichOfEqualPointsIsKeptAndDuplicatesFitToIt) {
     const auto pairs = read_duplicates(folder.path(), read.value().keep);
     return pairs ? std::string() : pairs.error().where.substr(pairs.error().where.find(", ") + 2);
   };
-  EXPECT_EQ(read_as(KeptPoint::last, {{3, 200}, {4, 200}}), "");
-  EXPECT_EQ(read_as(KeptPoint::lowest, {{3, 200}, {201, 4}}), "");
-  EXPECT_EQ(read_as(KeptPoint::first, {{3, 200}}), "pair 0: the kept point comes after its duplicate");
-  EXPECT_EQ(read_as(KeptPoint::last, {{2, 7}, {200, 3}}), "pair 1: the kept point comes before its duplicate");
-  EXPECT_EQ(read_as(KeptPoint::highest, {{2, 7}, {200, 200}}), "pair 1: the kept point is its own duplicate");
+  EXPECT_EQ(read_as(DuplicatePolicy::last, {{3, 200}, {4, 200}}), "");
+  EXPECT_EQ(read_as(DuplicatePolicy::lowest, {{3, 200}, {201, 4}}), "");
+  EXPECT_EQ(read_as(DuplicatePolicy::first, {{3, 200}}), "pair 0: the kept point comes after its duplicate");
+  EXPECT_EQ(read_as(DuplicatePolicy::last, {{2, 7}, {200, 3}}), "pair 1: the kept point comes before its duplicate");
+  EXPECT_EQ(read_as(DuplicatePolicy::highest, {{2, 7}, {200, 200}}), "pair 1: the kept point is its own duplicate");
   EXPECT_EQ(heights_of(manifest), std::nullopt) << "nobody knows any";
 }
 

@@ -37,8 +37,8 @@ class ExchangedScratch : public ::testing::Test {
     common_.reduce = true;
     common_.boxes = std::make_shared<const std::vector<Box>>(
         std::vector<Box>{{{-10, -10, -10}, {1, 10, 10}}, {{1, -10, -10}, {10, 10, 10}}});
-    common_.around = std::make_shared<const Surroundings>(bounds, std::vector<std::vector<TileId>>(tiles),
-                                                          make_seeds(all, tile_of, 3, Announced::spanning));
+    common_.around = std::make_shared<const KnownFromStart>(bounds, std::vector<std::vector<TileId>>(tiles),
+                                                            make_seeds(all, tile_of, 3, Announced::spanning));
   }
 
   // A life of a tile, with what an earlier one has left.
@@ -54,7 +54,8 @@ class ExchangedScratch : public ::testing::Test {
     stage->storage = made->context.storage = &made->scratch;
     stage->store = &made->scratch;
     made->context.programs = std::move(stage);
-    made->state = std::make_unique<TileLife>(Peer{TileId{tile}, {}}, made->context, std::make_shared<const Table>());
+    made->state = std::make_unique<TileLife>(TileIncarnation{TileId{tile}, {}}, made->context,
+                                             std::make_shared<const RoutingTable>());
     return made;
   }
   // One that has been put to sleep.

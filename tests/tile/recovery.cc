@@ -14,8 +14,8 @@ namespace tessera::testing {
 namespace {
 
 struct Life {
-  Life(Peer self, const DelaunayStage& common, std::uint64_t mail_bytes_max, std::shared_ptr<const Table> table,
-       std::vector<LocalPoint> points)
+  Life(TileIncarnation self, const DelaunayStage& common, std::uint64_t mail_bytes_max,
+       std::shared_ptr<const RoutingTable> table, std::vector<LocalPoint> points)
       : self(self), scratch(std::move(points), common.dimension), told(table->epoch.number) {
     auto stage = std::make_shared<DelaunayStage>(common);
     stage->storage = context.storage = &scratch;
@@ -25,13 +25,13 @@ struct Life {
     state = std::make_unique<TileLife>(self, context, std::move(table));
   }
 
-  Peer self;
+  TileIncarnation self;
   Scratch scratch;
   TileContext context;
   std::unique_ptr<TileLife> state;
   std::uint32_t told;  // the number of its table's epoch
   bool begun = false, awake = false;
-  std::vector<Peer> waiting;  // from whom
+  std::vector<TileIncarnation> waiting;  // from whom
 };
 
 class World {
@@ -69,11 +69,11 @@ class World {
   const RecoveryOptions& options_;
   std::mt19937_64 rng_;
   DelaunayStage common_;
-  std::vector<std::vector<LocalPoint>> points_;                     // by tile
-  std::vector<std::shared_ptr<const Table>> tables_;                // of all epochs
-  std::vector<std::shared_ptr<const Rebirths>> rebirths_{nullptr};  // of the same
-  std::shared_ptr<const Table> table_;                              // the last
-  std::vector<std::unique_ptr<Life>> living_;                       // by tile; null where there are no points
+  std::vector<std::vector<LocalPoint>> points_;                               // by tile
+  std::vector<std::shared_ptr<const RoutingTable>> tables_;                   // of all epochs
+  std::vector<std::shared_ptr<const IncarnationChanges>> rebirths_{nullptr};  // of the same
+  std::shared_ptr<const RoutingTable> table_;                                 // the last
+  std::vector<std::unique_ptr<Life>> living_;                                 // by tile; null where there are no points
   std::vector<std::unique_ptr<Life>> zombies_;
   std::vector<Update> mail_;  // under way
   Recovered out_;
@@ -102,10 +102,10 @@ World::World(const std::vector<LocalPoint>& points, const Assignment& assignment
   common_.reduce = options.reduce;
   common_.boxes = std::make_shared<const std::vector<Box>>(
       assignment.boxes.empty() ? std::vector<Box>(tiles, Box{{1, 1, 1}, {-1, -1, -1}}) : assignment.boxes);
-  common_.around = std::make_shared<const Surroundings>(bounds, neighbours, std::move(seeds));
-  Table first{{}, 0, {}, std::vector<Incarnation>(tiles)};
+  common_.around = std::make_shared<const KnownFromStart>(bounds, neighbours, std::move(seeds));
+  RoutingTable first{{}, 0, {}, std::vector<Incarnation>(tiles)};
   for (std::uint32_t t = 0; t < tiles; ++t) first.nodes.push_back(NodeId{static_cast<std::uint32_t>(rng_() % tiles)});
-  table_ = std::make_shared<const Table>(std::move(first));
+  table_ = std::make_shared<const RoutingTable>(std::move(first));
   tables_ = {table_};
   living_.resize(tiles);
   for (std::uint32_t t = 0; t < tiles; ++t) birth(TileId{t});
@@ -124,7 +124,7 @@ void World::birth(TileId tile) {
 
 // A node, one tile, or any tiles at once.
 void World::lose() {
-  Table next = *table_;
+  RoutingTable next = *table_;
   ++next.epoch.number;
   std::vector<TileId> dead;
   const std::uint64_t how = rng_() % 4, one = rng_() % living_.size();
@@ -136,8 +136,8 @@ void World::lose() {
     ++next.incarnations[tile.value].number;
     next.nodes[tile.value] = NodeId{static_cast<std::uint32_t>(rng_() % living_.size())};
   }
-  rebirths_.push_back(rebirths_between(*table_, next, rebirths_.back()));
-  table_ = std::make_shared<const Table>(std::move(next));
+  rebirths_.push_back(incarnation_changes_between(*table_, next, rebirths_.back()));
+  table_ = std::make_shared<const RoutingTable>(std::move(next));
   tables_.push_back(table_);
   for (const TileId tile : dead) birth(tile);
   std::erase_if(
@@ -220,7 +220,7 @@ std::uint64_t World::under_way() const {
   for (const Update& update : mail_) n += table_->alive(update.from) && table_->alive(update.to) ? 1 : 0;
   for (const auto& life : living_) {
     if (!life) continue;
-    for (const Peer from : life->waiting) n += table_->alive(from) ? 1 : 0;
+    for (const TileIncarnation from : life->waiting) n += table_->alive(from) ? 1 : 0;
   }
   return n;
 }

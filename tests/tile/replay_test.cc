@@ -19,7 +19,7 @@ class Replay : public ::testing::Test {
  protected:
   Replay() : around_(make_around()) { renew(); }
 
-  static Surroundings make_around() {
+  static KnownFromStart make_around() {
     Bounds bounds;
     bounds.add(Point{0, 0, 0});
     bounds.add(Point{30, 10, 0});
@@ -57,7 +57,7 @@ class Replay : public ::testing::Test {
 
   const std::vector<Point> own_{{4, 4, 0}, {5, 4, 0}, {4, 5, 0}};
   const std::vector<PointId> ids_{PointId{0}, PointId{1}, PointId{2}};
-  const Surroundings around_;
+  const KnownFromStart around_;
   std::unique_ptr<TileTriangulation> tile_;
 };
 

@@ -80,7 +80,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
   struct Tile {
     std::vector<Point> points;
     std::vector<PointId> ids;
-    KeptFinals finals;
+    PendingFinals finals;
     CellIds told;  // by ids, of cells that were counted
     std::uint64_t counted = 0;
     std::vector<std::int32_t> early_vertices, early_neighbors;
@@ -103,7 +103,7 @@ std::vector<TileMesh> splay(const std::vector<LocalPoint>& points, const std::ve
       if (k != i && !bounds[k].empty()) neighbours[i].push_back(TileId{k});
     }
   }
-  const Surroundings around(bounds, std::move(neighbours), std::move(chosen));
+  const KnownFromStart around(bounds, std::move(neighbours), std::move(chosen));
   std::vector<Update> mail;
   const auto post = [&](std::uint32_t from) {
     for (auto& [to, list] : tile[from].t->take_updates()) {

@@ -153,7 +153,7 @@ TEST(Introduce, KeepsASeedThatWasRefusedAsMailBefore) {
     return SharedPoint{{x, y, 0}, PointId{id}, TileId{1}, 0};
   };
   const SharedPoint seed = of_tile_1(30, 1, 7);
-  const Surroundings around({bounds, bounds}, {{}, {}}, {{seed, everywhere}});
+  const KnownFromStart around({bounds, bounds}, {{}, {}}, {{seed, everywhere}});
   TileTriangulation tile({TileId{0}, 2, KernelKind::flat, ExchangeRule::introduce, &around});
   tile.triangulate(own, ids);
   const std::vector<SharedPoint> fence{of_tile_1(0, 0, 3), of_tile_1(10, 0, 4), of_tile_1(0, 10, 5),
@@ -184,7 +184,7 @@ TEST(Stop, EndsWhateverATileIsAt) {
       others.push_back({p.at, p.id, TileId{1}, 0});
     }
   }
-  const Surroundings around({bounds, bounds}, {{}, {}}, {{others[0], everywhere}});
+  const KnownFromStart around({bounds, bounds}, {{}, {}}, {{others[0], everywhere}});
   for (const KernelKind kernel : {KernelKind::cgal, KernelKind::flat}) {
     for (const char* moment : {"triangulate", "reduce", "receive", "introduce", "collect"}) {
       SCOPED_TRACE(moment);
@@ -199,7 +199,7 @@ TEST(Stop, EndsWhateverATileIsAt) {
         }
       };
       stopped_at("triangulate", [&] { tile.triangulate(own, ids); });
-      KeptFinals finals;
+      PendingFinals finals;
       stopped_at("reduce", [&] { finals.cells = tile.reduce(own, box); });
       stopped_at("receive", [&] { ASSERT_TRUE(tile.receive(TileId{1}, others)); });
       stopped_at("introduce", [&] { tile.introduce(); });

@@ -29,11 +29,11 @@ class Words : public ::testing::Test {
     stage_.dimension = 2;
     stage_.boxes = std::make_shared<const std::vector<Box>>(4, Box{{1, 1, 1}, {-1, -1, -1}});
     stage_.around =
-        std::make_shared<const Surroundings>(std::vector<Bounds>(4, bounds), neighbours, std::vector<Seed>{});
+        std::make_shared<const KnownFromStart>(std::vector<Bounds>(4, bounds), neighbours, std::vector<Seed>{});
     stage_.storage = context_.storage = &scratch_;
     stage_.store = &scratch_;
     context_.programs = std::make_shared<DelaunayStage>(stage_);
-    tile_ = std::make_unique<TileLife>(Peer{self, {}}, context_, first_);
+    tile_ = std::make_unique<TileLife>(TileIncarnation{self, {}}, context_, first_);
     EXPECT_TRUE(tile_->begin());
     hear(fence_owner, 0,
          {of(fence_owner, 0, 0, fence), of(fence_owner, 10, 0, fence + 1), of(fence_owner, 0, 10, fence + 2),
@@ -57,10 +57,10 @@ class Words : public ::testing::Test {
     return tile_->take_outgoing();
   }
   void rejoin() {
-    auto next = std::make_shared<Table>(*first_);
+    auto next = std::make_shared<RoutingTable>(*first_);
     next->epoch = {{}, 1};
     next->incarnations[dead.value] = {{}, 1};
-    const auto rebirths = rebirths_between(*first_, *next, nullptr);
+    const auto rebirths = incarnation_changes_between(*first_, *next, nullptr);
     tile_->rejoin(std::move(next), rebirths.get());
   }
   // Whether the two whose points are neighbours here are introduced: one of them hears of the other's.
@@ -77,8 +77,8 @@ class Words : public ::testing::Test {
   }
 
  private:
-  const std::shared_ptr<const Table> first_ =
-      std::make_shared<const Table>(Table{{}, 0, std::vector<NodeId>(4), std::vector<Incarnation>(4)});
+  const std::shared_ptr<const RoutingTable> first_ =
+      std::make_shared<const RoutingTable>(RoutingTable{{}, 0, std::vector<NodeId>(4), std::vector<Incarnation>(4)});
   Scratch scratch_;
   DelaunayStage stage_;
   TileContext context_;

@@ -23,17 +23,17 @@ struct Expected {
 bool same_height(double a, double b) { return std::isnan(a) ? std::isnan(b) : a == b; }
 
 // In words of its own: the best of each place by one look at all points.
-Expected brute_force(const std::vector<Point>& points, KeptPoint keep) {
+Expected brute_force(const std::vector<Point>& points, DuplicatePolicy keep) {
   std::map<Point, std::vector<std::uint64_t>> places;
   for (std::uint64_t i = 0; i < points.size(); ++i) places[{points[i].x, points[i].y, 0}].push_back(i);
   Expected expected;
   for (const auto& [at, ids] : places) {
-    std::uint64_t best = keep == KeptPoint::last ? ids.back() : ids.front();
+    std::uint64_t best = keep == DuplicatePolicy::last ? ids.back() : ids.front();
     for (const std::uint64_t id : ids) {
       const double z = points[id].z, than = points[best].z;
       const bool number = !std::isnan(z);
-      if (keep == KeptPoint::lowest && number && !(than <= z)) best = id;
-      if (keep == KeptPoint::highest && number && !(than >= z)) best = id;
+      if (keep == DuplicatePolicy::lowest && number && !(than <= z)) best = id;
+      if (keep == DuplicatePolicy::highest && number && !(than >= z)) best = id;
     }
     expected.vertices[at] = {PointId{best}, points[best].z};
     for (const std::uint64_t id : ids) {
@@ -62,7 +62,8 @@ class KeptPoints : public RunFixture {
     return points;
   }
 
-  Result<RoutedRun> route_heights(const std::vector<Point>& points, KeptPoint keep, const RouteOptions& options) {
+  Result<RoutedCloud> route_heights(const std::vector<Point>& points, DuplicatePolicy keep,
+                                    const RouteOptions& options) {
     CloudOptions wanted = in_dimension(2);
     wanted.keep = keep;
     return route(open_cloud(write_npy(points, 3), wanted), run_folder(), options, progress_, {});
@@ -77,7 +78,8 @@ TEST_F(KeptPoints, AreThoseOfAllPointsWhateverTheTiles) {
                                     {.kind = PartitionKind::grid, .tiles = 9},
                                     {.kind = PartitionKind::random, .tiles = 5},
                                     {.max_points_per_tile = 50}};
-    for (const auto keep : {KeptPoint::first, KeptPoint::last, KeptPoint::lowest, KeptPoint::highest}) {
+    for (const auto keep :
+         {DuplicatePolicy::first, DuplicatePolicy::last, DuplicatePolicy::lowest, DuplicatePolicy::highest}) {
       const Expected expected = brute_force(points, keep);
       const auto& tiling = tilings[(seed + static_cast<std::size_t>(keep)) % std::size(tilings)];
       const auto run = route_heights(points, keep, tiling);
@@ -110,7 +112,7 @@ TEST_F(KeptPoints, AreThoseOfAllPointsWhateverTheTiles) {
 TEST_F(KeptPoints, WithoutHeightsAreTheFirstOrTheLast) {
   std::vector<Point> points = cloud(900, 5);
   for (Point& p : points) p.z = 0;
-  for (const auto keep : {KeptPoint::first, KeptPoint::last}) {
+  for (const auto keep : {DuplicatePolicy::first, DuplicatePolicy::last}) {
     CloudOptions wanted = in_dimension(2);
     wanted.keep = keep;
     const auto run = route(open_cloud(write_npy(points, 2), wanted), run_folder(), {.tiles = 4}, progress_, {});
@@ -130,13 +132,13 @@ TEST_F(KeptPoints, AreAskedForWhereThereIsAChoice) {
     const auto cloud = Cloud::open({write_npy({{0, 0, 1}, {1, 0, 2}, {0, 1, 3}}, columns)}, options);
     return cloud.has_error() ? in_plain_words(cloud.error().where) : "";
   };
-  EXPECT_EQ(refusal({.dimension = 3, .keep = KeptPoint::last}),
+  EXPECT_EQ(refusal({.dimension = 3, .keep = DuplicatePolicy::last}),
             "keep=last: chooses among points of equal x and y, which are one vertex in 2D alone (see dim)");
-  EXPECT_EQ(refusal({.dimension = 2, .keep = KeptPoint::lowest, .heights = false}),
+  EXPECT_EQ(refusal({.dimension = 2, .keep = DuplicatePolicy::lowest, .heights = false}),
             "keep=lowest: needs the heights, which z=false leaves out");
-  EXPECT_EQ(refusal({.dimension = 0, .keep = KeptPoint::highest}, 2),
+  EXPECT_EQ(refusal({.dimension = 0, .keep = DuplicatePolicy::highest}, 2),
             "keep=highest: needs heights, and no input file has any");
-  EXPECT_EQ(refusal({.dimension = 2, .keep = KeptPoint::last, .heights = false}), "");
+  EXPECT_EQ(refusal({.dimension = 2, .keep = DuplicatePolicy::last, .heights = false}), "");
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 #include <random>
 #include <set>
 
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "tests/tiling/clouds.h"
 
 namespace tessera {

@@ -237,24 +237,24 @@ TEST_F(Route, WritesTheSameBytesWhateverTheThreads) {
 }
 
 // Routes stretches in any order, some of them twice, as nodes do of which some are lost.
-class ShuffledRouter : public StretchRouter {
+class ShuffledRouter : public SplitRouter {
  public:
   std::uint64_t stretch_points(std::uint64_t) const override { return 65'536; }
-  Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<Stretch>& stretches,
+  Result<std::vector<std::uint32_t>> route(const Cloud& cloud, const std::vector<InputSplit>& splits,
                                            const Partition& partition, const std::filesystem::path& folder,
                                            Progress& progress, const std::stop_token& stop) override {
-    stretches_ = stretches.size();
+    stretches_ = splits.size();
     std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < stretches.size(); ++i) order.insert(order.end(), 1 + i % 2, i);
+    for (std::size_t i = 0; i < splits.size(); ++i) order.insert(order.end(), 1 + i % 2, i);
     std::shuffle(order.begin(), order.end(), std::mt19937_64(7));
-    std::vector<std::uint32_t> attempts(stretches.size());
+    std::vector<std::uint32_t> attempts(splits.size());
     std::uint32_t attempt = 0;
     for (const std::size_t i : order) {
-      StretchWork work{folder, ++attempt, 1 << 20};
+      SplitWork work{folder, ++attempt, 1 << 20};
       if (attempts[i] == 0) work.routed = [&](std::uint64_t points) { progress.points_routed += points; };
       // As another process knows the cloud.
       const Cloud theirs = Cloud::of(cloud.files(), cloud.schema(), cloud.options());
-      BOOST_OUTCOME_TRYV(route_stretch(stretches[i].here ? cloud : theirs, stretches[i], partition, work, stop));
+      BOOST_OUTCOME_TRYV(route_split(splits[i].here ? cloud : theirs, splits[i], partition, work, stop));
       attempts[i] = attempt;
     }
     return attempts;

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "src/geometry/predicates/independent/predicates.h"
-#include "src/tiling/routed_run.h"
+#include "src/tiling/routed_cloud.h"
 #include "tests/tiling/clouds.h"
 
 namespace tessera {
@@ -57,11 +57,11 @@ class RunFixture : public testing::Test {
     return std::move(cloud).value();
   }
 
-  Result<RoutedRun> route_points(const std::vector<Point>& points, int dimension, const RouteOptions& options) {
+  Result<RoutedCloud> route_points(const std::vector<Point>& points, int dimension, const RouteOptions& options) {
     return route(open_cloud(write_npy(points, dimension), dimension), run_folder(), options, progress_, {});
   }
 
-  static std::vector<LocalPoint> read_points(const RoutedRun& run, std::uint32_t tile) {
+  static std::vector<LocalPoint> read_points(const RoutedCloud& run, std::uint32_t tile) {
     std::vector<LocalPoint> points;
     EXPECT_TRUE(for_each_record({run.folder, run.bundles, 0}, run.segments_of(TileId{tile}), {},
                                 [&](std::span<const LocalPoint> some, auto) -> Status {
@@ -73,7 +73,7 @@ class RunFixture : public testing::Test {
   }
 
   // Every point is in its tile, under its rank in the input; the run's numbers are those of its files.
-  static void expect_complete(const RoutedRun& run, const std::vector<Point>& points) {
+  static void expect_complete(const RoutedCloud& run, const std::vector<Point>& points) {
     ASSERT_EQ(run.tile_points.size(), run.partition.tiles());
     ASSERT_EQ(run.tile_bounds.size(), run.partition.tiles());
     std::vector<bool> seen(points.size());
@@ -99,7 +99,7 @@ class RunFixture : public testing::Test {
   }
 
   // The least point is among them, d+1 of them span the space, and their ids are those of the vertices that are kept.
-  static void expect_seeds(const RoutedRun& run, const std::vector<Point>& points) {
+  static void expect_seeds(const RoutedCloud& run, const std::vector<Point>& points) {
     std::map<Point, std::uint64_t> lowest;
     for (std::size_t i = 0; i < points.size(); ++i) lowest.try_emplace(points[i], i);
     std::set<Point> distinct;
@@ -128,7 +128,7 @@ class RunFixture : public testing::Test {
     EXPECT_TRUE(spanned);
   }
 
-  static void expect_same(const RoutedRun& a, const RoutedRun& b) {
+  static void expect_same(const RoutedCloud& a, const RoutedCloud& b) {
     EXPECT_EQ(a.dimension, b.dimension);
     EXPECT_EQ(a.partition.kind(), b.partition.kind());
     EXPECT_EQ(a.partition.boxes(), b.partition.boxes());

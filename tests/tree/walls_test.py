@@ -66,7 +66,7 @@ class Walls(unittest.TestCase):
                  and not re.search(r"time_point", line)]
         self.assertEqual(wrong, [])
         for header in ("src/geometry/kernel/kernel.h", "src/tiling/tile/tile_triangulation.h", "src/geometry/mesh/tile_mesh.h",
-                       "src/delaunay/delaunay_program.h", "src/result/store/tile_store.h", "src/tiling/routed_run.h"):
+                       "src/delaunay/delaunay_program.h", "src/result/store/tile_store.h", "src/tiling/routed_cloud.h"):
             self.assertFalse(self.compiles("src/exchange/tile_life.cc", header))
 
     def test_no_source_sees_the_folder_of_the_project(self):

@@ -33,7 +33,7 @@ inline constexpr std::uint64_t frame_header_bytes = 40;
 
 // What a frame belongs to.
 struct FrameOwner {
-  std::uint64_t run = 0;   // RoutedRun::seal; 0 for what is there before the run is routed
+  std::uint64_t run = 0;   // RoutedCloud::seal; 0 for what is there before the run is routed
   std::uint64_t item = 0;  // of the run: the number of a tile, a node, an attempt
 };
 

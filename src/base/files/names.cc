@@ -58,7 +58,7 @@ fs::path numbered(const fs::path& folder, NodeId node, const char* ending) {
   return folder / (of_node + numbered("", node.value, ending).string());
 }
 
-fs::path numbered(const fs::path& folder, BundleId bundle) {
+fs::path numbered(const fs::path& folder, ShuffleFileId bundle) {
   return folder / (numbered("", bundle.attempt, "-").string() + numbered("", bundle.number, ".bin").string());
 }
 
@@ -90,7 +90,7 @@ const char* folder_name(ScratchKind kind) {
     case ScratchKind::kept:
       return "kept";
     case ScratchKind::routing:
-    case ScratchKind::stretch:
+    case ScratchKind::split:
       break;
   }
   return "";
@@ -162,8 +162,8 @@ fs::path plan_file(const fs::path& run) { return run / "plan.json"; }
 fs::path points_folder(const fs::path& run) { return run / "points"; }
 fs::path attributes_folder(const fs::path& run) { return run / "attributes"; }
 fs::path segments_file(const fs::path& run) { return run / "segments.bin"; }
-fs::path points_file(const fs::path& run, BundleId bundle) { return numbered(points_folder(run), bundle); }
-fs::path attributes_file(const fs::path& run, BundleId bundle) { return numbered(attributes_folder(run), bundle); }
+fs::path points_file(const fs::path& run, ShuffleFileId bundle) { return numbered(points_folder(run), bundle); }
+fs::path attributes_file(const fs::path& run, ShuffleFileId bundle) { return numbered(attributes_folder(run), bundle); }
 fs::path routing_file(const fs::path& run) { return run / "routing.bin"; }
 fs::path stretches_folder(const fs::path& run) { return run / "stretches"; }
 fs::path stretch_file(const fs::path& run, std::uint32_t attempt) {

@@ -15,7 +15,7 @@
 //   OUT/.run/                      the run folder, while the run is unfinished; OUT/.run.new-4711-.../ of its
 //                                  own for every process until points are routed
 //     plan.json                    what was routed; written last
-//     segments.bin                 where a tile's points are (src/tiling/routed_run.h)
+//     segments.bin                 where a tile's points are (src/tiling/routed_cloud.h)
 //     points/000000-000007.bin     routed points, as many as a buffer held
 //     attributes/000000-000007.bin their attributes; absent when nothing is carried
 //     routing.bin                  while many nodes route: what they must know
@@ -43,8 +43,8 @@
 //   .../exports/3dtiles/           its tileset, which the dashboard shows
 //   .../.unfinished-ID             what job ID makes, until it is whole
 //   .../.removed-...               what is being removed
-//   .../.desk-7/                   what daemon number 7 of this data folder is just putting there (src/service/desk.h)
-//   DATA/terms/7                   says that there was a daemon number 7
+//   .../.desk-7/                   what daemon number 7 of this data folder is just putting there
+//   (src/service/staging_folder.h) DATA/terms/7                   says that there was a daemon number 7
 //
 // and in a tileset (src/result/tileset):
 //
@@ -112,8 +112,8 @@ std::filesystem::path plan_file(const std::filesystem::path& run);
 std::filesystem::path points_folder(const std::filesystem::path& run);
 std::filesystem::path attributes_folder(const std::filesystem::path& run);
 std::filesystem::path segments_file(const std::filesystem::path& run);
-std::filesystem::path points_file(const std::filesystem::path& run, BundleId bundle);
-std::filesystem::path attributes_file(const std::filesystem::path& run, BundleId bundle);
+std::filesystem::path points_file(const std::filesystem::path& run, ShuffleFileId bundle);
+std::filesystem::path attributes_file(const std::filesystem::path& run, ShuffleFileId bundle);
 std::filesystem::path routing_file(const std::filesystem::path& run);
 std::filesystem::path stretches_folder(const std::filesystem::path& run);
 std::filesystem::path stretch_file(const std::filesystem::path& run, std::uint32_t attempt);
@@ -128,7 +128,7 @@ enum class ScratchKind : std::uint32_t {
   settled = 5,     // the tile once nothing can change it
   // And what many nodes that route tell each other, in files of their own.
   routing = 6,
-  stretch = 7,
+  split = 7,
   // What stages of a job over a result leave of a tile.
   kept = 8,
 };

@@ -103,7 +103,7 @@ class Maker {
     stage_.early_points = early_points_of(manifest.vertices + manifest.duplicates);
     stage_.early_unit = early_unit(manifest.dimension);
     stage_.boxes = final_boxes(shared);
-    stage_.around = std::make_shared<const Surroundings>(
+    stage_.around = std::make_shared<const KnownFromStart>(
         std::vector<Bounds>(shared->tiles()), std::vector<std::vector<TileId>>(shared->tiles()), std::vector<Seed>());
     stage_.storage = &scratch_;
     stage_.stop = stop_;

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/exchange/part.h"
+#include "src/exchange/share.h"
 #include "src/exchange/tile_program.h"
 #include "src/result/tile_source.h"
 
@@ -41,13 +41,13 @@ class ResultStages {
   // What tile number `i` takes while it is worked on.
   virtual std::uint64_t work_bytes(const TileSource& source, std::size_t i) const = 0;
 };
-using KindsOfStages = std::map<std::string, std::shared_ptr<const ResultStages>>;  // by PartSpec::stages
+using KindsOfStages = std::map<std::string, std::shared_ptr<const ResultStages>>;  // by ShareSpec::stages
 
 // The job's plan stands in plan_file(run).
 struct ResultJob {
   std::string kind;
   std::filesystem::path result, run;
-  PartOptions options;
+  ShareOptions options;
 };
 
 // ResultInput::seal of a run with this plan.

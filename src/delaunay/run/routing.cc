@@ -12,7 +12,7 @@
 namespace tessera {
 namespace {
 
-using Of = Stretch::Range::Of;
+using Of = InputSplit::Range::Of;
 
 // Paths as every node understands them.
 std::string absolute_path(const std::filesystem::path& path) {
@@ -63,21 +63,21 @@ Result<Cloud> cloud_of(const proto::Routing& routing, const std::filesystem::pat
   return Cloud::of(std::move(files), std::move(schema), std::move(options));
 }
 
-Result<Stretch> stretch_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
-  if (number >= static_cast<std::size_t>(routing.stretches_size())) return damaged_run(path, "has no such stretch");
-  Stretch stretch;
-  for (const auto& from : routing.stretches(static_cast<int>(number)).ranges()) {
+Result<InputSplit> stretch_of(const proto::Routing& routing, const std::filesystem::path& path, std::size_t number) {
+  if (number >= static_cast<std::size_t>(routing.splits_size())) return damaged_run(path, "has no such stretch");
+  InputSplit split;
+  for (const auto& from : routing.splits(static_cast<int>(number)).ranges()) {
     if (from.file() >= static_cast<std::uint64_t>(routing.files_size()) ||
         !proto::Routing::Range::Of_IsValid(from.of()))
       return damaged_run(path, "has a stretch of no file");
-    stretch.ranges.push_back({from.file(), static_cast<Of>(from.of()), from.begin(), from.count()});
+    split.ranges.push_back({from.file(), static_cast<Of>(from.of()), from.begin(), from.count()});
   }
-  return stretch;
+  return split;
 }
 
 }  // namespace
 
-Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud, const std::vector<Stretch>& stretches,
+Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud, const std::vector<InputSplit>& splits,
                      const Partition& partition) {
   proto::Routing routing;
   routing.set_partition(partition.to_json());
@@ -94,9 +94,9 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
     to.set_parts(file.parts);
     if (file.points) to.set_points(*file.points);
   }
-  for (const Stretch& stretch : stretches) {
-    auto& to = *routing.add_stretches();
-    for (const Stretch::Range& range : stretch.ranges) {
+  for (const InputSplit& split : splits) {
+    auto& to = *routing.add_splits();
+    for (const InputSplit::Range& range : split.ranges) {
       auto& r = *to.add_ranges();
       r.set_file(range.file);
       r.set_of(static_cast<proto::Routing::Range::Of>(range.of));
@@ -120,15 +120,15 @@ Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud
   return write_frame(routing_file(run_folder), ScratchKind::routing, {}, std::as_bytes(std::span(bytes)));
 }
 
-Status route_stretch(const std::filesystem::path& run_folder, std::size_t stretch, std::uint32_t threads,
-                     const StretchWork& work, const std::stop_token& stop) {
+Status route_split(const std::filesystem::path& run_folder, std::size_t split, std::uint32_t threads,
+                   const SplitWork& work, const std::stop_token& stop) {
   const auto path = routing_file(run_folder);
   BOOST_OUTCOME_TRY(routing, read_routing(path));
   BOOST_OUTCOME_TRY(cloud, cloud_of(routing, path, threads));
-  BOOST_OUTCOME_TRY(wanted, stretch_of(routing, path, stretch));
+  BOOST_OUTCOME_TRY(wanted, stretch_of(routing, path, split));
   auto partition = Partition::from_json(routing.partition());
   if (!partition) return damaged_run(path, partition.error().where);
-  return route_stretch(cloud, wanted, partition.value(), work, stop);
+  return route_split(cloud, wanted, partition.value(), work, stop);
 }
 
 }  // namespace tessera

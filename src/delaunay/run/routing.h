@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "src/base/result.h"
-#include "src/tiling/stretch.h"
+#include "src/tiling/split_router.h"
 
 namespace tessera {
 
 // Error io.
-Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud, const std::vector<Stretch>& stretches,
+Status write_routing(const std::filesystem::path& run_folder, const Cloud& cloud, const std::vector<InputSplit>& splits,
                      const Partition& partition);
 
-// Routes one of these stretches with so many threads. Errors of route_stretch(), corrupt.
-Status route_stretch(const std::filesystem::path& run_folder, std::size_t stretch, std::uint32_t threads,
-                     const StretchWork& work, const std::stop_token& stop);
+// Routes one of these stretches with so many threads. Errors of route_split(), corrupt.
+Status route_split(const std::filesystem::path& run_folder, std::size_t split, std::uint32_t threads,
+                   const SplitWork& work, const std::stop_token& stop);
 
 }  // namespace tessera

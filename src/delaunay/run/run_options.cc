@@ -9,7 +9,7 @@ namespace tessera {
 std::string to_bytes(const DelaunayOptions& options) {
   proto::DelaunayOptions message;
   message.set_kernel(static_cast<proto::DelaunayOptions::Kernel>(options.kernel));
-  message.set_keep(static_cast<proto::DelaunayOptions::Keep>(options.keep));
+  message.set_keep(static_cast<proto::DelaunayOptions::TileRetention>(options.keep));
   message.set_store(static_cast<proto::DelaunayOptions::Store>(options.store));
   message.set_neighbors(options.neighbors);
   return message.SerializeAsString();
@@ -18,16 +18,16 @@ std::string to_bytes(const DelaunayOptions& options) {
 Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes) {
   proto::DelaunayOptions message;
   if (!message.ParseFromString(bytes) || !proto::DelaunayOptions::Kernel_IsValid(message.kernel()) ||
-      !proto::DelaunayOptions::Keep_IsValid(message.keep()) ||
+      !proto::DelaunayOptions::TileRetention_IsValid(message.keep()) ||
       !proto::DelaunayOptions::Store_IsValid(message.store())) {
     return error(Errc::internal, "what a job's programs must know cannot be read");
   }
-  return DelaunayOptions{static_cast<KernelKind>(message.kernel()), static_cast<Keep>(message.keep()),
+  return DelaunayOptions{static_cast<KernelKind>(message.kernel()), static_cast<TileRetention>(message.keep()),
                          static_cast<StoreAs>(message.store()), message.neighbors()};
 }
 
-PartSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder) {
-  PartSpec spec;
+ShareSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder) {
+  ShareSpec spec;
   spec.threads = options.threads;
   spec.memory_bytes = options.memory_bytes;
   spec.resumable = options.resumable;

@@ -8,15 +8,15 @@
 #include <string_view>
 
 #include "src/base/tile_kind.h"
-#include "src/exchange/part.h"
+#include "src/exchange/share.h"
 #include "src/geometry/kernel/kernel.h"
 
 namespace tessera {
 
-class TileTaker;  // src/result/store/tile_taker.h
+class TileConsumer;  // src/result/store/tile_taker.h
 
 // Whether tiles keep their whole triangulation in memory, or hand out final cells and keep the rest.
-enum class Keep : std::uint8_t { by_budget, whole, reduced };
+enum class TileRetention : std::uint8_t { by_budget, whole, reduced };
 
 // What is stored of tiles: cells, or points that they follow from. By size: points of clouds of more than so many.
 enum class StoreAs : std::uint8_t { by_size, cells, points };
@@ -32,21 +32,21 @@ struct RunOptions {
   std::uint32_t threads = 1;
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   KernelKind kernel = KernelKind::flat;
-  Keep keep = Keep::by_budget;
+  TileRetention keep = TileRetention::by_budget;
   StoreAs store = StoreAs::by_size;
   bool neighbors = true;  // store them
-  bool resumable = true;  // as in PartOptions, and below
+  bool resumable = true;  // as in ShareOptions, and below
   std::uint32_t grace_s = 0;
   std::string lock_file = {};
-  TileTaker* taker = nullptr;  // on one node alone: gets the tiles' cells, which are not stored then
+  TileConsumer* taker = nullptr;  // on one node alone: gets the tiles' cells, which are not stored then
 
   friend bool operator==(const RunOptions&, const RunOptions&) = default;
 };
 
-// What the programs of a job must know beside that (PartSpec::programs).
+// What the programs of a job must know beside that (ShareSpec::programs).
 struct DelaunayOptions {
   KernelKind kernel = KernelKind::flat;
-  Keep keep = Keep::by_budget;
+  TileRetention keep = TileRetention::by_budget;
   StoreAs store = StoreAs::by_size;
   bool neighbors = true;
   friend bool operator==(const DelaunayOptions&, const DelaunayOptions&) = default;
@@ -55,6 +55,6 @@ std::string to_bytes(const DelaunayOptions& options);
 Result<DelaunayOptions> delaunay_options_from_bytes(const std::string& bytes);
 
 // A job on one node.
-PartSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder);
+ShareSpec spec_of(const RunOptions& options, std::string run_folder, std::string out_folder);
 
 }  // namespace tessera

@@ -1,5 +1,6 @@
 #include "src/front/apps/commands.h"
 
+#include <CLI/CLI.hpp>
 #include <string>
 
 #include "src/front/apps/help.h"

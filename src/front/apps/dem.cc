@@ -73,7 +73,7 @@ Status run_dem(Settings& settings, const OneStep& made_of) {
   std::optional<Dem> made;
   TileProduct product;
   product.memory_bytes = memory / 4;
-  product.make = [&](const Manifest& manifest, const std::stop_token& stop) -> Result<TileTaker*> {
+  product.make = [&](const Manifest& manifest, const std::stop_token& stop) -> Result<TileConsumer*> {
     DemOptions drawing = options;
     drawing.memory_bytes = product.memory_bytes;
     drawing.threads = threads + 1;  // of a job's writers one waits for the disk, mostly

@@ -165,7 +165,6 @@ Status write_local_cluster(const LocalCluster& cluster) {
                              {"started", node.process.started},
                              {"log", cluster.log_of(node).string()}});
   }
-  const auto replace = nlohmann::ordered_json::error_handler_t::replace;
   return write_whole(local_cluster_file(cluster.folder), json_text(json, 2) + "\n");
 }
 

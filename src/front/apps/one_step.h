@@ -31,7 +31,7 @@ Status on_result(Settings& settings, const OneStep& what, const OutputOptions& o
 
 // What is made of each tile as it comes to its end, so that no result is made.
 struct TileProduct {
-  std::function<Result<TileTaker*>(const Manifest& manifest, const std::stop_token& stop)> make;
+  std::function<Result<TileConsumer*>(const Manifest& manifest, const std::stop_token& stop)> make;
   std::function<Status()> finish;  // prints nothing
   std::uint64_t memory_bytes = 0;  // what the product takes of the memory that the command has
 };

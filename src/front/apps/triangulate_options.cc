@@ -128,7 +128,7 @@ Status read_cloud_options(Settings& settings, JobOptions& options) {
   BOOST_OUTCOME_TRY(heights, settings.get("z", [](const std::string& text) { return parse_switch(text); }));
   options.cloud.heights = heights.value_or(true);
   BOOST_OUTCOME_TRY(keep, settings.get("keep", [](const std::string& text) { return parse_kept_point(text); }));
-  options.cloud.keep = keep.value_or(KeptPoint::first);
+  options.cloud.keep = keep.value_or(DuplicatePolicy::first);
   BOOST_OUTCOME_TRY(skip_invalid, settings.on("skip-invalid"));
   options.cloud.skip_invalid = skip_invalid;
   BOOST_OUTCOME_TRY(neighbors, settings.get("neighbors", [](const std::string& text) { return parse_switch(text); }));

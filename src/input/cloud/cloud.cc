@@ -108,7 +108,7 @@ void warn_of_counting(const std::vector<FileInfo>& files, std::vector<std::strin
 
 // `carried`: the points have heights, as attributes. `has_z`: the files have some.
 Status check_keep(const CloudOptions& options, bool carried, bool has_z) {
-  if (options.keep == KeptPoint::first) return success();
+  if (options.keep == DuplicatePolicy::first) return success();
   const auto refuse = [&](const std::string& reason) {
     return error(Errc::usage, option("keep", name_of(options.keep)) + ": " + reason);
   };

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/kept_point.h"
+#include "src/base/duplicate_policy.h"
 #include "src/input/bytes/byte_source.h"
 #include "src/input/reader.h"
 
@@ -24,20 +24,20 @@ enum class Returns : std::uint8_t { all, first, last, single };
 struct CloudOptions {
   // 2 triangulates x and y; z of the points becomes 0. 0: 3, or 2 if the files hold x and y alone.
   int dimension = 3;
-  KeptPoint keep = KeptPoint::first;         // 2D: which of the points of equal x and y
-  bool heights = true;                       // 2D: carry z as the attribute "z", if any file has it
-  bool skip_invalid = false;                 // drop non-finite points and count them, instead of refusing the file
-  std::optional<Box> crop = {};              // closed box: points outside are not part of the cloud
-  std::vector<int> classes = {};             // keep these LAS classes only; empty keeps all
-  Returns returns = Returns::all;            // keep these echoes of each pulse only
-  std::vector<std::string> without = {};     // drop points with one of these flags: "withheld", "synthetic", ...
-  std::vector<std::string> attributes = {};  // names to carry, or {"all"}
-  std::vector<std::string> columns = {};     // text, NumPy: what their columns are called; see ReadHints
-  double resolution = 0;                     // COPC files only: how far apart points may be; 0 keeps all
-  std::uint32_t threads = 1;                 // that may open, read and unpack files at once
-  std::string crs = {};                      // WKT or "EPSG:n" of all files, whatever they say; empty: what they say
-  std::string input_list = {};               // a file that names further inputs, see InputQuestion
-  bool recursive = false;                    // folders with their subfolders
+  DuplicatePolicy keep = DuplicatePolicy::first;  // 2D: which of the points of equal x and y
+  bool heights = true;                            // 2D: carry z as the attribute "z", if any file has it
+  bool skip_invalid = false;                      // drop non-finite points and count them, instead of refusing the file
+  std::optional<Box> crop = {};                   // closed box: points outside are not part of the cloud
+  std::vector<int> classes = {};                  // keep these LAS classes only; empty keeps all
+  Returns returns = Returns::all;                 // keep these echoes of each pulse only
+  std::vector<std::string> without = {};          // drop points with one of these flags: "withheld", "synthetic", ...
+  std::vector<std::string> attributes = {};       // names to carry, or {"all"}
+  std::vector<std::string> columns = {};          // text, NumPy: what their columns are called; see ReadHints
+  double resolution = 0;                          // COPC files only: how far apart points may be; 0 keeps all
+  std::uint32_t threads = 1;                      // that may open, read and unpack files at once
+  std::string crs = {};         // WKT or "EPSG:n" of all files, whatever they say; empty: what they say
+  std::string input_list = {};  // a file that names further inputs, see InputQuestion
+  bool recursive = false;       // folders with their subfolders
   // Where standard input and what is in compressed files wait, without names; empty: the system's temporary folder.
   std::filesystem::path spool_folder = {};
   std::uint64_t spool_bytes_max = 0;  // that may wait there; 0: what the disk has
@@ -70,7 +70,7 @@ struct CloudCounts {
 };
 
 // A part of the input that can be read by itself.
-struct Stretch {
+struct InputSplit {
   // A file, or of one that can be entered in the middle points begin..begin+count-1, or these of its FileInfo::parts.
   struct Range {
     enum class Of : std::uint8_t { file, points, parts };
@@ -109,12 +109,12 @@ class Cloud {
   // there is one, do not depend on the number of threads.
   Result<CloudCounts> for_each_batch(const std::function<Status(CloudBatch&)>& visit) const;
   // The same of a stretch; ids count from its first point.
-  Result<CloudCounts> for_each_batch(const Stretch& stretch, const std::function<Status(CloudBatch&)>& visit) const;
+  Result<CloudCounts> for_each_batch(const InputSplit& split, const std::function<Status(CloudBatch&)>& visit) const;
 
   // All of it in order, cut into stretches of about so many points where files can be entered. Looks at the files that
   // are larger. Errors of the readers.
-  Result<std::vector<Stretch>> stretches(std::uint64_t points) const;
-  Stretch whole() const;
+  Result<std::vector<InputSplit>> splits(std::uint64_t points) const;
+  InputSplit whole() const;
 
   // About `wanted` points spread over all files, deterministic, filters applied. Reads blocks where the format can
   // seek cheaply, everything else whole.

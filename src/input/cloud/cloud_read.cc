@@ -31,19 +31,19 @@ struct Unit {
   std::uint64_t begin = 0, count = UINT64_MAX;  // points
 };
 
-std::vector<Unit> units_of(const Stretch& stretch, const std::vector<FileInfo>& files,
+std::vector<Unit> units_of(const InputSplit& split, const std::vector<FileInfo>& files,
                            const std::vector<Attribute>& schema) {
   std::vector<Unit> units;
-  for (const Stretch::Range& range : stretch.ranges) {
+  for (const InputSplit::Range& range : split.ranges) {
     const FileInfo& file = files[range.file];
     const bool in_parts = row_bytes(schema) <= text_row_bytes_max;
     if (file.points) {
       Unit unit{range.file, {}, false};
-      if (range.of == Stretch::Range::Of::points) unit = {range.file, {}, false, range.begin, range.count};
+      if (range.of == InputSplit::Range::Of::points) unit = {range.file, {}, false, range.begin, range.count};
       const std::uint64_t points = std::min(unit.count, *file.points);
       unit.ahead = points <= batch_points_max && points * row_bytes(schema) <= rows_bytes_max;
       units.push_back(unit);
-    } else if (range.of == Stretch::Range::Of::parts) {
+    } else if (range.of == InputSplit::Range::Of::parts) {
       for (std::uint64_t part = range.begin; part < range.begin + range.count; ++part)
         units.push_back({range.file, part, in_parts});
     } else if (!in_parts) {
@@ -122,10 +122,10 @@ Result<CloudCounts> Cloud::for_each_batch(const std::function<Status(CloudBatch&
   return for_each_batch(whole(), visit);
 }
 
-Result<CloudCounts> Cloud::for_each_batch(const Stretch& stretch,
+Result<CloudCounts> Cloud::for_each_batch(const InputSplit& split,
                                           const std::function<Status(CloudBatch&)>& visit) const {
   const PointFilter filter(options_, schema_);
-  const std::vector<Unit> units = units_of(stretch, files_, filter.reader_schema());
+  const std::vector<Unit> units = units_of(split, files_, filter.reader_schema());
   CloudCounts counts;
   const auto read_whole = [&](const Unit& unit, bool count_lines) -> Result<ReadUnit> {
     ReadUnit made;

@@ -8,10 +8,10 @@
 
 namespace tessera {
 
-std::string duplicates_text(std::uint64_t other_heights, KeptPoint keep) {
+std::string duplicates_text(std::uint64_t other_heights, DuplicatePolicy keep) {
   std::string text = " duplicates";
   if (other_heights > 0) text += ", " + grouped(other_heights) + " of them at other heights";
-  if (other_heights > 0 || keep != KeptPoint::first) text += " (the " + std::string(name_of(keep)) + " is kept)";
+  if (other_heights > 0 || keep != DuplicatePolicy::first) text += " (the " + std::string(name_of(keep)) + " is kept)";
   return text;
 }
 

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/duplicate_policy.h"
 #include "src/base/figures.h"
-#include "src/base/kept_point.h"
 
 namespace tessera {
 
@@ -16,8 +16,8 @@ struct JobSummary {
   std::string out;
   int dimension = 3;
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0;
-  std::optional<std::uint64_t> other_heights;  // of the duplicates; 2D, if heights are known
-  KeptPoint keep = KeptPoint::first;           // of equal points
+  std::optional<std::uint64_t> other_heights;     // of the duplicates; 2D, if heights are known
+  DuplicatePolicy keep = DuplicatePolicy::first;  // of equal points
   std::uint64_t vertices = 0, cells = 0;
   std::uint64_t tiles = 0;  // that hold points
   ExchangeFigures exchange;
@@ -32,7 +32,7 @@ struct JobSummary {
 };
 
 // "12 duplicates, 3 of them at other heights, of which the lowest are kept", from " duplicates" on.
-std::string duplicates_text(std::uint64_t other_heights, KeptPoint keep);
+std::string duplicates_text(std::uint64_t other_heights, DuplicatePolicy keep);
 
 std::string summary_text(const JobSummary& summary);  // several lines, with the last line end
 std::string summary_json(const JobSummary& summary);  // one line: {"event":"summary",...}

@@ -10,7 +10,7 @@
 
 namespace tessera {
 
-GrowingTriangulation::GrowingTriangulation(int dimension, KeptPoint keep)
+GrowingTriangulation::GrowingTriangulation(int dimension, DuplicatePolicy keep)
     : dimension_(dimension), keep_(keep), kernel_(make_kernel(dimension)) {}
 
 GrowingTriangulation::Ordered GrowingTriangulation::ordered(std::vector<LocalPoint> points,

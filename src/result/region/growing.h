@@ -6,7 +6,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "src/base/kept_point.h"
+#include "src/base/duplicate_policy.h"
 #include "src/base/point.h"
 #include "src/geometry/kernel/kernel.h"
 
@@ -15,7 +15,7 @@ namespace tessera {
 // Equal points are one vertex, that of the one among them that is kept.
 class GrowingTriangulation {
  public:
-  explicit GrowingTriangulation(int dimension, KeptPoint keep = KeptPoint::first);
+  explicit GrowingTriangulation(int dimension, DuplicatePolicy keep = DuplicatePolicy::first);
 
   // Throws Stopped soon after `stop` is requested, KernelFull when there are too many points: it can only be destroyed
   // then.
@@ -41,7 +41,7 @@ class GrowingTriangulation {
   void build(std::vector<LocalPoint> points, std::vector<double> heights, const std::stop_token& stop);
 
   int dimension_;
-  KeptPoint keep_;
+  DuplicatePolicy keep_;
   std::unique_ptr<Kernel> kernel_;
   std::vector<PointId> ids_;     // by vertex, from 1 on
   std::vector<double> heights_;  // likewise; none when they are not kept by height

@@ -7,7 +7,7 @@
 
 #include "src/base/option.h"
 #include "src/base/stopped.h"
-#include "src/result/region/part_mesh.h"
+#include "src/result/region/region_mesh.h"
 #include "src/tiling/budget/budget.h"
 #include "src/tiling/span_finder.h"
 
@@ -200,7 +200,7 @@ std::string RegionQuestion::needed(const std::string& beyond, const std::vector<
 }
 
 RegionCells RegionQuestion::finished(const CellList& cells, const Judgement& judgement) {
-  PartMesh part = part_mesh(triangulation_, cells, judgement, stop_);
+  RegionMesh part = region_mesh(triangulation_, cells, judgement, stop_);
   RegionCells answer;
   answer.mesh = std::move(part.mesh);
   answer.final = std::move(part.final);

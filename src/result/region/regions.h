@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "src/base/kept_point.h"
+#include "src/base/duplicate_policy.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/geometry/mesh/tile_mesh.h"
@@ -60,7 +60,7 @@ struct RegionCells {
 
 // What equal points of a cloud have to do with each other.
 struct EqualPoints {
-  KeptPoint keep = KeptPoint::first;
+  DuplicatePolicy keep = DuplicatePolicy::first;
   std::optional<std::size_t> height_at = {};  // where a row has the height, when points are kept by it
 };
 

@@ -46,7 +46,7 @@ Result<WrittenPairs> write_duplicates(const fs::path& out, DuplicateSort& pairs)
 
 }  // namespace store
 
-Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, KeptPoint keep) {
+Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, DuplicatePolicy keep) {
   std::vector<DuplicatePair> pairs;
   const auto path = duplicates_file(out);
   BOOST_OUTCOME_TRY(there, is_there(path));
@@ -63,8 +63,10 @@ Result<std::vector<DuplicatePair>> read_duplicates(const fs::path& out, KeptPoin
       return error(Errc::corrupt, path.string() + ", pair " + std::to_string(i) + ": the kept point " + what);
     };
     if (pairs[i].kept == pairs[i].duplicate) return refuse("is its own duplicate");
-    if (keep == KeptPoint::first && pairs[i].kept > pairs[i].duplicate) return refuse("comes after its duplicate");
-    if (keep == KeptPoint::last && pairs[i].kept < pairs[i].duplicate) return refuse("comes before its duplicate");
+    if (keep == DuplicatePolicy::first && pairs[i].kept > pairs[i].duplicate)
+      return refuse("comes after its duplicate");
+    if (keep == DuplicatePolicy::last && pairs[i].kept < pairs[i].duplicate)
+      return refuse("comes before its duplicate");
   }
   return pairs;
 }

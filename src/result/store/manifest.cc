@@ -46,7 +46,7 @@ B to_corners(const json& value) {
   return box;
 }
 
-KeptPoint to_kept_point(const json& value) {
+DuplicatePolicy to_kept_point(const json& value) {
   const auto text = value.get<std::string>();
   const auto keep = kept_point_of(text);
   if (!keep) throw json::other_error::create(501, "'" + text + "' is no choice among equal points", &value);
@@ -193,7 +193,7 @@ std::string manifest_to_text(const Manifest& manifest) {
                      {"filtered", manifest.filtered},       {"duplicates", manifest.duplicates},
                      {"vertices", manifest.vertices},       {"cells", manifest.cells}};
   if (manifest.other_heights) value["counts"]["other_heights"] = *manifest.other_heights;
-  if (manifest.keep != KeptPoint::first) value["keep"] = name_of(manifest.keep);
+  if (manifest.keep != DuplicatePolicy::first) value["keep"] = name_of(manifest.keep);
   if (manifest.digest) value[digest_key] = digest_text(*manifest.digest);
   value["checksums"][master_key] = checksum_text(manifest.master_xxh3);
   if (manifest.duplicates_xxh3 != 0) value["checksums"][duplicates_key] = checksum_text(manifest.duplicates_xxh3);

@@ -14,9 +14,9 @@
 
 #include "src/base/attribute.h"
 #include "src/base/big_vector.h"
+#include "src/base/duplicate_policy.h"
 #include "src/base/files/checksum.h"
 #include "src/base/files/names.h"
-#include "src/base/kept_point.h"
 #include "src/base/point.h"
 #include "src/base/result.h"
 #include "src/geometry/mesh/cell_stream.h"
@@ -146,7 +146,7 @@ struct Manifest {
   std::vector<ResultColumn> columns;  // what was added to the result; those of vertices are the last of the schema
   std::vector<TileEntry> tiles;       // of non-empty tiles, by tile id
   std::uint64_t points_read = 0, invalid = 0, filtered = 0, duplicates = 0, vertices = 0, cells = 0;
-  KeptPoint keep = KeptPoint::first;  // of equal points
+  DuplicatePolicy keep = DuplicatePolicy::first;  // of equal points
   std::optional<std::uint64_t>
       other_heights;                  // 2D: duplicates not at the height of the kept point, if heights are known
   std::optional<Digest> digest;       // the sum of the tiles'; none when a tile has none
@@ -181,7 +181,7 @@ Error no_manifest(const std::filesystem::path& out);
 // Of its bytes; `path` is for errors.
 Result<Manifest> parse_manifest(const std::filesystem::path& path, std::span<const std::byte> bytes);
 // `keep`: as the manifest has it; pairs that it cannot make are corrupt.
-Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, KeptPoint keep);
+Result<std::vector<DuplicatePair>> read_duplicates(const std::filesystem::path& out, DuplicatePolicy keep);
 // The columns of the cells, in the order in which tile files have them.
 std::vector<Attribute> cell_schema_of(const Manifest& manifest);
 // Of all vertices; nothing when no tile tells any.

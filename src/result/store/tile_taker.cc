@@ -2,7 +2,7 @@
 
 namespace tessera {
 
-Status TileTaker::take(TileId tile, const StoredTile& cells) {
+Status TileConsumer::take(TileId tile, const StoredTile& cells) {
   {
     const std::lock_guard lock(mutex_);
     if (!taken_.insert(tile).second) return success();

@@ -10,12 +10,12 @@
 
 namespace tessera {
 
-class TileTaker {
+class TileConsumer {
  public:
-  TileTaker() = default;
-  virtual ~TileTaker() = default;
-  TileTaker(const TileTaker&) = delete;
-  TileTaker& operator=(const TileTaker&) = delete;
+  TileConsumer() = default;
+  virtual ~TileConsumer() = default;
+  TileConsumer(const TileConsumer&) = delete;
+  TileConsumer& operator=(const TileConsumer&) = delete;
 
   // With cells, neighbours and rows. Called by several threads, for different tiles. A job that finds its scratch
   // damaged makes tiles again: one that was taken before is not used again, for it is the same.

@@ -64,7 +64,7 @@ Result<Dem> write_dem(const std::filesystem::path& out, const std::filesystem::p
 Status check_dem_target(const std::filesystem::path& target, bool overwrite);
 
 // The same pixels, of tiles as a job makes them: none is stored, or read.
-class DemMaker final : public TileTaker {
+class DemMaker final : public TileConsumer {
  public:
   // `manifest`: of the result that the job would make, without tiles. `name`: what errors speak of. As many threads as
   // the options say may give tiles. Errors as of write_dem() before anything is written.

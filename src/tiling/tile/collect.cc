@@ -172,7 +172,7 @@ class Collector {
   // Final cells know each other. What else they border is known to a kernel that froze them; where the kernel was built
   // again, their common facets are in borders_.
   void append_final_cells() {
-    KeptFinals finals = std::exchange(in_.finals, {});
+    PendingFinals finals = std::exchange(in_.finals, {});
     tile_.early = finals.early;
     const auto shift = static_cast<std::uint32_t>(in_.cells.size());
     const std::size_t count = finals.cells.rows.size();
@@ -185,7 +185,7 @@ class Collector {
       for (int i = 0; i < corners; ++i) {
         std::uint32_t& n = row.neighbors[i];
         if (n == FinalCells::open) continue;
-        n = n & KeptFinals::written ? across_written(n & ~KeptFinals::written, shift + count) : n + 4 * shift;
+        n = n & PendingFinals::written ? across_written(n & ~PendingFinals::written, shift + count) : n + 4 * shift;
       }
     }
     if (shift + count + written_.size() > CellRow::most) throw KernelFull();
@@ -224,7 +224,7 @@ class Collector {
   }
 
   // Those whose place was told stand there, before all that are to be sorted.
-  void place_final_cells(const KeptFinals& finals, std::uint32_t shift) {
+  void place_final_cells(const PendingFinals& finals, std::uint32_t shift) {
     const std::size_t count = finals.cells.rows.size();
     if (finals.place.empty()) {
       least_.resize(shift + count);

@@ -21,7 +21,7 @@ struct CollectInput {
   CellRows cells;                    // vertices: 0 infinite, 1..n own (rank + 1), above: n + 1 + k foreign
   std::vector<std::uint8_t> fill;    // by row: 1 for fill of a reduced tile; or empty
   std::vector<SharedPoint> foreign;  // by k
-  KeptFinals finals;                 // handed out earlier: they border the fill
+  PendingFinals finals;              // handed out earlier: they border the fill
   std::stop_token stop = {};         // Stopped is thrown soon after it is requested
 };
 

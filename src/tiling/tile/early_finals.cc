@@ -88,8 +88,8 @@ Status EarlyFinals::neighbors(const Take& take) const {
   return stream_cells(dimension_, sorted(0, early_), copy_neighbors, take);
 }
 
-KeptFinals EarlyFinals::left() const {
-  KeptFinals kept;
+PendingFinals EarlyFinals::left() const {
+  PendingFinals kept;
   kept.early = static_cast<std::uint32_t>(early_);
   kept.cells.others = cells_.others;
   const std::int32_t* const place = places_.data() + 2;
@@ -107,7 +107,7 @@ KeptFinals EarlyFinals::left() const {
     for (int i = 0; i <= dimension_; ++i) {
       std::uint32_t& n = row.neighbors[i];
       if (n == FinalCells::open) continue;
-      n = is_early(n / 4) ? KeptFinals::written | static_cast<std::uint32_t>(place[n / 4])
+      n = is_early(n / 4) ? PendingFinals::written | static_cast<std::uint32_t>(place[n / 4])
                           : 4 * kept_row[n / 4] + n % 4;
     }
     kept.cells.rows.push_back(row);

@@ -32,7 +32,7 @@ class EarlyFinals final : public CellStream {
   Status vertices(const Take& take) const override;
   Status neighbors(const Take& take) const override;
   // The others.
-  KeptFinals left() const;
+  PendingFinals left() const;
 
  private:
   SortedCells sorted(std::size_t first, std::size_t end) const;

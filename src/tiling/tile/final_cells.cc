@@ -32,7 +32,7 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
   return out;
 }
 
-RowsOfFrozen::RowsOfFrozen(const KeptFinals& finals) : finals_(finals) {
+RowsOfFrozen::RowsOfFrozen(const PendingFinals& finals) : finals_(finals) {
   if (finals.frozen.empty()) return;
   rows_.assign(std::size_t{finals.frozen.back()} + 1, static_cast<std::uint32_t>(finals.cells.rows.size()));
   for (std::uint32_t r = 0; r < finals.frozen.size(); ++r) rows_[finals.frozen[r]] = r;
@@ -44,7 +44,7 @@ std::size_t RowsOfFrozen::of(std::uint32_t number) const {
   return number < rows_.size() ? rows_[number] : end;
 }
 
-bool KeptFinals::sound(int dimension, std::uint64_t own) const {
+bool PendingFinals::sound(int dimension, std::uint64_t own) const {
   const std::size_t count = cells.rows.size();
   if (count + early > CellRow::most || frozen.size() != place.size()) return false;
   if (place.empty() ? early > 0 && count > 0 : place.size() != count) return false;

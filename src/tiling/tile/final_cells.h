@@ -17,7 +17,7 @@ FinalCells extract_final(const CellList& list, const std::vector<std::uint8_t>& 
 
 // Final cells that are kept for TileTriangulation::collect(): all of them; or those that were not written early, of
 // which `place` tells where they stand in the mesh, behind the written ones.
-struct KeptFinals {
+struct PendingFinals {
   static constexpr std::uint32_t written = std::uint32_t{1} << 31;  // | its place: a neighbour that is not kept
   FinalCells cells;                 // a neighbour is a row of this list, written | place, or open
   BigVector<std::uint32_t> place;   // by row; none: where their vertices say
@@ -33,11 +33,11 @@ struct KeptFinals {
 class RowsOfFrozen {
  public:
   // Refers to `finals`, which are sound.
-  explicit RowsOfFrozen(const KeptFinals& finals);
+  explicit RowsOfFrozen(const PendingFinals& finals);
   std::size_t of(std::uint32_t number) const;  // the end when it is none of these
 
  private:
-  const KeptFinals& finals_;
+  const PendingFinals& finals_;
   BigVector<std::uint32_t> rows_;
 };
 

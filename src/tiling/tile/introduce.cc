@@ -14,7 +14,7 @@ void TileTriangulation::introduce() {
     }
     std::erase_if(refused_, [&](const Refused& r) {  // seeds are vertices
       const Vertex v = foreign_.at(r.point.id);
-      if (v != 0) hear(v, r.from, r.point);
+      if (v != 0) record_received(v, r.from, r.point);
       return v != 0;
     });
   }
@@ -29,7 +29,9 @@ void TileTriangulation::introduce() {
     const Insertion again = kernel_->insert(r.point.at, false, InsertMode::if_local_neighbour, around_);
     check_read(!again.inserted, "what conflicts with no local star never will");
     for (const Vertex w : around_) {
-      if (!knows(r.point.tile, w) && !heard(owners_[w], r) && !told(r.point.tile, w)) share(w, r.point.tile);
+      if (!is_known_by(r.point.tile, w) && !rely_on_told_bit_of_refused(owners_[w], r) &&
+          !rely_on_told_bit(r.point.tile, w))
+        send(w, r.point.tile);
     }
   }
   refused_.clear();
@@ -55,26 +57,28 @@ void TileTriangulation::introduce_vertices() {
 // Of two foreign points it is enough that one of the owners hears of the other's.
 void TileTriangulation::introduce(Vertex v, Vertex neighbour) {
   const TileId owner = owners_[v], other = owners_[neighbour];
-  if (is_local(neighbour)) return share(neighbour, owner);
-  if (knows(owner, neighbour) || knows(other, v) || told(owner, neighbour) || told(other, v)) return;
+  if (is_local(neighbour)) return send(neighbour, owner);
+  if (is_known_by(owner, neighbour) || is_known_by(other, v) || rely_on_told_bit(owner, neighbour) ||
+      rely_on_told_bit(other, v))
+    return;
   // A seed is a neighbour of many: telling of it to one owner spares telling all of those to its own.
-  if (seeds_.contains(v)) return share(v, other);
-  share(neighbour, owner);
+  if (seeds_.contains(v)) return send(v, other);
+  send(neighbour, owner);
 }
 
-bool TileTriangulation::knows(TileId tile, Vertex v) const {
-  return owners_[v] == tile || sent_.has(v, tile) || knew(tile, v);
+bool TileTriangulation::is_known_by(TileId tile, Vertex v) const {
+  return owners_[v] == tile || sent_.has(v, tile) || has_as_seed(tile, v);
 }
 
 // By somebody. From now on it counts as told by this tile, too: so it is told again after a restart or a loss.
-bool TileTriangulation::told(TileId tile, Vertex v) {
+bool TileTriangulation::rely_on_told_bit(TileId tile, Vertex v) {
   if (told_[v] == 0 || (told_[v] & options_.around->bit(owners_[v], tile)) == 0) return false;
   if (sent_.add(v, tile)) relied_.push_back(std::uint64_t{v} << 32 | tile.value);
   return true;
 }
 
 // Whether a tile has been told of a point that was refused. That one is no vertex, and has no place in the sent-set.
-bool TileTriangulation::heard(TileId tile, const Refused& refused) {
+bool TileTriangulation::rely_on_told_bit_of_refused(TileId tile, const Refused& refused) {
   const SharedPoint& p = refused.point;
   const bool itself = tile == refused.from;
   if (!itself && (p.told & options_.around->bit(p.tile, tile)) == 0) return false;
@@ -86,20 +90,20 @@ bool TileTriangulation::heard(TileId tile, const Refused& refused) {
 }
 
 // False if it had been noted before.
-bool TileTriangulation::note(Vertex v, TileId tile) {
+bool TileTriangulation::record_sent(Vertex v, TileId tile) {
   if (!sent_.add(v, tile)) return false;
   told_[v] |= options_.around->bit(owners_[v], tile);
   return true;
 }
 
 // Of a vertex, from a tile, in these words.
-void TileTriangulation::hear(Vertex v, TileId from, const SharedPoint& p) {
-  note(v, from);
+void TileTriangulation::record_received(Vertex v, TileId from, const SharedPoint& p) {
+  record_sent(v, from);
   told_[v] |= p.told;
 }
 
 // From the start.
-bool TileTriangulation::knew(TileId tile, Vertex v) const {
+bool TileTriangulation::has_as_seed(TileId tile, Vertex v) const {
   const auto seed = seeds_.find(v);
   if (seed == seeds_.end()) return false;
   return options_.around->has(tile, {{kernel_->point(v), ids_[v], owners_[v], 0}, seed->second});
@@ -110,14 +114,14 @@ void TileTriangulation::share_with_all() {
   for (Vertex v = 1; v <= kernel_->vertices(); ++v) {
     if (is_local(v)) continue;
     for (Vertex w = 1; w <= kernel_->vertices(); ++w) {
-      if (w != v) share(w, owners_[v]);
+      if (w != v) send(w, owners_[v]);
     }
   }
 }
 
-void TileTriangulation::share(Vertex v, TileId tile) {
-  if (tile == options_.self || owners_[v] == tile || sent_.has(v, tile) || knew(tile, v)) return;
-  note(v, tile);
+void TileTriangulation::send(Vertex v, TileId tile) {
+  if (tile == options_.self || owners_[v] == tile || sent_.has(v, tile) || has_as_seed(tile, v)) return;
+  record_sent(v, tile);
   updates_[tile].push_back(v);
   ++counts_.sent;
 }
@@ -162,8 +166,8 @@ Status TileTriangulation::receive_published(TileId from, std::span<const SharedP
     if (!kernel_->alive(v)) continue;
     kernel_->neighbours(v, around);
     for (const Vertex w : around) {
-      share(w, owners_[v]);
-      share(v, owners_[w]);
+      send(w, owners_[v]);
+      send(v, owners_[w]);
     }
   }
   return success();

@@ -222,7 +222,7 @@ void TileTriangulation::announce(std::span<const Point> points, const Box& box) 
     if (!ball.known || ball.reach > longest_edge(std::span(p).first(corners))) continue;
     for (const TileId n : neighbours) {
       if (!reaches_well(ball, options_.around->bounds(n), d)) continue;
-      for (int i = 0; i < corners; ++i) share(v[i], n);
+      for (int i = 0; i < corners; ++i) send(v[i], n);
     }
   }
 }
@@ -234,14 +234,14 @@ Status TileTriangulation::receive(TileId from, std::span<const SharedPoint> poin
     ++counts_.received;
     if (p.tile == options_.self || p.tile.value >= options_.around->tiles() || !is_finite(p.at)) return refuse(from, p);
     if (const auto known = foreign_.find(p.id); known != foreign_.end()) {
-      if (known->second != 0) hear(known->second, from, p);
+      if (known->second != 0) record_received(known->second, from, p);
       continue;
     }
     BOOST_OUTCOME_TRY(v, add_foreign(p, false, around_));
     if (v == 0) {
       refused_.push_back({p, from});
     } else {
-      hear(v, from, p);
+      record_received(v, from, p);
     }
   }
   return success();
@@ -272,7 +272,7 @@ Result<Vertex> TileTriangulation::add_foreign(const SharedPoint& p, bool always,
   return result.vertex;
 }
 
-CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<PointId> ids, KeptFinals finals) {
+CollectedTile TileTriangulation::collect(std::vector<Point> points, std::vector<PointId> ids, PendingFinals finals) {
   const std::size_t own = points.size();
   CollectInput input{.dimension = options_.dimension,
                      .self = options_.self,

@@ -28,8 +28,8 @@
 #include "src/geometry/kernel/kernel.h"
 #include "src/tiling/tile/collected_tile.h"
 #include "src/tiling/tile/final_cells.h"
+#include "src/tiling/tile/known_from_start.h"
 #include "src/tiling/tile/sent_set.h"
-#include "src/tiling/tile/surroundings.h"
 
 namespace tessera {
 
@@ -49,7 +49,7 @@ struct TileOptions {
   int dimension = 3;
   KernelKind kernel = KernelKind::flat;
   ExchangeRule rule = ExchangeRule::introduce;
-  const Surroundings* around = nullptr;  // outlives the tile
+  const KnownFromStart* around = nullptr;  // outlives the tile
   // When it is requested, triangulate(), reduce(), receive(), introduce() and collect() soon throw Stopped: the tile
   // can then only be destroyed.
   std::stop_token stop = {};
@@ -111,7 +111,7 @@ class TileTriangulation {
 
   // All cells with a vertex of this tile. `points`, `ids` as in triangulate(), best moved; `finals`: what reduce()
   // gave, or what is left of it. Right only once all tiles are quiet. The triangulation is gone afterwards.
-  CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, KeptFinals finals);
+  CollectedTile collect(std::vector<Point> points, std::vector<PointId> ids, PendingFinals finals);
 
   // For a caller who keeps no cells: `told` sees the vertices of the main cells, numbered as ids() are, but for cells
   // that discard() has told of. Right only once all tiles are quiet. The triangulation is gone afterwards.
@@ -144,15 +144,15 @@ class TileTriangulation {
   void introduce_vertices();
   void introduce(Vertex v, Vertex neighbour);
   void share_with_all();
-  bool knows(TileId tile, Vertex v) const;
-  bool knew(TileId tile, Vertex v) const;
-  bool note(Vertex v, TileId tile);
-  void hear(Vertex v, TileId from, const SharedPoint& p);
-  bool told(TileId tile, Vertex v);
-  bool heard(TileId tile, const Refused& refused);
+  bool is_known_by(TileId tile, Vertex v) const;
+  bool has_as_seed(TileId tile, Vertex v) const;
+  bool record_sent(Vertex v, TileId tile);
+  void record_received(Vertex v, TileId from, const SharedPoint& p);
+  bool rely_on_told_bit(TileId tile, Vertex v);
+  bool rely_on_told_bit_of_refused(TileId tile, const Refused& refused);
   void replay_if(const std::function<bool(TileId)>& reborn);
   SharedPoint shared(Vertex v) const { return {kernel_->point(v), ids_[v], owners_[v], told_[v]}; }
-  void share(Vertex v, TileId tile);
+  void send(Vertex v, TileId tile);
   Status receive_published(TileId from, std::span<const SharedPoint> points);
   bool surely_final(const Vertex* cell, std::span<const Point> points, const Box& box) const;
   bool is_local(Vertex v) const { return v < owners_.size() && v != infinite_vertex && owners_[v] == options_.self; }
@@ -171,7 +171,8 @@ class TileTriangulation {
   tsl::robin_map<Vertex, double> seeds_;  // which vertices are seeds, and how far they reach
   Vertex due_ = 1;                        // the first vertex that has not been introduced
   std::vector<Refused> refused_;          // not introduced yet
-  // This tile has not told it, for others have: told() of a vertex, and of a refused point. All of one life.
+  // This tile has not told it, for others have: rely_on_told_bit() of a vertex, and of a refused point. All of one
+  // life.
   std::vector<std::uint64_t> relied_;  // vertex << 32 | tile, in the sent-set as well
   struct RefusedRelied {
     SharedPoint point;

@@ -133,7 +133,7 @@ inline void take_inputs(std::string_view bytes) {
     const auto points = points_of(bytes, dimension);
     must(points ? std::all_of(points.value().begin(), points.value().end(), is_finite) : !points.error().where.empty());
   }
-  const Share share{2, std::uint64_t{1} << 30};
+  const JobShare share{2, std::uint64_t{1} << 30};
   for (const auto& process : http::processes()) {
     for (const char* type : {"application/json", "application/x-protobuf"}) {
       http::Request request;

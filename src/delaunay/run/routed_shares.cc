@@ -1,0 +1,181 @@
+#include "src/delaunay/run/routed_shares.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "src/base/files/folder.h"
+#include "src/base/files/folder_lock.h"
+#include "src/base/memory_pool.h"
+#include "src/delaunay/delaunay_program.h"
+#include "src/delaunay/disk_store.h"
+#include "src/delaunay/run/early.h"
+#include "src/delaunay/run/run_options.h"
+#include "src/delaunay/run/share_scratch.h"
+#include "src/delaunay/run/touching.h"
+#include "src/exchange/disk_scratch.h"
+#include "src/result/store/early_cells.h"
+#include "src/tiling/budget/budget.h"
+
+namespace tessera {
+struct RoutedShares::DiskShare final : Share {
+  // `scratch`: none, or a folder that goes with the part.
+  DiskShare(std::shared_ptr<const RoutedCloud> routed, std::filesystem::path scratch_folder,
+           const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, TileConsumer* taker,
+           std::uint64_t pool_bytes)
+      : run(routed),
+        storage({routed->folder, scratch_folder.empty() ? routed->folder : scratch_folder, routed->seal,
+                 options.lock_file, options.node}),
+        store(routed_points(routed), out, with(options, stopping.get_token()), writers, storage, taker),
+        pool(pool_bytes) {
+    scratch = std::move(scratch_folder);
+  }
+  ~DiskShare() override {
+    stopping.request_stop();
+    if (!scratch.empty()) (void)remove_tree(scratch);  // what stays goes when the node begins anew
+  }
+  static StoreOptions with(StoreOptions store, std::stop_token stop) {
+    store.stop = std::move(stop);
+    return store;
+  }
+  std::shared_ptr<const RoutedCloud> run;
+  DiskScratch storage;
+  DiskStore store;
+  MemoryPoolShare pool;
+};
+
+namespace {
+
+// Something of the run, which lives as long.
+template <class Of>
+std::shared_ptr<const Of> shared(const std::shared_ptr<const RoutedCloud>& run, const Of& of) {
+  return {run, &of};
+}
+
+}  // namespace
+
+Result<std::vector<TileReceipt>> receipts_of(const std::filesystem::path& out,
+                                             const std::function<bool(TileId)>& wanted) {
+  std::vector<TileReceipt> stored;
+  BOOST_OUTCOME_TRY(entries, stored_tiles(out, wanted));
+  for (const TileEntry& entry : entries) stored.push_back({entry.tile, bytes_of(entry)});
+  return stored;
+}
+
+void RoutedShares::offer(std::shared_ptr<const RoutedCloud> run, TileConsumer* taker) {
+  const std::lock_guard lock(mutex_);
+  auto folder = run->folder.string();
+  offered_[std::move(folder)] = {std::move(run), taker};
+}
+
+void RoutedShares::withdraw(const RoutedCloud& run) noexcept {
+  const std::lock_guard lock(mutex_);
+  std::erase_if(offered_, [&](const auto& entry) { return entry.second.run.get() == &run; });
+}
+
+Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId self) {
+  std::shared_ptr<const RoutedCloud> run;
+  TileConsumer* taker = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = offered_.find(spec.run_folder); found != offered_.end()) {
+      run = found->second.run;
+      taker = found->second.taker;
+    }
+  }
+  if (!run) {
+    BOOST_OUTCOME_TRY(opened, open_run(spec.run_folder));
+    run = std::make_shared<const RoutedCloud>(std::move(opened));
+  }
+  if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
+    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
+  }
+  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  BOOST_OUTCOME_TRY(how, delaunay_options_from_bytes(spec.programs));
+  std::vector<std::uint64_t> points = run->tile_points;
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
+  }
+  const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
+  const TileKind kind = kind_of_tiles(how.store, cloud);
+  const bool reduce = how.keep == TileRetention::reduced ||
+                      (how.keep == TileRetention::by_budget &&
+                       !budget::fits_whole(points, run->dimension, how.kernel, kind, spec.threads, spec.memory_bytes));
+  const bool many_nodes = spec.shares > 0;
+  std::filesystem::path scratch;
+  if (many_nodes) {
+    BOOST_OUTCOME_TRY(folder, new_part_folder(scratch_));
+    scratch = std::move(folder);
+  }
+  // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
+  // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
+  if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  // So do all arrays of the kernels but a few, which take turns: pages from the system cost as much as the work in
+  // them.
+  const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
+  auto part = std::make_unique<DiskShare>(run, std::move(scratch), spec.out_folder,
+                                         StoreOptions{.neighbors = how.neighbors,
+                                                      .schema = run->schema,
+                                                      .lock_file = spec.lock_file,
+                                                      .node = self,
+                                                      .sync = many_nodes},
+                                         spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
+  const budget::Needs needs = budget::needs(run->dimension, how.kernel, kind);
+  ShareStage only;
+  ScheduleOptions& schedule = only.schedule;
+  schedule.threads = spec.threads;
+  const auto tiles =
+      static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
+  schedule.memory_bytes = budget::for_tiles(
+      spec.memory_bytes - (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) - (reduce ? pool_bytes : 0),
+      spec.threads, tiles);
+  schedule.begin_bytes = needs.triangulate;
+  schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
+  schedule.sleep_percent = budget::sleep_percent(how.kernel);
+  schedule.wake_percent = budget::wake_percent(how.kernel);
+  schedule.mail_growth =
+      static_cast<double>(budget::foreign_point_bytes(run->dimension, how.kernel)) / sizeof(SharedPoint);
+  TileContext& context = only.context;
+  if (many_nodes) {
+    std::uint64_t peers = 4;  // and some that may come
+    for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
+    part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
+  }
+  context.many_nodes = schedule.settle_asleep = many_nodes;
+  if (many_nodes) only.sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
+  auto stage = std::make_shared<DelaunayStage>();
+  stage->dimension = run->dimension;
+  stage->kernel = how.kernel;
+  stage->reduce = reduce;
+  stage->kind = kind;
+  stage->early_points = taker ? 0 : early_points_of(cloud);
+  stage->early_unit = early_unit(run->dimension);
+  if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
+  stage->boxes = final_boxes(shared(run, run->partition));
+  stage->around = std::make_shared<const KnownFromStart>(
+      shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
+  part->table = std::make_shared<const RoutingTable>(spec.table);
+  stage->storage = context.storage = &part->storage;
+  stage->store = &part->store;
+  stage->stop = part->stopping.get_token();
+  context.programs = std::move(stage);
+  context.mail_bytes_max = budget::mail_bytes_max(spec.memory_bytes, tiles);
+  part->mail = std::make_unique<MailCounts>(
+      parts_of(layout_of(run->partition, {}), run->tile_points.size(), MailCounts::parts_max));
+  part->weights = shared(run, run->tile_points);
+  part->stages.push_back(std::move(only));
+  // Mail of an earlier process was for tiles that are no more.
+  BOOST_OUTCOME_TRYV(part->storage.clear(ScratchKind::mail));
+  const auto here = [&](TileId tile) { return tile.value < points.size() && points[tile.value] > 0; };
+  BOOST_OUTCOME_TRY(stored, receipts_of(spec.out_folder, here));
+  part->stored = std::move(stored);
+  BOOST_OUTCOME_TRY(all_settled, is_settled(run->folder, *part, static_cast<std::uint32_t>(points.size()), here));
+  part->settled = all_settled;
+  return std::unique_ptr<Share>(std::move(part));
+}
+
+}  // namespace tessera

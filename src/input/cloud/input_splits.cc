@@ -1,0 +1,71 @@
+// Cloud::stretches: where the input can be cut.
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "src/input/bytes/record_stream.h"
+#include "src/input/cloud/cloud.h"
+
+namespace tessera {
+namespace {
+
+using Of = InputSplit::Range::Of;
+
+constexpr std::uint64_t line_bytes = 32;  // of text, as in cloud_sample.cc
+
+}  // namespace
+
+InputSplit Cloud::whole() const {
+  InputSplit split;
+  for (std::size_t i = 0; i < files_.size(); ++i) split.ranges.push_back({i});
+  return split;
+}
+
+Result<std::vector<InputSplit>> Cloud::splits(std::uint64_t points) const {
+  points = std::max<std::uint64_t>(points, batch_points_max);
+  std::vector<InputSplit> splits;
+  std::uint64_t filled = 0;  // points of the last one
+  // What fits goes to the last one.
+  const auto add = [&](InputSplit::Range range, std::uint64_t count, bool here) {
+    if (splits.empty() || splits.back().here != here || (filled > 0 && filled + count > points)) {
+      splits.push_back({{}, here});
+      filled = 0;
+    }
+    splits.back().ranges.push_back(range);
+    filled += count;
+  };
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    const FileInfo& file = files_[i];
+    const std::uint64_t count = file.points ? *file.points : file.content_bytes / line_bytes;
+    if (spooled_[i]) {
+      add({i}, 0, true);
+    } else if (count <= points) {
+      add({i}, count, false);
+    } else if (file.points) {
+      // Not where every entry would read as much, nor where the points between are not known.
+      bool enter = file.seek_points <= points / 4 && file.points_passed_over == 0;
+      if (enter) {
+        BOOST_OUTCOME_TRY(reader, reopen(i, {}, {}));
+        BOOST_OUTCOME_TRY(can_seek, reader->seek(0));
+        enter = can_seek;
+      }
+      const std::uint64_t pieces = enter ? (count + points - 1) / points : 1;
+      if (pieces == 1) add({i}, count, false);
+      for (std::uint64_t k = 0, begin = 0; pieces > 1 && k < pieces; ++k) {
+        const std::uint64_t piece = count / pieces + (k < count % pieces);
+        add({i, Of::points, begin, piece}, points, false);
+        begin += piece;
+      }
+    } else {
+      const std::uint64_t pieces = std::min(file.parts, (count + points - 1) / points);
+      for (std::uint64_t k = 0, begin = 0; k < pieces; ++k) {
+        const std::uint64_t piece = file.parts / pieces + (k < file.parts % pieces);
+        add({i, Of::parts, begin, piece}, points, false);
+        begin += piece;
+      }
+    }
+  }
+  return splits;
+}
+
+}  // namespace tessera
