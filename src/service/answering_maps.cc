@@ -44,6 +44,31 @@ Status add_tiles(const Manifest& manifest, const std::optional<std::uint64_t>& o
   return success();
 }
 
+// Adds contour lines to the page, from number `begin` on; `only`: adds that line alone. Returns how many the file has.
+Result<std::uint64_t> add_lines(const std::filesystem::path& file, const LonLat& places,
+                                const std::optional<Bounds>& box, bool stored_box, std::optional<std::uint64_t> only,
+                                std::uint64_t begin, const std::stop_token& stop, FeaturePage& page) {
+  BOOST_OUTCOME_TRY(lines, terrain::LineReader::open(file));
+  const bool heights = lines->value_name() == "elevation";
+  std::optional<Bounds> near;
+  if (box && stored_box) {
+    near = box;
+  } else if (box) {
+    // What is beyond the coordinates of the result is in no line's box.
+    const auto own = places.box_from(*box);
+    if (own) near = own.value();
+  }
+  BOOST_OUTCOME_TRYV(lines->for_each(begin, near, [&](terrain::LineReader::Line& line) -> Result<bool> {
+    if (stop.stop_requested()) return error(Errc::interrupted, "interrupted while reading lines");
+    if (only && line.number != *only) return false;
+    Json properties{{lines->value_name(), line.value}};
+    if (line.index) properties["index"] = *line.index;
+    return page.add(line.number, properties, FeaturePage::Kind::line, std::move(line.points),
+                    heights ? std::optional(line.value) : std::nullopt);
+  }));
+  return lines->lines();
+}
+
 }  // namespace
 
 Result<std::vector<Point>> Answering::hull_corners() const {
@@ -114,26 +139,10 @@ Result<QuestionAnswer> Answering::features() const {
       BOOST_OUTCOME_TRYV(page.add(0, properties, FeaturePage::Kind::ring, dense_ring(corners)));
     }
   } else {
-    BOOST_OUTCOME_TRY(lines, terrain::LineReader::open(contours_of_result(path_of(reader_.held.folder))));
-    all = lines->lines();
-    const bool heights = lines->value_name() == "elevation";
-    std::optional<Bounds> near;
-    if (box && form.stored_box) {
-      near = box;
-    } else if (box) {
-      // What is beyond the coordinates of the result is in no line's box.
-      const auto own = places.box_from(*box);
-      if (own) near = own.value();
-    }
     const std::uint64_t begin = only && *only > 0 ? *only - 1 : after.value_or(0);
-    BOOST_OUTCOME_TRYV(lines->for_each(begin, near, [&](terrain::LineReader::Line& line) -> Result<bool> {
-      if (ask_.stop.stop_requested()) return error(Errc::interrupted, "interrupted while reading lines");
-      if (only && line.number != *only) return false;
-      Json properties{{lines->value_name(), line.value}};
-      if (line.index) properties["index"] = *line.index;
-      return page.add(line.number, properties, FeaturePage::Kind::line, std::move(line.points),
-                      heights ? std::optional(line.value) : std::nullopt);
-    }));
+    BOOST_OUTCOME_TRY(lines, add_lines(contours_of_result(path_of(reader_.held.folder)), places, box, form.stored_box,
+                                       only, begin, ask_.stop, page));
+    all = lines;
   }
   QuestionAnswer answer{.type = "application/geo+json", .final = !is_part()};
   if (only) {

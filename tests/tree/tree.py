@@ -60,6 +60,33 @@ def types_in(text):
     return found
 
 
+def functions_in(text):
+    """(name, number of lines) of each function of a C++ file; what stands inside of functions is part of them."""
+    blank = lambda found: re.sub(r"[^\n]", " ", found[0])
+    text = re.sub(r"(?<=\w)'(?=\w)", " ", text)  # 1'000
+    text = re.sub(r'R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|//[^\n]*|/\*.*?\*/', blank, text, flags=re.DOTALL)
+    text = re.sub(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*$", blank, text, flags=re.MULTILINE)
+    found, open_ones, begin = [], [], 0
+    for brace in re.finditer(r"[{};]", text):
+        head = text[begin:brace.start()].strip()
+        initial = brace[0] == "{" and re.match(r"[\w>]", text[brace.start() - 1])  # x_{1}
+        if initial or (brace[0] == "}" and open_ones[-1][0] == "initial"):
+            open_ones.append(("initial", "", 0)) if initial else open_ones.pop()
+            continue
+        begin = brace.end()
+        if brace[0] == "{":
+            scope = (re.search(r"\bnamespace\b[^()]*$|\b(?:class|struct|union|enum)\b[^()=]*$", head) or head.startswith("extern"))
+            outermost = all(kind == "scope" for kind, _, _ in open_ones)
+            kind = "scope" if scope else "function" if outermost and ")" in head and "=" not in head.split("(")[0] else "block"
+            name = re.search(r"([~\w:]+)\s*\(", head)
+            open_ones.append((kind, name[1] if name else "", text.count("\n", 0, brace.start()) - head.count("\n")))
+        elif brace[0] == "}":
+            kind, name, first = open_ones.pop()
+            if kind == "function":
+                found.append((name, text.count("\n", 0, brace.start()) - first + 1))
+    return found
+
+
 def room_of(path, all_rooms):
     """The innermost room that holds the file, or None."""
     inside = [room for room in all_rooms if path.startswith(room + "/")]

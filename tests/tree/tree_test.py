@@ -70,6 +70,28 @@ namespace { struct Hidden {}; }
         self.assertEqual(tree.types_in(text), ["a::b::One", "a::b::Two", "a::b::Three"])
 
 
+class Functions(unittest.TestCase):
+    def test_their_lines_are_counted(self):
+        text = """namespace a {
+struct One {
+  int inside() const { return 1; }
+  One() : x_{1} {
+  }
+};
+int f(int a,
+      int b) {  // }
+  const auto g = [] {
+    return "}";
+  };
+  if (a) {
+  }
+}
+const char* const table[] = {"f() {"};
+}
+"""
+        self.assertEqual(tree.functions_in(text), [("inside", 1), ("One", 2), ("f", 8)])
+
+
 class Rooms(unittest.TestCase):
     README = """# X
 

@@ -25,8 +25,8 @@ namespace tessera {
 struct RoutedShares::DiskShare final : Share {
   // `scratch`: none, or a folder that goes with the part.
   DiskShare(std::shared_ptr<const RoutedCloud> routed, std::filesystem::path scratch_folder,
-           const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, TileConsumer* taker,
-           std::uint64_t pool_bytes)
+            const std::filesystem::path& out, StoreOptions options, std::uint32_t writers, TileConsumer* taker,
+            std::uint64_t pool_bytes)
       : run(routed),
         storage({routed->folder, scratch_folder.empty() ? routed->folder : scratch_folder, routed->seal,
                  options.lock_file, options.node}),
@@ -77,6 +77,60 @@ void RoutedShares::withdraw(const RoutedCloud& run) noexcept {
   std::erase_if(offered_, [&](const auto& entry) { return entry.second.run.get() == &run; });
 }
 
+namespace {
+
+// Of each tile that is the node's; 0 of the others.
+Result<std::vector<std::uint64_t>> points_of_share(const ShareSpec& spec, const RoutedCloud& run, NodeId self) {
+  if (!spec.table.nodes.empty() && spec.table.nodes.size() != run.tile_points.size())
+    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
+  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  std::vector<std::uint64_t> points = run.tile_points;
+  for (std::uint32_t t = 0; t < points.size(); ++t) {
+    if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
+  }
+  return points;
+}
+
+// Whether tiles give their final cells away early, so that all fit in memory.
+bool reduces(const DelaunayOptions& how, const std::vector<std::uint64_t>& points, const RoutedCloud& run,
+             TileKind kind, const ShareSpec& spec) {
+  return how.keep == TileRetention::reduced ||
+         (how.keep == TileRetention::by_budget &&
+          !budget::fits_whole(points, run.dimension, how.kernel, kind, spec.threads, spec.memory_bytes));
+}
+
+// `beside`: bytes of the share's memory that are not for tiles.
+ScheduleOptions schedule_of(const ShareSpec& spec, int dimension, KernelKind kernel, TileKind kind, bool reduce,
+                            std::uint64_t tiles, std::uint64_t beside) {
+  const budget::Needs needs = budget::needs(dimension, kernel, kind);
+  ScheduleOptions schedule;
+  schedule.threads = spec.threads;
+  schedule.memory_bytes = budget::for_tiles(spec.memory_bytes - beside, spec.threads, tiles);
+  schedule.begin_bytes = needs.triangulate;
+  schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
+  schedule.sleep_percent = budget::sleep_percent(kernel);
+  schedule.wake_percent = budget::wake_percent(kernel);
+  schedule.mail_growth = static_cast<double>(budget::foreign_point_bytes(dimension, kernel)) / sizeof(SharedPoint);
+  return schedule;
+}
+
+// What the tiles of a cloud have in common, without storage.
+std::shared_ptr<DelaunayStage> stage_of(const std::shared_ptr<const RoutedCloud>& run, KernelKind kernel, TileKind kind,
+                                        bool reduce) {
+  auto stage = std::make_shared<DelaunayStage>();
+  stage->dimension = run->dimension;
+  stage->kernel = kernel;
+  stage->reduce = reduce;
+  stage->kind = kind;
+  stage->early_unit = early_unit(run->dimension);
+  stage->boxes = final_boxes(shared(run, run->partition));
+  stage->around = std::make_shared<const KnownFromStart>(
+      shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
+  return stage;
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId self) {
   std::shared_ptr<const RoutedCloud> run;
   TileConsumer* taker = nullptr;
@@ -91,26 +145,13 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
     BOOST_OUTCOME_TRY(opened, open_run(spec.run_folder));
     run = std::make_shared<const RoutedCloud>(std::move(opened));
   }
-  if (!spec.table.nodes.empty() && spec.table.nodes.size() != run->tile_points.size()) {
-    return error(Errc::internal, spec.run_folder + ": has other tiles than the job");
-  }
-  if (spec.table.stage > 0) return error(Errc::internal, spec.run_folder + ": has no such stage");
+  BOOST_OUTCOME_TRY(points, points_of_share(spec, *run, self));
   BOOST_OUTCOME_TRY(how, delaunay_options_from_bytes(spec.programs));
-  std::vector<std::uint64_t> points = run->tile_points;
-  for (std::uint32_t t = 0; t < points.size(); ++t) {
-    if (spec.table.node_of(TileId{t}) != self) points[t] = 0;
-  }
   const std::uint64_t cloud = std::accumulate(run->tile_points.begin(), run->tile_points.end(), std::uint64_t{0});
   const TileKind kind = kind_of_tiles(how.store, cloud);
-  const bool reduce = how.keep == TileRetention::reduced ||
-                      (how.keep == TileRetention::by_budget &&
-                       !budget::fits_whole(points, run->dimension, how.kernel, kind, spec.threads, spec.memory_bytes));
+  const bool reduce = reduces(how, points, *run, kind, spec);
   const bool many_nodes = spec.shares > 0;
-  std::filesystem::path scratch;
-  if (many_nodes) {
-    BOOST_OUTCOME_TRY(folder, new_part_folder(scratch_));
-    scratch = std::move(folder);
-  }
+  BOOST_OUTCOME_TRY(scratch, many_nodes ? new_part_folder(scratch_) : std::filesystem::path());
   // When memory is short, large blocks go straight back to the system instead of into the allocator's pools. The
   // allocator is the process's: once one job has asked for this, it stays so, which costs the others page faults.
   if (reduce) mallopt(M_MMAP_THRESHOLD, 256 << 10);
@@ -118,46 +159,28 @@ Result<std::unique_ptr<Share>> RoutedShares::open(const ShareSpec& spec, NodeId 
   // them.
   const std::uint64_t pool_bytes = reduce ? spec.memory_bytes / 16 : spec.memory_bytes / 4;
   auto part = std::make_unique<DiskShare>(run, std::move(scratch), spec.out_folder,
-                                         StoreOptions{.neighbors = how.neighbors,
-                                                      .schema = run->schema,
-                                                      .lock_file = spec.lock_file,
-                                                      .node = self,
-                                                      .sync = many_nodes},
-                                         spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
-  const budget::Needs needs = budget::needs(run->dimension, how.kernel, kind);
-  ShareStage only;
-  ScheduleOptions& schedule = only.schedule;
-  schedule.threads = spec.threads;
+                                          StoreOptions{.neighbors = how.neighbors,
+                                                       .schema = run->schema,
+                                                       .lock_file = spec.lock_file,
+                                                       .node = self,
+                                                       .sync = many_nodes},
+                                          spec.threads + 1, taker, pool_bytes);  // one waits for the disk, mostly
   const auto tiles =
       static_cast<std::uint64_t>(std::count_if(points.begin(), points.end(), [](auto n) { return n > 0; }));
-  schedule.memory_bytes = budget::for_tiles(
-      spec.memory_bytes - (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) - (reduce ? pool_bytes : 0),
-      spec.threads, tiles);
-  schedule.begin_bytes = needs.triangulate;
-  schedule.collect_bytes = reduce ? needs.collect : needs.collect_whole;
-  schedule.sleep_percent = budget::sleep_percent(how.kernel);
-  schedule.wake_percent = budget::wake_percent(how.kernel);
-  schedule.mail_growth =
-      static_cast<double>(budget::foreign_point_bytes(run->dimension, how.kernel)) / sizeof(SharedPoint);
+  ShareStage only;
+  only.schedule = schedule_of(spec, run->dimension, how.kernel, kind, reduce, tiles,
+                              (many_nodes ? budget::gate_bytes(spec.memory_bytes) : 0) + (reduce ? pool_bytes : 0));
   TileContext& context = only.context;
   if (many_nodes) {
     std::uint64_t peers = 4;  // and some that may come
     for (const NodeId node : spec.table.nodes) peers = std::max<std::uint64_t>(peers, node.value);
     part->outboxes = outboxes_within(budget::gate_bytes(spec.memory_bytes), peers);
   }
-  context.many_nodes = schedule.settle_asleep = many_nodes;
+  context.many_nodes = only.schedule.settle_asleep = many_nodes;
   if (many_nodes) only.sync_settled = [storage = &part->storage] { return storage->sync_settled(); };
-  auto stage = std::make_shared<DelaunayStage>();
-  stage->dimension = run->dimension;
-  stage->kernel = how.kernel;
-  stage->reduce = reduce;
-  stage->kind = kind;
+  auto stage = stage_of(run, how.kernel, kind, reduce);
   stage->early_points = taker ? 0 : early_points_of(cloud);
-  stage->early_unit = early_unit(run->dimension);
   if (reduce) part->heap_trim.set_often(spec.memory_bytes / 256);
-  stage->boxes = final_boxes(shared(run, run->partition));
-  stage->around = std::make_shared<const KnownFromStart>(
-      shared(run, run->tile_bounds), touching_tiles(run->partition, run->tile_bounds), shared(run, run->seeds));
   part->table = std::make_shared<const RoutingTable>(spec.table);
   stage->storage = context.storage = &part->storage;
   stage->store = &part->store;

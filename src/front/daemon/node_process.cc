@@ -58,8 +58,8 @@ class Health final : public http::NodeHealth {
     out.tiles_begun = work.tiles_begun;
     out.tiles_stored = work.tiles_stored;
     out.points = work.weight_begun;
-    out.bytes_sent = work.gates.bytes;
-    out.credit_waits = work.gates.waits;
+    out.bytes_sent = work.outboxes.bytes;
+    out.credit_waits = work.outboxes.waits;
     out.waiting_bytes = work.waiting_bytes;
     out.members = place.others;
     out.member = place.member;
@@ -94,6 +94,22 @@ Result<FolderLock> take_scratch(const std::filesystem::path& scratch) {
   if (reader.error()) return io_error(scratch, "cannot be listed", reader.error().value());
   return lock;
 }
+
+namespace {
+
+// Calls `what` at once and then each `time`, as long as the timer's context runs.
+std::function<void()> again_and_again(boost::asio::steady_timer& timer, std::chrono::steady_clock::duration time,
+                                      std::function<void()> what) {
+  return [&timer, time, what = std::move(what)] {
+    what();
+    timer.expires_after(time);
+    timer.async_wait([next = again_and_again(timer, time, what)](const boost::system::error_code& error) {
+      if (!error) next();
+    });
+  };
+}
+
+}  // namespace
 
 Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastWords& words,
                   const std::function<void()>& begin_anew) {
@@ -146,24 +162,13 @@ Status serve_node(const ServiceOptions& options, http::ServerOptions http, LastW
   }
   spdlog::info("node {} listens at {}", cluster.node_name, to_string(cluster.advertised));
   supervisor::ready("node of the cluster " + cluster.name);
-  boost::asio::steady_timer timer(context);
-  boost::asio::steady_timer until_told(context);
-  std::function<void()> tell = [&] {
-    words.doing((leaves ? "leaving the cluster, " : "") + in_words(engine->work()));
-    until_told.expires_after(telling);
-    until_told.async_wait([&](const boost::system::error_code& error) {
-      if (!error) tell();
-    });
-  };
+  boost::asio::steady_timer until_told(context), until_beat(context);
+  const std::function<void()> tell = again_and_again(
+      until_told, telling, [&] { words.doing((leaves ? "leaving the cluster, " : "") + in_words(engine->work())); });
   tell();
   const auto most = supervisor::watchdog();
-  std::function<void()> beat = [&] {
-    supervisor::alive();
-    timer.expires_after(*most / 3);
-    timer.async_wait([&](const boost::system::error_code& error) {
-      if (!error) beat();
-    });
-  };
+  const std::function<void()> beat =
+      again_and_again(until_beat, most.value_or(telling) / 3, [] { supervisor::alive(); });
   if (most) beat();
   const auto work = boost::asio::make_work_guard(context);
   context.run();

@@ -21,9 +21,8 @@ namespace tessera {
 template <class Make, class Take>
 Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& take) {
   using Made = decltype(make(std::size_t{}));
-  constexpr unsigned useful_max =
-      16;  // read 100 million points a second from text; what waits to be taken needs memory
-  threads = std::min(threads, useful_max);
+  // Sixteen read 100 million points a second from text; what waits to be taken needs memory.
+  threads = std::min(threads, 16U);
   if (threads <= 1 || n <= 1) {
     for (std::size_t i = 0; i < n; ++i) {
       BOOST_OUTCOME_TRY(made, make(i));
@@ -73,8 +72,7 @@ Status in_order(std::size_t n, unsigned threads, const Make& make, const Take& t
     Shared& shared;
     std::vector<std::jthread> threads;
   } workers{shared, {}};
-  const auto useful = static_cast<unsigned>(std::min<std::size_t>(threads, n));
-  for (unsigned t = 0; t < useful; ++t) workers.threads.emplace_back(work);
+  for (std::size_t t = 0; t < std::min<std::size_t>(threads, n); ++t) workers.threads.emplace_back(work);
 
   for (std::size_t i = 0; i < n; ++i) {
     std::unique_lock lock(shared.mutex);

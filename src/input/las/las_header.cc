@@ -188,6 +188,21 @@ void settle_crs(const Projection& projection, LasHeader& header) {
     header.crs_note = "its well-known text is not understood: " + projection.wkt + " is no coordinate system";
 }
 
+// Scale and offset of each axis. The error: a sentence without the file's name.
+Status read_axes(const std::byte* h, LasHeader& header) {
+  const auto bad = [](const std::string& what) { return error(Errc::bad_input, what); };
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    header.scale[axis] = load<double>(h + 131 + 8 * axis);
+    header.offset[axis] = load<double>(h + 155 + 8 * axis);
+    const std::string name(1, "xyz"[axis]);
+    if (!std::isfinite(header.scale[axis]) || header.scale[axis] == 0)
+      return bad("the scale of " + name + " is " + std::to_string(header.scale[axis]));
+    if (!std::isfinite(header.offset[axis]))
+      return bad("the offset of " + name + " is " + std::to_string(header.offset[axis]));
+  }
+  return success();
+}
+
 }  // namespace
 
 Result<LasHeader> read_las_header(const ByteSource& source) {
@@ -238,15 +253,7 @@ Result<LasHeader> read_las_header(const ByteSource& source) {
       return bad("the header gives two numbers of points, " + std::to_string(legacy_count) + " and " +
                  std::to_string(count));
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    header.scale[axis] = load<double>(h.data() + 131 + 8 * axis);
-    header.offset[axis] = load<double>(h.data() + 155 + 8 * axis);
-    const std::string name(1, "xyz"[axis]);
-    if (!std::isfinite(header.scale[axis]) || header.scale[axis] == 0)
-      return bad("the scale of " + name + " is " + std::to_string(header.scale[axis]));
-    if (!std::isfinite(header.offset[axis]))
-      return bad("the offset of " + name + " is " + std::to_string(header.offset[axis]));
-  }
+  if (const auto axes = read_axes(h.data(), header); !axes) return bad(axes.error().where);
   header.bounds = declared_bounds(h.data());
   header.fields = standard_fields(header.point_format);
 

@@ -66,6 +66,23 @@ std::uint64_t largest_tile(const TileSource& source) {
   return bytes;
 }
 
+// What a result that has come through all checks is proved to be, a line each.
+std::vector<std::string> proved(const Manifest& manifest) {
+  std::vector<std::string> lines{
+      "checksums of all files; the master file leads to these tiles, and there are no others",
+      "vertices = points - duplicates - rejects; every vertex is one tile's own, with the same coordinates everywhere",
+      "every cell is main in exactly one tile, and present where its vertices are",
+      "every cell is positively oriented",
+      manifest.neighbors ? "every facet is shared by two cells that name each other, or is on the hull"
+                         : "every facet is shared by two cells, or is on the hull",
+      "every facet inside is locally Delaunay, exactly, with the perturbation's tie rule",
+      "the hull is closed, convex and encloses its interior exactly once",
+      "the tiles' boxes cover space without overlap, and each vertex is of the tile that the partition gives it to; "
+      "the bounds are the vertices'"};
+  if (manifest.digest) lines.push_back("the digest " + digest_text(*manifest.digest));
+  return lines;
+}
+
 }  // namespace
 
 Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, std::stop_token stop) {
@@ -122,20 +139,7 @@ Result<VerifyReport> verify(const fs::path& out, const VerifyOptions& options, s
   report.facets = sinks.facets;
   report.hull_facets = hull.facets();
 
-  report.passed = {
-      "checksums of all files; the master file leads to these tiles, and there are no others",
-      "vertices = points - duplicates - rejects; every vertex is one tile's own, with the same coordinates everywhere",
-      "every cell is main in exactly one tile, and present where its vertices are",
-      "every cell is positively oriented",
-      manifest.neighbors ? "every facet is shared by two cells that name each other, or is on the hull"
-                         : "every facet is shared by two cells, or is on the hull",
-      "every facet inside is locally Delaunay, exactly, with the perturbation's tie rule",
-      "the hull is closed, convex and encloses its interior exactly once",
-  };
-  report.passed.emplace_back(
-      "the tiles' boxes cover space without overlap, and each vertex is of the tile that the partition gives it to; "
-      "the bounds are the vertices'");
-  if (manifest.digest) report.passed.push_back("the digest " + digest_text(*manifest.digest));
+  report.passed = proved(manifest);
   if (cgal) {
     BOOST_OUTCOME_TRYV(cgal->compare(out));
     report.passed.emplace_back("the set of cells equals that of CGAL's triangulation of all vertices");

@@ -170,6 +170,23 @@ asio::awaitable<Answer> Session::answer(Incoming& incoming) {
   co_return std::move(*answered);
 }
 
+std::optional<Answer> Session::refused_by_header(const Incoming& incoming, bool folded, const std::string& expect,
+                                                 unsigned version, std::uint64_t body_bytes) {
+  const Admitted& admitted = incoming.admitted;
+  const auto encoding = incoming.request.header("transfer-encoding");
+  // Beast takes a body in any other encoding for none, and what follows for the next request.
+  if (!encoding.empty() && encoding != "chunked") return problem(501, "Transfer-Encoding: only chunked is understood");
+  // What stands before this service may read it as a header of its own.
+  if (folded) return problem(400, "a line of the header begins with a space");
+  if (version != 11 && version != 10) return problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
+  if (!expect.empty() && !incoming.expects_continue) return problem(417, "Expect: only 100-continue is understood");
+  if (admitted.answer) return std::nullopt;
+  if (!admitted.route->upload && incoming.length.value_or(0) > body_bytes)
+    return problem(413, "the body is larger than " + std::to_string(body_bytes) + " bytes");
+  if (admitted.route->upload && (incoming.chunked || !incoming.length)) return problem(411, "Content-Length is needed");
+  return std::nullopt;
+}
+
 asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   auto& parser = incoming.parser.emplace();
   parser.header_limit(limits_.header_bytes);
@@ -223,24 +240,12 @@ asio::awaitable<bool> Session::read_header(Incoming& incoming) {
   incoming.admitted = front_.admit(request, std::string_view(message.target().data(), message.target().size()), place_);
   Admitted& admitted = incoming.admitted;
   const auto encoding = request.header("transfer-encoding");
-  if (!encoding.empty() && encoding != "chunked") {
-    // Beast takes a body in any other encoding for none, and what follows for the next request.
+  if (folded || (!encoding.empty() && encoding != "chunked")) {  // where the next request begins is not certain
     incoming.keep_alive = false;
     unread_ = true;
-    admitted.answer = problem(501, "Transfer-Encoding: only chunked is understood");
-  } else if (folded) {
-    // What stands before this service may read it as a header of its own.
-    incoming.keep_alive = false;
-    unread_ = true;
-    admitted.answer = problem(400, "a line of the header begins with a space");
-  } else if (message.version() != 11 && message.version() != 10)
-    admitted.answer = problem(400, "only HTTP/1.1 and HTTP/1.0 are spoken here");
-  else if (!expect.empty() && !incoming.expects_continue)
-    admitted.answer = problem(417, "Expect: only 100-continue is understood");
-  else if (!admitted.answer && !admitted.route->upload && incoming.length.value_or(0) > limits_.body_bytes)
-    admitted.answer = problem(413, "the body is larger than " + std::to_string(limits_.body_bytes) + " bytes");
-  else if (!admitted.answer && admitted.route->upload && (incoming.chunked || !incoming.length))
-    admitted.answer = problem(411, "Content-Length is needed");
+  }
+  if (auto refused = refused_by_header(incoming, folded, expect, message.version(), limits_.body_bytes))
+    admitted.answer = std::move(*refused);
   if (!admitted.answer) admitted.answer = take_place(incoming);
   give_up_after(limits_.body);
   if (!admitted.answer && incoming.expects_continue && incoming.has_body() && buffer_.size() == 0) {

@@ -58,6 +58,9 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::awaitable<Answer> answer(Incoming& incoming);
   asio::awaitable<void> watch_time();
   asio::awaitable<bool> serve_one();
+  // Why a request whose header is read is refused before its body is. `expect`: that field, in lower case.
+  static std::optional<Answer> refused_by_header(const Incoming& incoming, bool folded, const std::string& expect,
+                                                 unsigned version, std::uint64_t body_bytes);
   asio::awaitable<bool> read_header(Incoming& incoming);
   std::optional<Answer> take_place(Incoming& incoming);
   Turns& turns(Runs runs) { return *(runs == Runs::changes ? workers_.changes : workers_.questions); }
