@@ -38,7 +38,7 @@ const std::array<Process, 8>& all() {
        {"surface", "Surface",
         "A closed surface of a 3D result, every triangle a facet of the triangulation. surface.ply when no name is "
         "given.",
-        proto::SurfaceInputs::descriptor(), false, "The file, by reference", true},
+        proto::SurfaceInputs::descriptor(), false, "The file, by reference", false},
        {"info", "Info",
         "What input files or a result hold. Answered at once, unless Prefer: respond-async makes it a job.",
         proto::InfoInputs::descriptor(), true, "What they hold", false}}};
