@@ -121,7 +121,7 @@ Result<QuestionAnswer> Answering::features() const {
     if (box && form.stored_box) {
       near = box;
     } else if (box) {
-      // What is beyond the coordinates of the result is in no line's box.
+      // A box beyond the coordinates of the result meets no line.
       const auto own = places.box_from(*box);
       if (own) near = own.value();
     }
